@@ -280,7 +280,7 @@ const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, cons
         seen = true;
     }
     throw DeviceError(DeviceError::Kind::no_such_device,
-                      fmt::format("{} \"{}\"; there is:{}", seen ? "cannot use the device" : "no such device", wanted,
+                      fmt::format("{} \"{}\"; available:{}", seen ? "cannot use the device" : "no such device", wanted,
                                   listing(devices, needs_f64)));
 }
 

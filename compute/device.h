@@ -1,4 +1,4 @@
-// Vulkan devices: what there is, why one is refused, and the one that is used.
+// Vulkan devices: the list, why one is refused, and the one that is used.
 #pragma once
 
 #include <cstddef>
@@ -37,12 +37,12 @@ struct DeviceReport {
     std::uint64_t buffer_range = 0;      /* bytes that one storage buffer may span */
     std::uint32_t group_invocations = 0; /* most of a work group */
     std::uint32_t group_count = 0;       /* most work groups of a dispatch */
-    std::uint32_t subgroup = 0;          /* invocations; informative, nothing assumes it */
+    std::uint32_t subgroup = 0;          /* invocations; informative, not assumed */
     std::vector<std::string> refusals;   /* why this device cannot run the kernels; empty if it can */
 };
 
 /// Every Vulkan device and, for each, why it cannot be used. Empty if the loader finds none.
-/// \throws DeviceError (no_such_device) if there is no Vulkan loader.
+/// \throws DeviceError (no_such_device) without a Vulkan loader.
 std::vector<DeviceReport> list_devices();
 
 /// False if this machine offers no graphics hardware to programs, so that list_devices could find software devices
@@ -71,7 +71,7 @@ public:
     Device& operator=(Device&&) noexcept;
 
     const DeviceReport& report() const;
-    /// What the validation layers said so far; empty unless asked for.
+    /// The messages of the validation layers so far; empty unless asked for.
     std::vector<std::string> validation_messages() const;
     /// The pipelines compiled so far, to be kept for a later run; empty if the driver gives none.
     std::vector<std::byte> pipeline_cache() const;

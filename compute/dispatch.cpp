@@ -45,7 +45,7 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags bef
     commands.pipelineBarrier(before, after, {}, vk::MemoryBarrier(written, read), {}, {});
 }
 
-// A command buffer, and the fence that tells when the device is done with it.
+// A command buffer, and the fence that signals when the device is done with it.
 struct Commands {
     Device::Implementation& device;
     vk::raii::CommandBuffer buffer;
@@ -113,7 +113,7 @@ struct Dispatcher::Implementation {
     vk::raii::PipelineLayout layout{nullptr};
     std::vector<Pipeline> pipelines;
     Commands transfers;
-    Buffer nothing; // bound where a kernel uses no buffer
+    Buffer unused; // bound where a kernel uses no buffer
     std::vector<SharedBuffer> shared;
     vk::raii::DescriptorPool sets{nullptr};
     std::vector<InFlight> slots;
@@ -122,7 +122,7 @@ struct Dispatcher::Implementation {
     Implementation(Device::Implementation& on, const Shape& wanted)
         : device(on), shape(wanted),
           staged(wanted.force_staging || !(on.report.software || on.report.type == "integrated")), transfers(on),
-          nothing(make_buffer(on, 16, Usage::eStorageBuffer, Placement::device)), shared(wanted.bindings) {
+          unused(make_buffer(on, 16, Usage::eStorageBuffer, Placement::device)), shared(wanted.bindings) {
         std::vector<vk::DescriptorSetLayoutBinding> bindings;
         for (uint binding = 0; binding < shape.bindings; ++binding)
             bindings.emplace_back(binding, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
@@ -155,7 +155,7 @@ struct Dispatcher::Implementation {
             return *slot.status.buffer;
         if (slot.buffers[binding].bytes != 0)
             return *slot.buffers[binding].device.buffer;
-        return shared[binding].device.size != 0 ? *shared[binding].device.buffer : *nothing.buffer;
+        return shared[binding].device.size != 0 ? *shared[binding].device.buffer : *unused.buffer;
     }
 
     void bind(const InFlight& slot) {
@@ -270,7 +270,7 @@ void Dispatcher::Implementation::finish(InFlight& slot, FieldTimes& times) {
     std::memcpy(&status, visible_to_host(device, slot.status), sizeof(status));
     if (status & layout::kStatusUnfinished)
         throw DeviceError(DeviceError::Kind::unfinished,
-                          "the device's driver ended a loop of the kernel before its work was done; nothing of this "
+                          "the device's driver ended a loop of the kernel before its work was done; do not trust this "
                           "field can be trusted");
 }
 
@@ -381,7 +381,7 @@ void Dispatcher::complete(FieldTimes& times, const std::function<void()>& work) 
             try {
                 implementation_->finish(slot, ignored);
             } catch (const std::exception&) {
-                // The error under way says more.
+                // The exception in flight says more.
             }
         throw;
     }

@@ -1,5 +1,5 @@
 // What all kernels share: pipelines, tables that dispatches read, and dispatches in flight, one of which is computed
-// while the results of another are consumed. Knows nothing of what is computed, and shows no Vulkan type.
+// while the results of another are consumed. Independent of what is computed, and shows no Vulkan type.
 #pragma once
 
 #include <span>
@@ -71,7 +71,8 @@ public:
     void put(layout::uint binding, Bytes table);
     /// Room for results. \throws DeviceError (out_of_memory).
     void expect(layout::uint binding, std::size_t bytes);
-    /// Likewise for the results of so many samples; channels are bound one after the other, in the order of kChannels.
+    /// The same for the results of `samples` samples; channels are bound one after the other, in the order of
+    /// kChannels.
     void expect_channels(layout::uint force_binding, layout::uint channels, std::size_t samples, std::size_t real_size);
     /// Room in every dispatch, to come.
     void reserve_channels(layout::uint force_binding, layout::uint channels, std::size_t samples,
@@ -94,7 +95,7 @@ public:
         const Bytes bytes = result_bytes(binding);
         return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
     }
-    /// Likewise of the channels that fields and paths have in common.
+    /// The same for the channels that fields and paths have in common.
     template <typename T, typename Chunk> void put_results(layout::uint force_binding, Chunk& chunk) const {
         chunk.force = results<T>(force_binding);
         chunk.depth = results<T>(force_binding + 1);

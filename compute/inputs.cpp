@@ -21,7 +21,7 @@ bool reads_facet_normals(const layout::Features& features) {
            features.texture != layout::kMapNone;
 }
 
-// Of a field: what lies around a triangle tells the inside, unless the winding number does.
+// Of a field: what lies around a triangle decides the inside, unless the winding number does.
 bool reads_pseudonormals(const layout::Features& features) {
     return features.inside == layout::kInsidePseudonormal;
 }
@@ -111,8 +111,8 @@ template <typename T> struct SortedCorners {
 };
 
 template <typename T>
-void add_vector(std::span<const T> table, std::size_t index, std::vector<T>& to, T beside = T(0)) {
-    to.insert(to.end(), {table[3 * index], table[3 * index + 1], table[3 * index + 2], beside});
+void add_vector(std::span<const T> table, std::size_t index, std::vector<T>& to, T fourth = T(0)) {
+    to.insert(to.end(), {table[3 * index], table[3 * index + 1], table[3 * index + 2], fourth});
 }
 
 template <typename T>
@@ -272,7 +272,7 @@ template <typename T> uint put_mesh_path_tables(const layout::Law<T>& law, const
 template <typename T>
 void put_batch_tables(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch, uint motions,
                       const PutTable& put) {
-    // Recorded paths have a motion that does nothing, an open loop such a hand: one for all.
+    // Recorded paths have an empty motion, an open loop an empty hand: one for all.
     const layout::MotionParams<T> no_motion{};
     const layout::HandParams<T> no_hand{};
     std::vector<layout::Harmonic<T>> harmonics;

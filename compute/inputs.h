@@ -1,5 +1,5 @@
-// What kernels read of a law, a grid, a mesh and a batch of paths, as tables by binding. Only what the law reads goes
-// to the device. No device is touched here.
+// The kernels' input from a law, a grid, a mesh and a batch of paths, as tables by binding. Only what the law reads
+// goes to the device. No device is touched here.
 #pragma once
 
 #include <functional>
@@ -26,15 +26,15 @@ template <typename T> void put_path_tables(const layout::Law<T>& law, const PutT
 /// The law of paths on a mesh. Returns where the vertices begin in the vectors.
 template <typename T> layout::uint put_mesh_path_tables(const layout::Law<T>& law, const PutTable& put);
 
-/// What a batch of paths moves by, at three bindings from `motions` on: motions, harmonics and hands.
+/// The motion of a batch of paths, at three bindings from `motions` on: motions, harmonics and hands.
 template <typename T>
 void put_batch_tables(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch, layout::uint motions,
                       const PutTable& put);
 
-/// What can stand in the way of a proxy that slides over a face, found once for a mesh, so that the kernel of paths
-/// needs no tree for most steps: for each triangle, those that a proxy may come close to while the plane of its front
-/// holds it a skin away and it is above the triangle or no more than two skins beside it; and likewise at the back.
-/// What lies below that plane, as the law has it, is left out.
+/// The triangles that may block a proxy that slides over a face, found once for a mesh, so that the kernel of paths
+/// needs no tree for most steps: for each triangle, those that a proxy may approach while the plane of its front
+/// holds it a skin away and it is above the triangle or no more than two skins outside of it; and the same at the back.
+/// Triangles below that plane, as the law has it, are left out.
 struct MeshObstacles {
     std::vector<layout::uint> triangles;
     std::vector<layout::uint> front; /* where a triangle's begin; those of its back follow, up to the next one's */

@@ -12,7 +12,7 @@ namespace {
 
 using layout::uint;
 
-// The plan of so many samples fits into any buffer, however long the planner makes its lists.
+// The plan of this many samples fits into any buffer, however long the planner makes its lists.
 constexpr std::uint64_t kMostBlockSamples = std::uint64_t(1)
                                             << 18; // 32 768 blocks, each with up to 512 candidates: 65 MiB
 

@@ -59,7 +59,7 @@ public:
         dispatcher_.flush(layout::kMeshPathBindRecorded);
     }
 
-    // Lists the paths that have not come to `step_end` or their end; gives how many they are.
+    // Lists the paths that have not reached `step_end` or their end; returns their number.
     std::size_t list_waiting(std::uint32_t step_end) {
         dispatcher_.kept(layout::kMeshPathBindWalkWords);
         uint* const list = words_ + layout::kWalkWordCount * paths_ + 1;
@@ -76,14 +76,14 @@ public:
         dispatcher_.kept(layout::kMeshPathBindWalkWords);
         if (word(layout::kWalkWordCount, 0) & layout::kStatusUnfinished)
             throw DeviceError(DeviceError::Kind::unfinished,
-                              "the device's driver ended a loop of the kernel before its work was done; nothing of "
-                              "these paths can be trusted");
+                              "the device's driver ended a loop of the kernel before its work was done; do "
+                              "not trust these paths");
     }
 
     // Lets the host do the updates that are left to it; gives how many they were.
     std::size_t finish_updates(const FinishUpdates<T>& finish);
 
-    // What was written of steps [step_first, step_first + step_count).
+    // The results of steps [step_first, step_first + step_count).
     layout::PathChunk<T> chunk(std::size_t step_first, std::size_t step_count) const;
 
     std::vector<layout::PathMetrics<T>> metrics() const {
@@ -102,8 +102,8 @@ private:
         const std::size_t bytes = std::max<std::size_t>(values * sizeof(Value), 16);
         return reinterpret_cast<Value*>(dispatcher_.keep(binding, bytes, true));
     }
-    void flush(uint beside) {
-        for (const uint binding : {layout::kMeshPathBindWalkWords, layout::kMeshPathBindWalkReals, beside})
+    void flush(uint more) {
+        for (const uint binding : {layout::kMeshPathBindWalkWords, layout::kMeshPathBindWalkReals, more})
             dispatcher_.flush(binding);
     }
 
@@ -233,7 +233,7 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
                 chunk.row_first = static_cast<std::uint32_t>(step);
                 chunk.rows = static_cast<std::uint32_t>(batch.rows());
                 chunk.step_end = static_cast<std::uint32_t>(step + count);
-                // Every path as far as one dispatch goes, until all have come to the end.
+                // Every path as far as one dispatch goes, until all have reached the end.
                 while ((chunk.listed = static_cast<std::uint32_t>(batch.list_waiting(chunk.step_end))) != 0) {
                     const Dispatcher::Run run{pipeline, divide_up(chunk.listed, kGroup), bytes_of(chunk)};
                     dispatcher.complete(times, [&] {

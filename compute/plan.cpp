@@ -14,7 +14,7 @@ using layout::kMeshBlock;
 using layout::uint;
 
 // A small group shares few rows out evenly; on the software device 64 to 256 run alike.
-// A column costs as much as six samples, so that more rows an invocation gain nothing; and loops stay far from where
+// A column costs as much as six samples, so that more rows an invocation have no gain; and loops stay far from where
 // drivers end them.
 constexpr std::uint64_t kMostRows = 128;
 // Software drivers end the loops of an invocation after 65 535 iterations, in silence; this is far from there.

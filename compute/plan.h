@@ -11,7 +11,7 @@
 
 namespace forceshade::compute {
 
-/// What a sample takes in a channel of the results.
+/// The size of a sample in a channel of the results.
 struct Channel {
     layout::uint bit; /* layout::kChannel... */
     std::uint32_t reals, uints;
@@ -46,7 +46,7 @@ struct PlanLimits {
     std::uint32_t group_count = 0;       /* most groups of a dispatch */
     std::uint32_t lanes = 1;             /* neighbouring x samples an invocation evaluates */
     std::uint32_t rows = 0;              /* rows an invocation evaluates; 0: as many as leave the device filled */
-    std::uint32_t invocations = 0;       /* what it takes to fill the device */
+    std::uint32_t invocations = 0;       /* that fill the device */
     bool along_z = false;                /* an invocation's rows are of one y */
 };
 
@@ -99,7 +99,7 @@ struct FacetLoops {
 /// \throws DeviceError (unsupported) where a facet has more corners than any of these loops allows.
 FacetLoops facet_loops(const layout::Features& features, std::span<const layout::uint> facet_begins);
 
-/// What a step of a path asks of a kernel.
+/// The work of a step of a path in a kernel.
 struct StepWork {
     std::uint64_t iterations = 1; /* most of its loops in a step, the loop over steps included */
     std::uint64_t cost = 1;       /* in the time of an open-loop step over a bump */
@@ -110,7 +110,7 @@ struct StepWork {
 StepWork step_work(const layout::Features& law, const layout::PathFeatures& features, std::uint64_t facets,
                    std::size_t real_size);
 
-/// Steps of one dispatch over so many paths, at least 1: no more than a driver lets a loop iterate, than a slow device
+/// Steps of one dispatch over `paths` paths, at least 1: no more than a driver lets a loop iterate, than a slow device
 /// takes within about a second, or than fit into `chunk_bytes`.
 std::uint32_t steps_of_dispatch(const StepWork& work, std::uint64_t paths, std::uint64_t steps,
                                 std::uint64_t chunk_bytes);
@@ -118,7 +118,7 @@ std::uint32_t steps_of_dispatch(const StepWork& work, std::uint64_t paths, std::
 /// Values of the specialization constants, by their ids.
 using Constants = std::array<std::uint32_t, layout::kSpecCount>;
 
-/// Of a field in work groups of so many invocations.
+/// Of a field in work groups of `group` invocations.
 Constants constants_of(std::uint32_t group, const layout::Features& law, FacetLoops loops = {});
 
 /// Of paths.

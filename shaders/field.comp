@@ -81,7 +81,7 @@ void main() {
         real z_metres = axes[z_axis++];
         uint end = ALONG_Z ? done + 1u : min(rows.count, done + chunk.y_count - y);
         for (; done < end; ++done) {
-            // Nothing but the proxy shows the y of a column that serves for all of them.
+            // Only the proxy shows the y of a column that serves for all of them.
             if (!ALONG_Z && (CHANNELS & kChannelProxy) != 0u)
                 y_metres = axes[y_axis + y++];
             Contact contacts[LANES];

@@ -116,7 +116,7 @@ void store(uint path, uint step, PathSample taken) {
         facet_out[at] = taken.facet;
 }
 
-// The motion's place at a step, m; a recorded path of so many steps rests where it ends.
+// The motion's place at a step, m; a recorded path of `steps` steps rests where it ends.
 real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
     if (MOTION == kMotionRecorded) {
         uint row = max(min(step, steps - 1u), chunk.row_first) - chunk.row_first; // one that ended before does not matter

@@ -52,7 +52,7 @@ real exact_zero;
 #include "laws/path_step.glsl"
 
 // L3 along a path: the facet of the last probe serves until one leaves it. Where no lane's has, a software device goes
-// through the search once all the same, with nothing to show for it, but not through its bisection.
+// through the search once all the same, without a result, but not through its bisection.
 
 Slope remembered_slope = Slope(ZERO, ZERO, ZERO, ZERO, ZERO, ONE); // holds no x
 uint remembered_id = 0u;
@@ -105,7 +105,7 @@ real3 round_end_of(MotionParams motion) {
     return FOLLOW == kFollowSurface ? above_surface(place) : place;
 }
 
-// The motion's place at a step, m; a recorded path of so many steps rests where it ends.
+// The motion's place at a step, m; a recorded path of `steps` steps rests where it ends.
 real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
     if (MOTION == kMotionRecorded) {
         uint row = max(min(step, steps - 1u), chunk.row_first) - chunk.row_first; // one that ended before does not matter

@@ -21,7 +21,7 @@ using layout::kMeshBlock;
 using layout::uint;
 using reference::Vector;
 
-constexpr uint kPlanTile = 16; // samples along each side of what is planned as a whole
+constexpr uint kPlanTile = 16; // samples along each side of a tile, which is planned as a whole
 
 /// Samples of the grid, first to last along each axis.
 struct SampleRange {
@@ -98,7 +98,7 @@ template <typename T> class BlockWorker {
 public:
     explicit BlockWorker(const PlanInput<T>& input) : input_(input) {}
 
-    /// Appends the blocks of a tile to what was found.
+    /// Appends the blocks of a tile to the result.
     void plan(const SampleRange& tile) {
         const PlanBox<T> box = input_.box(tile);
         const auto nearest = reference::nearest(input_.mesh, box.centre(), hint_);
@@ -149,15 +149,15 @@ private:
             places_, [&](uint place) { return is_below(input_.rows[list.ids()[place]], box, input_.slack); });
     }
 
-    // On which side a box is, told from its centre; `both` where that does not tell. Away from its surface a solid has
-    // one side, and the winding number changes little. `near` is on the surface: where it is near enough, nothing is
-    // asked.
+    // On which side a box is, decided at its centre; `both` if that is not enough. Away from its surface a solid has
+    // one side, and the winding number changes little. `near` is on the surface: where it is near enough, the answer is
+    // `both` at once.
     Side side_of(const PlanBox<T>& box, const Vector<T>& near) {
         const Vector<T> apart = near - box.centre();
         return is_apart(box, reference::dot(apart, apart)) ? side_of(box) : Side::both;
     }
 
-    // Whether a place so far from a box's centre is beyond its corners.
+    // Whether a place at this distance from a box's centre is beyond its corners.
     bool is_apart(const PlanBox<T>& box, T square) const {
         return std::sqrt(square) > box.radius() + T(2) * input_.slack;
     }
@@ -173,13 +173,13 @@ private:
             return reference::inside_by_pseudonormal(input_.mesh, nearest) ? Side::inside : Side::outside;
         const Vector<double> probe(centre);
         const double change = reference::winding_change(input_.mesh, probe, static_cast<double>(radius));
-        const double winding = reference::telling_winding(input_.mesh, probe, change);
+        const double winding = reference::decisive_winding(input_.mesh, probe, change);
         if (!(std::abs(winding - 0.5) > change + kWindingDoubt))
             return Side::both;
         return winding > 0.5 ? Side::inside : Side::outside;
     }
 
-    // True if no sample of the box can be inside. `side` is told as well, once it can be.
+    // True if no sample of the box can be inside. Sets `side`, too, once it is known.
     bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, const Vector<T>& near, uint side_length,
                  Side& side) {
         if (input_.visits_free)
@@ -189,7 +189,7 @@ private:
                 return false;
             if (is_outside(list, box))
                 return true;
-            // In small boxes the planes tell nearly as much, for less.
+            // In small boxes the planes exclude nearly as much, for less time.
             if (!input_.mesh.solid || side_length < kLeastSided)
                 return false;
         }

@@ -1,5 +1,5 @@
-// Where on a grid a mesh's field is not 0, and which triangles can be the nearest ones there: what the mesh kernel is
-// told. Conservative: a kernel that follows a plan gives what evaluating every voxel against every triangle would.
+// Where on a grid a mesh's field is not 0, and which triangles can be the nearest ones there: input of the mesh
+// kernel. Conservative: a kernel that follows a plan gives what evaluating every voxel against every triangle would.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace forceshade {
 
-/// Owns what a layout::MeshPlan only points to.
+/// Owns the data of a layout::MeshPlan.
 struct BlockPlan {
     std::vector<layout::MeshBlock> blocks; /* by z */
     std::vector<layout::uint> candidates;  /* triangles */
@@ -26,7 +26,7 @@ struct BlockPlan {
 /// nearest ones itself. So a plan takes at most 24 + 4 kMostCandidates bytes a block of 8 voxels.
 constexpr layout::uint kMostCandidates = 512;
 
-/// What is planned of blocks in which no voxel can be inside.
+/// How blocks are planned in which no voxel can be inside.
 enum class FreeSpace {
     skipped, /* not listed */
     visited, /* listed with their candidates: the same field for more work, which shows what skipping saves */

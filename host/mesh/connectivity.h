@@ -29,7 +29,7 @@ struct FacetCorner {
 
 /// OpenMesh's half-edge mesh. Matched edges of our own stand in for it where it cannot hold the facets: an edge of more
 /// than two facets or of two that run through it in the same direction, a vertex of more than one fan (the loops that
-/// OpenMesh links there are arbitrary), a facet with a corner twice, and vertices of so many edges that OpenMesh's
+/// OpenMesh links there are arbitrary), a facet with a corner twice, and vertices with too many edges: OpenMesh's
 /// search among them would take long. Order is the file's in both.
 class Connectivity {
 public:

@@ -17,7 +17,7 @@ glm::dvec3 exact_cross_direction(const glm::dvec3& a, const glm::dvec3& b, const
 
 /// The constrained Delaunay triangulation: appends to `triangles` the K - 2 triangles (corner numbers,
 /// counterclockwise, by least corner) of a simple polygon of K corners that runs counterclockwise. The same input gives
-/// the same triangles, cocircular corners included. Returns false, with nothing appended, if the polygon crosses or
+/// the same triangles, cocircular corners included. Returns false, and appends none, if the polygon crosses or
 /// touches itself.
 bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
                      std::vector<std::array<std::uint32_t, 3>>& triangles);

@@ -256,8 +256,7 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
         if_by_normals("inside = \"winding\", for which they cancel, is the safer choice"));
     add(found.unused_vertices, "vertex", "vertices", " that no facet uses", "ignored");
     if (found.more_self_intersections && *found.self_intersections == 0)
-        all.push_back(
-            {"so many triangles lie close to each other that the search for self-intersections was given up"});
+        all.push_back({"too many triangles lie close to each other: the search for self-intersections was given up"});
     add(found.self_intersections.value_or(0), "pair of triangles", "pairs of triangles",
         " that touch or cross without a common corner",
         by_normals ? "the static force is missing in parts of the inside, where the nearest facet is within the solid"
@@ -271,8 +270,7 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
 
 void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {
     if (found.facets == 0)
-        throw UsageError(fmt::format(
-            "{}: no facets, so there is nothing to touch; a mesh needs one or more (was the file cut off?)", mesh));
+        throw UsageError(fmt::format("{}: no facets; a mesh needs one or more (was the file cut off?)", mesh));
     if (!std::isfinite(found.area) || !std::isfinite(found.volume))
         throw UsageError(fmt::format(
             "{}: coordinates up to ({}, {}, {}) are so large that areas and volumes overflow; is this the right file?",
@@ -306,7 +304,7 @@ public:
 
 private:
     void match() {
-        // Each facet's corners by place, from the lowest one on towards the lower of the two beside it.
+        // Each facet's corners by place, from the lowest one on towards the lower of its two neighbours.
         std::vector<std::uint32_t> corners;
         for (const std::uint32_t corner : polygons_.corners)
             corners.push_back(places_[corner]);

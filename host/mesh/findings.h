@@ -1,4 +1,4 @@
-// What is to be known of a mesh before a law is believed on it: counts, size, and what is wrong with it.
+// Inspection of a mesh before a law is computed on it: counts, size, and faults.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,13 @@
 namespace forceshade {
 
 /// Lengths, areas and volumes are in the unit of the polygons' coordinates. Vertices that no facet uses count as unused
-/// and enter nothing else; redundant facets enter only the counts of facets.
+/// and nowhere else; redundant facets enter only the counts of facets.
 struct MeshFindings : ConnectivityCounts {
     std::size_t vertices = 0, unused_vertices = 0;
     std::size_t facets = 0, triangles = 0, quadrilaterals = 0, others = 0;
     std::size_t most_corners = 0;                  // of a facet
     std::size_t degenerate_facets = 0;             // without area
-    std::size_t redundant_facets = 0;              // that coincide with others and count for nothing
+    std::size_t redundant_facets = 0;              // that coincide with others and are ignored
     std::size_t opposed_facets = 0;                // pairs that coincide, of opposite orientation, of which both count
     std::size_t repeated_corner_facets = 0;        // that have a vertex twice
     std::size_t joined_vertices = 0;               // given again at the place of an earlier one, or near it
@@ -43,7 +43,7 @@ inline constexpr std::size_t kSelfIntersectionTriangles = 4'000'000;
 /// Looks at everything. Corners must be in range and coordinates finite.
 MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_triangles = kSelfIntersectionTriangles);
 
-// The same in two steps, so that the first can go on while somebody finds out how the facets are connected.
+// The same in two steps, so that the first can run while another thread finds out how the facets are connected.
 
 struct ShapeFindings {
     MeshFindings findings;                /* without counts of connections, and `closed` */
@@ -56,17 +56,17 @@ MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh);
 /// True if it is known that the facets bound one solid whose surface nowhere meets itself.
 bool is_solid(const MeshFindings& findings);
 
-/// What a mesh is looked at for.
+/// The use for which a mesh is inspected.
 enum class MeshUse {
     pseudonormal_field, // static, inside by pseudonormals
     winding_field,      // static, inside by the winding number
     path,               // the god-object, which meets every facet and needs no inside
 };
 
-/// What is wrong with a mesh, or to be known of it, in words.
+/// A fault of a mesh or a remark on it, in words.
 struct MeshFault {
     std::string what;        // with its count
-    std::string force = "";  // what it does to the force; may be empty
+    std::string force = "";  // its effect on the force; may be empty
     std::string remedy = ""; // what helps; may be empty
     std::string key = "";    // of [surface], in TOML, where one helps: orient = "outward"
     bool is_wrong = true;
@@ -91,10 +91,10 @@ void refuse_if_meaningless(const MeshFindings& findings, const std::string& mesh
 /// - The opposite order, both with an area: of such a pair one is a stray if without it the edges match better. That
 ///   is, along more than half of the pair's edges the facets of the mesh run more often in its direction than in the
 ///   other, and along none less often. Strays that share edges with strays are found out one from the other.
-/// - Else a pair is a sheet of two sides, or a wall within a solid: matching edges does not tell either side from the
-///   other.
+/// - Else a pair is a sheet of two sides, or a wall within a solid: matching edges does not distinguish the
+///   sides.
 struct CoincidentFacets {
-    std::vector<std::uint32_t> redundant; /* ascending: repeats and strays; they count for nothing */
+    std::vector<std::uint32_t> redundant; /* ascending: repeats and strays, which are ignored */
     std::size_t opposed = 0;              /* pairs of which both count */
 };
 

@@ -11,8 +11,8 @@
 
 namespace forceshade::mesh_file {
 
-// Wavefront OBJ: `v` and `f` statements. Elements that are no facets are skipped with a count; the other statements of
-// the format have no bearing on the polygons.
+// Wavefront OBJ: `v` and `f` statements. Elements other than facets are skipped with a count; the other statements of
+// the format do not affect the polygons.
 
 namespace {
 
@@ -104,7 +104,7 @@ private:
                std::ranges::find(kElements, keyword, &ObjElement::keyword) != kElements.end();
     }
 
-    // Or nothing, or a comment.
+    // True also for the end, an empty line and a comment.
     bool next_line_is_statement() const {
         TextLines ahead = lines_;
         std::string_view line;
@@ -119,7 +119,7 @@ private:
         const auto element = std::ranges::find(kElements, keyword, &ObjElement::keyword);
         if (element == kElements.end() &&
             (has_only_numbers(line) || (has_only_numbers(keyword) && take_word(line).empty())))
-            lines_.damaged("{} is no statement of an OBJ file", in_quotes(keyword));
+            lines_.damaged("unknown OBJ keyword {}", in_quotes(keyword));
         has_text_ = has_text_ || element == kElements.end();
         skipped_.add(element == kElements.end() ? kTextLine : element->kind, lines_.line_number());
     }
@@ -133,7 +133,7 @@ private:
         });
     }
 
-    // `s 1`; `s 0` and `s off` are none, and so is what is no number.
+    // `s 1`; `s 0` and `s off` are none, and so is any other word.
     void read_group(std::string_view line) {
         std::int64_t number = 0;
         const std::string_view word = take_word(line);
@@ -176,7 +176,7 @@ private:
         const std::size_t slash = word.find('/');
         if (!parse_integer(word.substr(0, slash), index) ||
             (slash != std::string_view::npos && !is_reference(word.substr(slash + 1))))
-            lines_.damaged("{} is no corner of a facet", in_quotes(word));
+            lines_.damaged("{} is not a corner of a facet", in_quotes(word));
         if (index == 0 || index < -known || index > std::int64_t{0xFFFFFFFF})
             lines_.damaged("no vertex {}; there are {} so far, and the first is 1", index, known);
         if (index > highest_) {
@@ -274,7 +274,7 @@ PolygonFile read_binary(const Source& source) {
         const std::size_t size = source.bytes.size();
         if (size < kHeader)
             throw IoError(
-                fmt::format("{}: {} bytes are too few for an STL file, and it is no text; it is damaged or truncated",
+                fmt::format("{}: {} bytes are too few for an STL file, and it is not text; it is damaged or truncated",
                             source.name, size));
         const std::uint64_t triangles = read_bits(source.bytes.data() + 80, 4);
         throw IoError(fmt::format("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
@@ -327,7 +327,7 @@ public:
             line_ = {}; // the name
         }
         if (parts == 0)
-            lines_.damaged("this is no STL file: no line of it begins with solid or facet");
+            lines_.damaged("not an STL file: no line begins with solid or facet");
         return {triangles(std::move(corners_)), "", "STL (text)", skipped_.warnings()};
     }
 
@@ -352,7 +352,7 @@ private:
     void read_facet() {
         next_word("facet");
         next_word("normal");
-        for (int axis = 0; axis < 3; ++axis) // what it says has no bearing, and often it is nan
+        for (int axis = 0; axis < 3; ++axis) // ignored, often nan
             if (peek("a normal").empty() || take_word(line_).empty())
                 lines_.damaged("a normal has three coordinates");
         next_word("outer");
@@ -386,7 +386,7 @@ private:
         }
     }
 
-    // Of a facet. A number there may be a coordinate, and is no text.
+    // Of a facet. A number there may be a coordinate, and is not text.
     void next_word(std::string_view keyword) {
         for (;;) {
             const std::string_view word = peek(keyword);

@@ -16,7 +16,7 @@
 
 namespace forceshade::mesh_file {
 
-/// A file that has been read: its name for messages, its bytes, and whether its vertex normals are wanted.
+/// A file that has been read: its name for messages, its bytes, and whether to read its vertex normals.
 struct Source {
     std::string name;
     std::string_view bytes;
@@ -41,10 +41,10 @@ struct OffKeyword {
     std::string_view prefix, count;
 };
 
-/// None if the word is no such keyword.
+/// Empty if the word is not such a keyword.
 std::optional<OffKeyword> parse_off_keyword(std::string_view word);
 
-/// What a reader leaves out of a file, counted by kind.
+/// Elements of a file that a reader skips, counted by kind.
 class Skipped {
 public:
     struct Kind {
@@ -124,7 +124,7 @@ bool parse_number(std::string_view word, double& value);
 bool parse_integer(std::string_view word, std::int64_t& value);
 
 /// True if a line has words and each of them is a number or an OBJ corner such as 7/1/3: it may be a damaged vertex or
-/// facet, and is no text.
+/// facet, and is not text.
 bool has_only_numbers(std::string_view line);
 
 /// Three numbers that next_word() gives; `whose` ends the message about a word that is none.
@@ -133,7 +133,7 @@ glm::dvec3 read_coordinates(const TextLines& lines, const std::string& whose, co
     glm::dvec3 vertex;
     for (int axis = 0; axis < 3; ++axis)
         if (const std::string_view word = next_word(); !parse_number(word, vertex[axis]))
-            lines.damaged("{} is no coordinate{}", in_quotes(word), whose);
+            lines.damaged("{} is not a coordinate{}", in_quotes(word), whose);
     return vertex;
 }
 

@@ -1,5 +1,5 @@
-// What a mesh's inside is told by: the pseudonormals of edges and vertices (Baerentzen and Aanaes 2005), and the
-// generalized winding number (Jacobson et al. 2013) by a tree of moments far away (Barill et al. 2018).
+// What decides inside or outside of a mesh: the pseudonormals of edges and vertices (Baerentzen and Aanaes 2005), and
+// the generalized winding number (Jacobson et al. 2013) by a tree of moments far away (Barill et al. 2018).
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Where a mesh is remarkable: what a picture of it marks.
+// The places that a picture of a mesh marks.
 #pragma once
 
 #include <array>

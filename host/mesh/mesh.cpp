@@ -53,7 +53,7 @@ Twofold difference(const Twofold& a, const Twofold& b) noexcept {
 
 using TwofoldVector = std::array<Twofold, 3>;
 
-// Products of edges outside this range are scaled first, so that nothing is lost to overflow and underflow.
+// Products of edges outside this range are scaled first, so that they neither overflow nor underflow.
 constexpr double kLargest = 1e70, kSmallest = 1e-70;
 
 TwofoldVector exact_edge(const glm::dvec3& from, const glm::dvec3& to) {
@@ -128,7 +128,7 @@ double corner_angle(const glm::dvec3& previous, const glm::dvec3& here, const gl
     b /= b_size;
     const glm::dvec3 turn = cross(a, b);
     const double angle = std::atan2(reference::length(turn), dot(a, b));
-    // A spike of no width is no full turn.
+    // A spike without width is not a full turn.
     return triangle || dot(turn, normal) >= 0 || angle < 1e-9 ? angle : 2 * M_PI - angle;
 }
 
@@ -215,7 +215,7 @@ MeshFrame frame_of(const PolygonSoup& polygons) {
         --exponent;
     const double scale = reach > 0 ? std::ldexp(1.0, exponent) : 1.0;
     if (!std::isfinite(reach) || !std::isfinite(scale))
-        throw UsageError("the mesh is too large: its bounding box is no finite number of metres");
+        throw UsageError("the mesh is too large: its bounding box is not finite in metres");
     return {centre, scale};
 }
 
@@ -226,7 +226,7 @@ struct Turn {
 };
 using Turns = std::array<Turn, 3>; // about x, then y, then z
 
-// A quarter turn in radians is no binary number, but a mesh turned by one should keep its zeros.
+// A quarter turn in radians is not a binary number, but a mesh turned by one should keep its zeros.
 Turn turn_of(double angle) {
     const double quarters = angle / (M_PI / 2), nearest = std::nearbyint(quarters);
     if (std::abs(quarters - nearest) > 4e-16 * std::abs(quarters))

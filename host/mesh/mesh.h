@@ -58,7 +58,7 @@ std::vector<glm::dvec3> facet_normals(const PolygonSoup& polygons);
 /// The unit normal of each vertex, of weights `plain` or `angle` (see VertexNormals). 0 where the facets' normals
 /// cancel to within 1e-12 of the sum of their weights, and where there is no facet with an area. A facet that has a
 /// vertex twice counts once in `plain`, with the sum of its angles in `angle`; a reflex corner has an angle beyond pi.
-/// Facets in `left_out` (ascending) count for nothing.
+/// Facets in `left_out` (ascending) are ignored.
 std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const glm::dvec3> facet_normals,
                                        VertexNormals weights, std::span<const std::uint32_t> left_out = {});
 
@@ -73,7 +73,7 @@ struct MeshTriangles {
 struct Mesh {
     PolygonSoup polygons;                        /* m; where corners at a vertex have several normals, a
                                                     vertex for each, the further ones behind all others */
-    std::vector<std::uint32_t> redundant_facets; /* ascending: coincide with others, count for nothing */
+    std::vector<std::uint32_t> redundant_facets; /* ascending: coincide with others, ignored */
     std::vector<glm::dvec3> facet_normals;       /* 1: unit Newell normals; 0 where a facet has no area */
     std::vector<glm::dvec3> vertex_normals;      /* 1: unit, what L7 interpolates; 0 where they cancel */
     MeshTriangles triangles;
@@ -100,7 +100,7 @@ struct MeshBox {
     glm::dvec3 low, high; /* in the polygons' unit */
 };
 
-/// Of the vertices that some facet uses; infinite and inverted if there are none.
+/// Of the vertices that some facet uses; infinite and inverted without any.
 MeshBox bounding_box(const PolygonSoup& polygons);
 
 /// (world - centre) / scale: centre the middle of the bounding box, scale the least power of two that leaves no
@@ -113,7 +113,7 @@ struct MeshFrame {
 };
 
 /// Of the corners of facets only: a vertex that none uses has no say.
-/// \throws UsageError if the box is no finite number of metres
+/// \throws UsageError if the box is not finite in metres
 MeshFrame frame_of(const PolygonSoup& polygons);
 
 } // namespace forceshade

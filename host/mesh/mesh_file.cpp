@@ -31,7 +31,7 @@ constexpr std::array<Format, 4> kFormats{{{"OBJ", ".obj", mesh_file::read_obj},
                                           {"PLY", ".ply", mesh_file::read_ply},
                                           {"STL", ".stl", mesh_file::read_stl}}};
 
-// What the bytes look like from their beginning; null if like none.
+// The format that the first bytes suggest; null if none.
 const Format* format_of_contents(std::string_view bytes) {
     const auto& [obj, off, ply, stl] = kFormats;
     const std::optional<std::size_t> behind = mesh_file::bytes_behind_binary_stl(bytes);
@@ -89,8 +89,8 @@ void require_normals(const std::string& name, const PolygonSoup& polygons) {
     for (std::size_t i = 0; i < polygons.corners.size(); ++i) {
         const glm::dvec3 &normal = polygons.normals[i], &place = polygons.vertices[polygons.corners[i]];
         if (normal == glm::dvec3(0) || !std::isfinite(normal.x + normal.y + normal.z))
-            throw UsageError(fmt::format("{}: the vertex at ({}, {}, {}) has the normal ({}, {}, {}), which is no "
-                                         "direction",
+            throw UsageError(fmt::format("{}: the vertex at ({}, {}, {}) has the normal ({}, {}, {}), which is not "
+                                         "a direction",
                                          name, place.x, place.y, place.z, normal.x, normal.y, normal.z));
     }
 }
@@ -107,7 +107,7 @@ PolygonFile read_polygons(const std::filesystem::path& path, bool normals) {
 
 namespace {
 
-/// What is done with every mesh as it was read.
+/// Steps after reading, for every format.
 void finish(const std::string& name, bool normals, PolygonFile& file) {
     refuse_what_is_not_finite(name, file.polygons);
     if (normals)

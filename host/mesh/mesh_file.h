@@ -23,8 +23,8 @@ struct PolygonFile {
 /// Reads OBJ, OFF, PLY (text, and binary of both byte orders) or STL (text or binary) of up to 4 GiB. Facets keep their
 /// corners and their order, vertices theirs, one for each place (places.h). Colours and everything else are left out,
 /// normals unless `normals` asks for those of the corners (vn of an OBJ, nx, ny, nz of a PLY's vertices). Triangle
-/// strips of a PLY become triangles. Nothing is repaired, and what is missing is an error: where a file breaks off,
-/// announces more than it can hold or holds more numbers than it announces, it is refused. What is no facet (faces of
+/// strips of a PLY become triangles. No file is repaired, and what is missing is an error: where a file breaks off,
+/// announces more than it can hold or holds more numbers than it announces, it is refused. All but facets (faces of
 /// fewer than three corners, edges, lines, points, text, bytes behind the last facet of an STL) is skipped, with a
 /// warning.
 /// \throws IoError a missing, unreadable, empty, truncated or damaged file, with file:line where it is text
@@ -38,7 +38,7 @@ PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view b
 
 /// The same from a program's arrays, whose name in messages is `name`: the first counts[0] of the corners, numbers of
 /// vertices from 0 on, are the first facet, and so on. The SHA-256 is of the arrays.
-/// \throws UsageError as above, and for a corner that is no vertex
+/// \throws UsageError as above, and for a corner that is not a vertex
 PolygonFile polygons_of(const std::string& name, std::vector<glm::dvec3> vertices,
                         std::span<const std::int64_t> corners, std::span<const std::size_t> counts,
                         bool normals = false);

@@ -64,7 +64,7 @@ private:
                 vertices_, facets_, left);
     }
 
-    // The next line, if it is an integer and nothing else; else empty, and that line is still to be read.
+    // The next line, if it is an integer alone; else empty, and that line is still to be read.
     std::string_view lone_count() {
         TextLines ahead = lines_;
         std::string_view line;
@@ -101,7 +101,7 @@ private:
             lines_.damaged("the file breaks off before {}", expected);
     }
 
-    // What follows the coordinates in a line (a normal, a colour, a texture position) is left.
+    // What follows the coordinates in a line (a normal, a colour, a texture position) is ignored.
     void read_vertex() {
         next_line(fmt::format("vertex {} of {}", soup_.vertices.size(), vertices_));
         const std::string whose = fmt::format(" of vertex {}", soup_.vertices.size());
@@ -133,7 +133,7 @@ private:
         }
         std::int64_t index = 0;
         if (!parse_integer(word, index))
-            lines_.damaged("{} is no vertex", in_quotes(word));
+            lines_.damaged("{} is not a vertex", in_quotes(word));
         if (index < 0 || index >= static_cast<std::int64_t>(vertices_))
             lines_.damaged("no vertex {}; there are {}, and the first is 0", index, vertices_);
         return static_cast<std::uint32_t>(index);

@@ -32,7 +32,7 @@ struct MeshPieces {
 /// the winding number is looked for as long as that takes no more than some 10^8 triangles.
 MeshPieces find_pieces(const PolygonSoup& polygons);
 
-/// "piece 2 of 3 (12 facets, from facet 40 on)"; "the mesh" where there is one piece.
+/// "piece 2 of 3 (12 facets, from facet 40 on)"; "the mesh" if it is the only piece.
 std::string name_of(std::size_t piece, const MeshPieces& found);
 
 /// Turns facets so that those of a piece agree, with most of its area; then closed pieces that are inside out, and with

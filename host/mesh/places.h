@@ -16,7 +16,7 @@ class FirstOfEqual {
 public:
     explicit FirstOfEqual(std::size_t count) : table_(std::bit_ceil(2 * count + 1), kFree) {}
 
-    /// The number added first of those for which equals(number) is true; `number` itself if there is none.
+    /// The number added first of those for which equals(number) is true; else `number` itself.
     template <typename Equals> std::uint32_t add(std::uint64_t hash, std::uint32_t number, const Equals& equals) {
         std::size_t slot = hash & (table_.size() - 1);
         for (; table_[slot] != kFree; slot = (slot + 1) & (table_.size() - 1))
@@ -70,12 +70,12 @@ struct JoinedVertices {
 };
 
 /// Makes one vertex of all that are one place, where the one of them is that is least by x, then y, then z; keeps the
-/// order of those left. A corner that comes to the place of the one before it goes, as long as three are left.
+/// order of those left. A corner that moves to the place of the one before it is dropped, as long as three are left.
 /// \param distance in the polygons' unit; 0: of equal coordinates only
 JoinedVertices join_vertices(PolygonSoup& polygons, double distance = 0);
 
 /// The least distance within which vertices must be joined for the surface to close, up to 1 % of the box's diagonal;
-/// nothing if none does, or if it is closed. Of polygons whose vertices of equal coordinates are joined.
+/// empty if none does, or if it is closed. Of polygons whose vertices of equal coordinates are joined.
 std::optional<double> closing_distance(const PolygonSoup& polygons);
 
 } // namespace forceshade

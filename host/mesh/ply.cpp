@@ -69,7 +69,7 @@ PlyType parse_type(const TextLines& lines, std::string_view word) {
     for (std::size_t i = 0; i < std::size(kNames); ++i)
         if (word == kNames[i][0] || word == kNames[i][1])
             return static_cast<PlyType>(i);
-    lines.damaged("{} is no type of PLY", in_quotes(word));
+    lines.damaged("{} is not a PLY type", in_quotes(word));
 }
 
 PlyEncoding parse_encoding(const TextLines& lines, std::string_view line) {
@@ -387,7 +387,7 @@ private:
 
     // Vertices a b c d e ... are the triangles (a, b, c), (c, b, d), (c, d, e), ...: every second one is turned, so
     // that all face the same way. -1 ends a strip, and the next one begins unturned. A vertex that is given twice turns
-    // a strip or joins it to another: triangles with two equal corners are no part of the surface.
+    // a strip or joins it to another: triangles with two equal corners are not part of the surface.
     void read_strips(const PlyProperty& property) {
         const std::uint64_t count = list_length(property);
         std::uint64_t length = 0; // of the strip so far
@@ -455,7 +455,7 @@ private:
 
     const PlyHeader& header_;
     Values values_;
-    bool normals_; // are wanted
+    bool normals_; // to be read
     PolygonSoup soup_;
     Skipped skipped_{Values::kWhere};
     std::vector<glm::dvec3> vertex_normals_;

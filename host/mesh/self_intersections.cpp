@@ -17,7 +17,7 @@ namespace forceshade {
 namespace {
 
 // Draws the polygons together to at most 1 about the middle of their box. No order of coordinates is reversed on the
-// way, so boxes that overlap still do; halves, so that nothing overflows.
+// way, so boxes that overlap still do; halves, so that no sum overflows.
 class Frame {
 public:
     explicit Frame(const MeshBox& box) : half_middle_(0.25 * box.low + 0.25 * box.high) {

@@ -18,7 +18,7 @@ struct SelfIntersections {
 };
 
 /// With exact predicates, over the pairs whose bounding boxes overlap. Corners at the same place (`places`: of each
-/// vertex, as weld() tells) are the same corner; triangles without area are passed over. The result does not depend on
+/// vertex, from weld()) are the same corner; triangles without area are passed over. The result does not depend on
 /// the threads (0: most_threads()).
 SelfIntersections count_self_intersections(const PolygonSoup& polygons, std::span<const std::uint32_t> places,
                                            const MeshTriangles& triangles, std::size_t most_pairs,

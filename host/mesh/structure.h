@@ -1,4 +1,5 @@
-// A mesh made ready for the laws: its own frame, the tree over its triangles, and what inside and outside are told by.
+// A mesh made ready for the laws: its own frame, the tree over its triangles, and the data that decide inside or
+// outside.
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@
 
 namespace forceshade {
 
-/// What has no coordinates; shared by all precisions.
+/// Data without coordinates; shared by all precisions.
 struct MeshParts {
     std::vector<layout::MeshNode> nodes;
     std::vector<layout::MeshSlabs> slabs;
@@ -31,7 +32,7 @@ struct MeshWinding {
     std::vector<layout::uint> rims;          /* 3 an edge where the surface ends */
 };
 
-/// What a god-object that slides over the front of a triangle may meet; a list a triangle.
+/// The triangles that a god-object may meet that slides over the front of a triangle; a list a triangle.
 struct MeshObstacles {
     std::vector<layout::uint> begins;    /* triangles + 1 */
     std::vector<layout::uint> triangles; /* or kMeshAnyObstacle alone */
@@ -57,10 +58,10 @@ struct MeshStructure {
     std::size_t bytes() const;
 };
 
-/// What a structure is built with. The result does not depend on the threads.
+/// Options of build_structure. The result does not depend on the threads.
 struct StructureOptions {
     unsigned threads = 0;        /* 0: most_threads() */
-    bool winding = false;        /* also what the winding number needs */
+    bool winding = false;        /* also the tables of the winding number */
     unsigned leaf_triangles = 4; /* most triangles of a leaf, 1 to layout::kMeshLeafTriangles */
 };
 
@@ -95,12 +96,12 @@ template <typename T> struct MeshTables {
 /// number of T; a stiffness of 0 is allowed.
 template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& structure, double stiffness);
 
-/// Fills tables.obstacles, which makes god-objects faster and changes nothing else.
+/// Fills tables.obstacles, which only makes god-objects faster.
 template <typename T> void find_obstacles(MeshTables<T>& tables, unsigned threads = 0);
 
-/// The scene's origin, m: the place from which places are measured before they are rounded to T, so that a mesh is felt
-/// alike wherever it lies. On each axis 0 for a mesh whose centre is within 4 scales of 0; else the multiple of the
-/// scale nearest to the centre.
+/// The scene's origin, m: the place from which places are measured before they are rounded to T, so that the
+/// forces are the same wherever the mesh lies. On each axis 0 for a mesh whose centre is within 4 scales of 0; else the
+/// multiple of the scale nearest to the centre.
 glm::dvec3 origin_of(const MeshStructure& structure);
 
 /// A place of the world, m, in the mesh's frame; in double, to be rounded once.
@@ -108,7 +109,7 @@ inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3
     return (world - structure.centre) / structure.scale;
 }
 
-/// m: z of the highest place of the mesh above or below (x, y), m; nothing beside it.
+/// m: z of the highest place of the mesh above or below (x, y), m; empty elsewhere.
 std::optional<double> height_at(const MeshStructure& structure, double x, double y);
 
 /// For the generalized winding number: the moments of each node's triangles and the edges where the surface ends.

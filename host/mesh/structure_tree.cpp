@@ -16,7 +16,7 @@ namespace forceshade {
 
 namespace {
 
-using Float4 = float __attribute__((vector_size(16))); // x, y, z, and one that means nothing
+using Float4 = float __attribute__((vector_size(16))); // x, y, z, and one unused
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 

@@ -159,7 +159,7 @@ Shape shape_of(const Mesh& mesh, std::size_t triangle, const MeshFrame& frame) {
 }
 
 /// Cuts triangles where caps say that a vertex lies on an edge. Caps that rounding has made contradict each other, so
-/// that cutting would go in circles: nothing is looked at twice.
+/// that cutting would go in circles: no cap is used twice.
 class CapCutter {
 public:
     CapCutter(const PolygonSoup& polygons, std::size_t triangles)

@@ -14,7 +14,7 @@
 
 namespace forceshade {
 
-/// What is the same for two pairs of places if and only if they are the ends of the same edge.
+/// A key that is the same for two pairs of places if and only if they are the ends of the same edge.
 inline std::uint64_t edge_of(std::uint32_t place, std::uint32_t other) noexcept {
     return place < other ? std::uint64_t(place) << 32 | other : std::uint64_t(other) << 32 | place;
 }
@@ -61,7 +61,7 @@ MeshTriangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec
 /// world's coordinates, where its normal is noise. It says that this corner lies on that side, and goes; every other
 /// triangle with that side is cut in two there, through caps of caps too, so that edges match whose triangles met
 /// across caps. The pieces keep plane, normal and facet. A cap with an area stays if no other triangle has its longest
-/// side. \returns nothing if these are the mesh's triangles as they are
+/// side. \returns empty if these are the mesh's triangles as they are
 std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& frame);
 
 } // namespace forceshade

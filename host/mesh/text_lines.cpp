@@ -1,4 +1,4 @@
-// What the readers of text share: lines, words and numbers, and the count of what they skip.
+// Shared by the readers of text: lines, words and numbers, and the count of skipped elements.
 #include <algorithm>
 #include <charconv>
 #include <string>

@@ -11,7 +11,7 @@ namespace forceshade {
 namespace {
 
 constexpr std::size_t kMostLooks = std::size_t(1) << 16;
-constexpr double kTouching = 1e-9; /* what is nearer coincides, as the two sides of a sheet */
+constexpr double kTouching = 1e-9; /* nearer facets coincide, as the two sides of a sheet */
 constexpr double kBeside = 1e-12;  /* what rounding makes of a place on a triangle */
 
 using Place = reference::Vector<double>;

@@ -145,7 +145,7 @@ FS_INLINE void mark(const T* __restrict worst, std::size_t count, std::uint8_t* 
 
 } // namespace
 
-// The loader picks the processor's own version, so these have external linkage and are no templates.
+// The loader picks the processor's own version, so these have external linkage and are not templates.
 #define FS_WIDE_LOOPS(T, Bits)                                                                                         \
     FS_WIDE void all_excesses(const Columns<T>& columns, std::size_t count, const Vector<T>& centre,                   \
                               const Vector<T>& side, const Vector<T>& witness, T limit, T* result) {                   \

@@ -34,8 +34,8 @@ template <typename Work> void share_out(std::size_t threads, std::size_t count, 
     run(0);
 }
 
-/// Threads that stay and share out one piece of work after another. Nobody waits for a thread that has not begun, as it
-/// may not for long on a busy machine.
+/// Threads that stay and share out one piece of work after another. No thread waits for one that has not begun: on a
+/// busy machine that may take long.
 class Crew {
 public:
     explicit Crew(std::size_t threads) {

@@ -44,7 +44,7 @@ template <typename T> struct RowCylinder {
     }
 };
 
-// As facet_contact where the reference direction is radial, and z beside the bump.
+// As facet_contact where the reference direction is radial, and z outside of the bump.
 template <bool kNormal, bool kTextured, typename T>
 FS_INLINE void radial_forces(const ForceColumns<T>& columns, const layout::LawParams<T>& params, const T z,
                              T* __restrict force) {
@@ -105,7 +105,7 @@ FS_INLINE void cylinder_forces(const ForceColumns<T>& columns, const layout::Law
     }
 }
 
-// How a law is told apart along a row.
+// The variants of a law along a row, as bits.
 constexpr unsigned kTexturedLaw = 1, kNormalLaw = 2, kRadialLaw = 4, kCylinderLaw = 8;
 
 unsigned law_of(const layout::Features& features) {
@@ -144,7 +144,7 @@ FS_INLINE void forces(unsigned law, const ForceColumns<T>& columns, const layout
 
 } // namespace
 
-// The loader picks the processor's own version, so these have external linkage and are no templates.
+// The loader picks the processor's own version, so these have external linkage and are not templates.
 #define FS_FORCES(T)                                                                                                   \
     FS_WIDE void forces_along(unsigned law, const ForceColumns<T>& columns, const layout::LawParams<T>& params, T z,   \
                               T* force) {                                                                              \

@@ -9,7 +9,7 @@
 
 namespace forceshade::reference {
 
-/// What of a row does not change along z: 3 numbers a sample, as in the result, or 1.
+/// Per-column data, constant in z: 3 numbers a sample, as in the result, or 1.
 template <typename T> struct ForceColumns {
     const T *height, *normal, *direction, *texture;     /* 3: m, 1, 1, 1 */
     const T* sideways;                                  /* 3: 1 where a texture may push, else 0 */

@@ -15,7 +15,7 @@ namespace forceshade::reference {
 /// probe: the steepest descents from the corner or place it is at, over the faces and along the edges there, with
 /// strides of several lengths, straight or, of the shortest, by walks over the corner; and a walk begun anew. What is
 /// tried depends on the rest and the probe alone, so the same probe given again finds the same. Between spikes a
-/// descent over the corner may not be found: then it rests where it could go on (shaders/README.md tells how often).
+/// descent over the corner may not be found: then it rests where it could go on (how often: shaders/README.md).
 template <typename T, typename Walk> class RestSolver {
 public:
     RestSolver(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& probe,
@@ -70,9 +70,9 @@ private:
         rest.cornered = rest.count > 0;
     }
 
-    /// Where a rest is, without its skin where planes tell that.
+    /// Where a rest is, without its skin if planes define the contact.
     static const Vector<T>& place_of(const Rest<T>& rest, const GodObjectContact<T>& contact) noexcept {
-        return contact.touching && !contact.beside ? contact.proxy : rest.proxy;
+        return contact.touching && !contact.by_distance ? contact.proxy : rest.proxy;
     }
 
     /// Descents that gain less end where they begin but for rounding.
@@ -99,15 +99,15 @@ private:
         const StartPoint<T> corner = nearest_corner(mesh_, neighbourhood_, place, reach, is_in_front(mesh_, before));
         if (corner.corner && continues_from(corner, before, rest))
             return true;
-        const StartPoint<T> beside{place, Skin<T>::kCorner * T(0.5), normalised(Vector<T>(before.proxy - place)), false,
-                                   0};
+        const StartPoint<T> here{place, Skin<T>::kCorner * T(0.5), normalised(Vector<T>(before.proxy - place)), false,
+                                 0};
         const Vector<T> off = corner.place - place;
         if (!corner.corner || dot(off, off) > Skin<T>::kCorner * Skin<T>::kCorner)
-            if (continues_from(beside, before, rest))
+            if (continues_from(here, before, rest))
                 return true;
         walk_.restore(before);
         walk_.run();
-        // A walk that was only halted comes closer by itself, be it by less than rounding tells.
+        // A walk that was only halted comes closer by itself, be it by less than rounding.
         return accepts(before, rest, halted_);
     }
 
@@ -229,11 +229,11 @@ void hold_if_grown(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     face.count = 1;
     face.triangles[0] = rest.triangles[0];
     face.normals[0] = front ? triangle.normal : -triangle.normal;
-    contact = contact_beside(mesh, neighbourhood, begin, face, probe);
+    contact = contact_by_distance(mesh, neighbourhood, begin, face, probe);
     contact.finished = false;
 }
 
-/// At an edge sharper than the skin a walk may get no further, though nothing stands between the proxy and a probe in
+/// At an edge sharper than the skin a walk may get no further, though no triangle is between the proxy and a probe in
 /// the open: then the proxy goes straight there.
 template <typename T, typename Trace>
 void reach_open_probe(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& probe,
@@ -259,7 +259,7 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
     RestSolver<T, Walk<T, Trace>> solver(mesh, neighbourhood, probe, walk);
     GodObjectContact<T> contact = solver.run(rest);
     contact.finished = contact.finished && solver.finished();
-    if (contact.beside)
+    if (contact.by_distance)
         hold_if_grown(mesh, neighbourhood, state.proxy, probe, rest, contact);
     else if (rest.cornered && !contact.touching)
         reach_open_probe(mesh, neighbourhood, probe, trace, rest);
@@ -273,8 +273,8 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
     return contact;
 }
 
-/// L6: the probe takes its new position, in the mesh's frame; the proxy follows until nothing lets it come closer,
-/// crossing no triangle. A probe that is not finite changes nothing and is out of contact. No allocation.
+/// L6: the probe takes its new position, in the mesh's frame; the proxy follows until it can come no closer,
+/// crossing no triangle. A probe that is not finite changes no state and is out of contact. No allocation.
 template <typename T, typename Trace = NoTrace>
 GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
                            const Vector<T>& probe, const Trace& trace = {}) noexcept {
@@ -345,8 +345,8 @@ LawContact<T> follow(const layout::Law<T>& law, GodObject<T>& proxy, Neighbourho
     return followed;
 }
 
-/// A distance within which there is nothing about a place: up to half the mesh's frame, and less what rounding and the
-/// skin make of it.
+/// The radius of a ball around a place that no triangle enters: up to half the mesh's frame, and less what rounding and
+/// the skin make of it.
 template <typename T> T free_reach(const layout::MeshView<T>& mesh, const Vector<T>& place) noexcept {
     constexpr T kMargin = T(2) * (Skin<T>::kCorner + T(0x1p-20));
     const T reach = std::sqrt(nearest(mesh, place).square) - kMargin;
@@ -381,7 +381,7 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
         contact.touching && dot(contact.normals[0], vector_at(mesh.triangle_normals, contact.triangles[0])) < T(0);
 }
 
-/// On so many threads; none depends on another.
+/// On `threads` threads; no update depends on another.
 template <typename T>
 void finish_updates(const layout::MeshView<T>& mesh, std::span<layout::MeshUpdate<T>> updates, unsigned threads) {
     constexpr std::size_t kShare = 16; // that a thread takes at once

@@ -119,7 +119,7 @@ bool is_nearest(const Projection<T>& result, const HalfSpace<T>* others, layout:
     return true;
 }
 
-/// Adds a half-space that `now` violates. False, and nothing changed, if no vector satisfies them all.
+/// Adds a half-space that `now` violates. False, and `now` unchanged, if no vector satisfies them all.
 template <typename T>
 [[nodiscard]] bool add_half_space(const Vector<T>& wish, const HalfSpace<T>& added, const Tolerance<T>& tolerance,
                                   Projection<T>& now) noexcept {
@@ -140,7 +140,7 @@ template <typename T>
     return found;
 }
 
-/// Projects a wish onto half-spaces that `worst(vector, half_space)` tells one at a time: it returns whether the vector
+/// Projects a wish onto half-spaces that `worst(vector, half_space)` gives one at a time: it returns whether the vector
 /// violates one by more than the tolerance, and which. Each one added takes the vector further from the wish, so this
 /// ends. False if no vector was found.
 template <typename T, typename Worst>
@@ -160,8 +160,8 @@ template <typename T, typename Worst>
 }
 
 /// A triangle near the proxy. Where the proxy is above its face, the face's plane constrains it, a skin away. Where it
-/// is beside it, the nearest edge or corner does, rounded by the skin; but not against moves that go over the face, for
-/// which its plane does (else the proxy would creep into flat valleys by halves).
+/// is outside of it, the nearest edge or corner does, rounded by the skin; but not against moves that go over the face,
+/// for which its plane does (else the proxy would creep into flat valleys by halves).
 template <typename T> struct Touch {
     layout::uint index; /* of the triangle */
     Triangle<T> triangle;
@@ -173,9 +173,9 @@ template <typename T> struct Touch {
     Vector<T> away;       /* unit, from the nearest point to the proxy */
     T distance;
     T insides[3];    /* of the proxy from each edge, times its length; below 0 beyond it */
-    Vector<T> proxy; /* where it was looked at from */
+    Vector<T> proxy; /* where it was tested from */
     layout::uint feature;
-    bool face_tried; /* its plane was tried from here and led nowhere */
+    bool face_tried; /* its plane was tried from here without success */
 
     bool above_face() const noexcept { return feature == layout::kMeshFace; }
 };
@@ -196,7 +196,7 @@ template <typename T> void begin_touch(const layout::MeshView<T>& mesh, layout::
     begin_edge(2, a - c);
 }
 
-/// Beside the face, or too near its border to tell at a glance.
+/// Outside of the face, or too near its border for the quick test.
 template <typename T> void update_touch_beside_face(Touch<T>& touch) noexcept {
     const TrianglePoint<T> nearest = nearest_on_triangle(touch.proxy, touch.triangle);
     touch.feature = nearest.feature;
@@ -234,8 +234,8 @@ template <typename T> void update_touch(Touch<T>& touch, const Vector<T>& proxy)
 
 enum class Constraint { none, face, rounded };
 
-/// Whether a move that descends towards the plane of a triangle, from beside it, reaches the plane on the inner side of
-/// what is nearest: an edge, or the two edges of a corner.
+/// Whether a move that descends towards the plane of a triangle, from outside of its face, reaches the plane on the
+/// inner side of what is nearest: an edge, or the two edges of a corner.
 template <typename T> bool lands_on_face(const Touch<T>& touch, const Vector<T>& displacement, T descent) noexcept {
     const bool corner = touch.feature >= layout::kMeshCorner;
     const layout::uint first = touch.feature - (corner ? layout::kMeshCorner : layout::kMeshEdge);
@@ -248,7 +248,7 @@ template <typename T> bool lands_on_face(const Touch<T>& touch, const Vector<T>&
     return true;
 }
 
-/// What of a touched triangle stands against a move.
+/// The part of a touched triangle that constrains a move.
 template <typename T> Constraint constraint_of(const Touch<T>& touch, const Vector<T>& displacement) noexcept {
     if (touch.above_face())
         return Constraint::face;

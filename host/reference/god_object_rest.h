@@ -19,7 +19,8 @@ template <typename T> struct Descent {
 /// How near a corner a proxy may be kept off it by folds there narrower than the skin.
 template <typename T> constexpr T kFold = Skin<T>::kWidth* T(Skin<T>::kDouble ? 4096 : 32);
 
-/// Where descents begin: a corner of the mesh, or a place on or near its surface. What is within reach of it is at it.
+/// Where descents begin: a corner of the mesh, or a place on or near its surface. Places within reach of it count as
+/// the same.
 template <typename T> struct StartPoint {
     Vector<T> place;
     T reach;
@@ -28,7 +29,7 @@ template <typename T> struct StartPoint {
     layout::uint vertex; /* of a corner */
 };
 
-/// The nearest corner of the mesh within reach, if there is one; seen from the front or the back of the triangles
+/// The nearest corner of the mesh within reach, if any; seen from the front or the back of the triangles
 /// there.
 template <typename T>
 StartPoint<T> nearest_corner(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& place,
@@ -137,8 +138,8 @@ bool next_descent(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourho
     return search.found;
 }
 
-/// The place so far along a descent, a skin off the surface there on the side of `normal`, which is square to the
-/// descent's triangle.
+/// Point at distance `length` along a descent, a skin off the surface there on the side of `normal`, which is square to
+/// the descent's triangle.
 template <typename T>
 Vector<T> place_along(const layout::MeshView<T>& mesh, const StartPoint<T>& from, const Descent<T>& descent, T length,
                       const Vector<T>& normal) noexcept {
@@ -150,7 +151,7 @@ Vector<T> place_along(const layout::MeshView<T>& mesh, const StartPoint<T>& from
     const layout::uint across = descent.edge < 3 ? mesh.triangle_neighbours[first + descent.edge] : layout::kMeshBorder;
     if (across == layout::kMeshBorder || (across & layout::kMeshManyBit) != 0)
         return there + onto_plane(still, one).vector;
-    // The edge's other triangle, whose corner off the edge tells to which side it folds.
+    // The edge's other triangle, whose corner off the edge shows to which side it folds.
     const layout::uint begin = mesh.triangle_corners[first + descent.edge];
     const layout::uint end = mesh.triangle_corners[first + (descent.edge + 1) % 3];
     layout::uint i = 0;
@@ -170,7 +171,7 @@ Vector<T> place_along(const layout::MeshView<T>& mesh, const StartPoint<T>& from
     return there + Skin<T>::kWidth * normalised(Vector<T>(normal + beyond));
 }
 
-/// What an update found.
+/// The result of an update.
 template <typename T> struct GodObjectContact {
     Vector<T> proxy;           /* on the surface; the probe itself out of contact */
     layout::uint count;        /* facets that constrain the proxy */
@@ -178,8 +179,8 @@ template <typename T> struct GodObjectContact {
     layout::uint triangles[3]; /* the triangle of each */
     Vector<T> normals[3];      /* 1: unit normals of the triangles, towards the proxy's side */
     bool touching;             /* count > 0 */
-    bool beside;               /* no planes tell the contact: it is the place nearest to where the walk ended */
-    bool finished;             /* false: ended before it converged; the proxy is on its side all the same */
+    bool by_distance;          /* no planes define the contact: it is the place nearest to where the walk ended */
+    bool finished;             /* false: ended before it converged; the proxy is on its side nevertheless */
     unsigned substeps;         /* straight pieces walked before the last, and looks taken */
 };
 
@@ -187,7 +188,7 @@ template <typename T> GodObjectContact<T> out_of_contact(const Vector<T>& probe)
     GodObjectContact<T> contact; // no zeros beyond count: every update comes here
     contact.proxy = probe;
     contact.count = contact.substeps = 0;
-    contact.touching = contact.beside = false;
+    contact.touching = contact.by_distance = false;
     contact.finished = true;
     return contact;
 }
@@ -239,7 +240,7 @@ template <typename T> struct ConstrainingFaces {
 
 /// The facets whose planes keep the probe back, and the nearest point to the probe in front of them: the proxy without
 /// its skin, as seen from `origin`, near which rounding is least. Where rounding leaves no point in front of them all,
-/// one in front of some: a Certificate tells.
+/// one in front of some: a Certificate decides.
 template <typename T>
 [[nodiscard]] GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const ConstrainingFaces<T>& faces,
                                              const Vector<T>& probe, const Vector<T>& origin) noexcept {
@@ -293,8 +294,8 @@ template <typename T> bool is_in_front(const layout::MeshView<T>& mesh, const Re
     return rest.count == 0 || !inside_by_pseudonormal(mesh, nearest);
 }
 
-/// Whether a proxy in front of the surface is in front of this triangle. Beside the triangle that is not for the plane
-/// to tell, which may cut through a fold.
+/// Whether a proxy in front of the surface is in front of this triangle. Outside of the triangle its plane does not
+/// decide: it may cut through a fold.
 template <typename T>
 bool is_above(const Triangle<T>& triangle, const TrianglePoint<T>& nearest, const Vector<T>& proxy,
               bool front) noexcept {
@@ -340,7 +341,7 @@ bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
 }
 
 /// Those of all triangles near the proxy whose planes together constrain it; some of them where rounding leaves no
-/// displacement that keeps to them all: a Certificate tells.
+/// displacement that keeps to them all: a Certificate decides.
 template <typename T>
 [[nodiscard]] ConstrainingFaces<T> constraining_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
                                                       const Vector<T>& proxy, View view,
@@ -392,7 +393,7 @@ bool is_blocked(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood
     return blocked;
 }
 
-/// The triangle nearest to a place, of those within twice the skin. False if there is none.
+/// The triangle nearest to a place, of those within twice the skin. False without any.
 template <typename T>
 bool nearest_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& place,
                   layout::uint& triangle) noexcept {
@@ -426,9 +427,9 @@ template <typename T> bool is_balanced(const GodObjectContact<T>& contact, const
     return dot(left.vector, left.vector) <= most * most;
 }
 
-/// The certificate of a contact, given the proxy that the walk took to its side, crossing nothing: it is where the
+/// The certificate of a contact, given the proxy that the walk took to its side, crossing no triangle: it is where the
 /// proxy is, but for the skin, or where the planes that constrain it meet; it is no further from the probe than the
-/// proxy; and nothing stands between the two. Without a contact nothing stands between the proxy and the probe.
+/// proxy; and no triangle is between the two. Without a contact no triangle is between the proxy and the probe.
 template <typename T> class Certificate {
 public:
     Certificate(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
@@ -520,13 +521,13 @@ private:
     const Vector<T>& probe_;
 };
 
-/// The contact at the nearest place of the triangles that constrain a proxy, where no planes tell a better one: on its
-/// side and a skin away. Unfinished if these triangles would let it go on. No contact if nothing stands between proxy
+/// The contact at the nearest place of the triangles that constrain a proxy, where no planes give a better one: on its
+/// side and a skin away. Unfinished if these triangles would let it go on. No contact if no triangle is between proxy
 /// and probe.
 template <typename T>
-[[nodiscard]] GodObjectContact<T> contact_beside(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
-                                                 const Vector<T>& proxy, const ConstrainingFaces<T>& faces,
-                                                 const Vector<T>& probe) noexcept {
+[[nodiscard]] GodObjectContact<T> contact_by_distance(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                                                      const Vector<T>& proxy, const ConstrainingFaces<T>& faces,
+                                                      const Vector<T>& probe) noexcept {
     GodObjectContact<T> contact = out_of_contact(probe);
     if (!is_blocked(mesh, neighbourhood, proxy, probe, T(0)))
         return contact;
@@ -539,7 +540,7 @@ template <typename T>
         }
         add_facet(mesh, faces.triangles[i], faces.normals[i], contact);
     }
-    contact.beside = true;
+    contact.by_distance = true;
     contact.finished = is_balanced(contact, Vector<T>(probe - contact.proxy));
     return contact;
 }
@@ -568,7 +569,7 @@ template <typename T>
         faces.triangles[faces.count] = triangle;
         faces.normals[faces.count] = above ? shape.normal : -shape.normal;
     }
-    contact = contact_beside(mesh, neighbourhood, rest.proxy, faces, probe);
+    contact = contact_by_distance(mesh, neighbourhood, rest.proxy, faces, probe);
     return contact;
 }
 
@@ -599,7 +600,7 @@ template <typename T, typename Walk>
         if (certificate.holds(contact, faces))
             return contact;
     }
-    contact = contact_beside(mesh, neighbourhood, walk.proxy(), faces, probe);
+    contact = contact_by_distance(mesh, neighbourhood, walk.proxy(), faces, probe);
     return contact;
 }
 

@@ -37,7 +37,7 @@ public:
             touches_[i].face_tried = false;
     }
 
-    /// What the proxy may touch; no harm if it does not. How it stands to it is for update_touches() to find out.
+    /// Adds a candidate triangle; update_touches() computes its distance.
     void remember(layout::uint triangle) noexcept {
         if (knows(triangle) || (count_ == kMost && !forget_one()))
             return;
@@ -244,7 +244,7 @@ public:
     static constexpr unsigned kSubsteps = 20000;
     static constexpr unsigned kPatience = 16;
     static constexpr layout::uint kBatch = 64;
-    static constexpr layout::uint kFew = 12; /* looked at one by one */
+    static constexpr layout::uint kFew = 12; /* tested one by one */
     static constexpr layout::uint kNone = ~0U;
 
     Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
@@ -262,7 +262,7 @@ public:
     /// Whether the walk was halted where a line between two faces ended.
     bool at_corner() const noexcept { return corner_; }
 
-    /// Walks until the projection is zero, or to the end of a line between two faces, or until there is none.
+    /// Walks until the projection is zero, or to the end of a line between two faces, or until it has no solution.
     void run() noexcept {
         corner_ = false;
         rests_ = largest_coordinate(proxy_) > T(kRegion) && !enter();
@@ -351,7 +351,7 @@ private:
         proxy_ = place;
     }
 
-    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the line does not cross it.
+    /// Far out no triangle is in the way: flies straight to the region, or to the probe if the line does not cross it.
     bool enter() noexcept {
         Vector<T> place;
         const bool enters = find_entry(proxy_, probe_, place);
@@ -421,7 +421,7 @@ private:
         hit_first(batch, left, move, first);
     }
 
-    /// Where many triangles meet, a move comes near all their planes, but passes beside most of them.
+    /// Where many triangles meet, a move comes near all their planes, but misses most of them.
     layout::uint sift_by_edges(layout::uint* batch, layout::uint count, const Move<T>& move) const noexcept {
         layout::uint left = 0;
         for (layout::uint i = 0; i < count; i += kLanes<T>) {
@@ -497,7 +497,7 @@ private:
             hand_over(released, release.edge);
             return false;
         }
-        // Nothing is hit: without a plane to keep to, that is the probe itself.
+        // No triangle is hit: without a plane to keep to, that is the probe itself.
         go_to(resting().count == 0 ? probe_ : move.at(T(1)));
         const bool one_face = pool_.count() == 1 && resting().count == 1 && pool_[0].above_face();
         return resting().count == 0 ||

@@ -1,4 +1,4 @@
-// L6: straight moves of a god-object: how close one comes to a triangle, and where it enters the mesh's region.
+// L6: straight moves of a god-object: how closely one approaches a triangle, and where it enters the mesh's region.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,9 @@
 namespace forceshade::reference {
 
 /// The skin that keeps a god-object off every triangle, in the mesh's frame, where no coordinate is beyond 1: far above
-/// what rounding does to a height, far below anything that is felt. The distance from a triangle is convex along a
-/// line, so a move that keeps to a half-space off the triangle, or at whose nearest the distance is positive, crosses
-/// nothing.
+/// what rounding does to a height, far below any perceptible length. The distance from a triangle is convex along a
+/// line, so a move that keeps to a half-space off the triangle, or at whose nearest the distance is positive, does not
+/// cross it.
 template <typename T> struct Skin {
     static constexpr bool kDouble = std::is_same_v<T, double>;
     static constexpr T kWidth = kDouble ? T(0x1p-40) : T(0x1p-15);
@@ -95,7 +95,7 @@ template <typename T> LaneMask<T> beyond_an_edge(const TriangleLanes<T>& triangl
     };
     const Real height = dot<T>(triangles.normal, from - triangles.corners[0]);
     const Real rate = dot<T>(triangles.normal, displacement), last = height + until * rate;
-    const Real above = (reach - height) / rate, below = (-reach - height) / rate; // not used where they are no numbers
+    const Real above = (reach - height) / rate, below = (-reach - height) / rate; // not used if not finite
     const VectorLanes<T> begin = at(height > reach ? above : height < -reach ? below : zero);
     const VectorLanes<T> end = at(last > reach ? above : last < -reach ? below : until);
     LaneMask<T> beyond{};
@@ -132,8 +132,8 @@ void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, T distance
         approach = rate;
 }
 
-/// How fast a move from `place` approaches a triangle, times the distance. Where rounding may have told a corner for an
-/// edge, or either for the face, the feature over which the move goes on counts as well, and the fastest of them: a
+/// How fast a move from `place` approaches a triangle, times the distance. Where rounding may have taken a corner for
+/// an edge, or either for the face, the feature over which the move goes on counts as well, and the fastest of them: a
 /// slow approach along the triangle must not be taken for a retreat.
 template <typename T>
 T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, const Vector<T>& place, T distance,
@@ -147,15 +147,15 @@ T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, cons
         return dot(cross(triangle.normal, edges[edge]), displacement) > T(0);
     };
     const bool on_edge = nearest.feature < layout::kMeshCorner;
-    const layout::uint told = nearest.feature - (on_edge ? layout::kMeshEdge : layout::kMeshCorner);
-    T approach = dot(on_edge ? square_to(edges[told], nearest.offset) : nearest.offset, displacement);
-    bool inwards = !on_edge || leads_inwards(told);
+    const layout::uint local = nearest.feature - (on_edge ? layout::kMeshEdge : layout::kMeshCorner);
+    T approach = dot(on_edge ? square_to(edges[local], nearest.offset) : nearest.offset, displacement);
+    bool inwards = !on_edge || leads_inwards(local);
     for (layout::uint i = 0; i < 3; ++i) {
         const layout::uint before = (i + 2) % 3;
         const Vector<T> to_corner = triangle.corners[i] - place;
         const bool at_corner =
-            on_edge ? (i == told || before == told) && is_one_place(Vector<T>(to_corner - nearest.offset), distance)
-                    : i == told;
+            on_edge ? (i == local || before == local) && is_one_place(Vector<T>(to_corner - nearest.offset), distance)
+                    : i == local;
         if (!at_corner)
             continue;
         approach_edge(edges[i], to_corner, distance, displacement, approach);

@@ -17,8 +17,9 @@ namespace forceshade::reference {
 // parts through their moments (Barill et al. 2018), near triangles exactly (van Oosterom & Strackee 1983). Always in
 // double, whatever the tables' precision, and on the host only: kernels receive bits.
 
-/// A part is far beyond so many times its radius, and how good the winding number then is (tests: 4e-5 and 0.01 at
-/// worst). The rough one tells nearly everywhere, since a closed surface goes round a point a whole number of times.
+/// `reach`: beyond this many times its radius a part is far. `error`: of the winding number then (tests: 4e-5 and 0.01
+/// at worst). The rough one is enough nearly everywhere, since a closed surface goes round a point a whole number of
+/// times.
 struct WindingAccuracy {
     double reach, error;
 };
@@ -84,16 +85,16 @@ double winding_number(const layout::MeshView<T>& mesh, const Vector<double>& pro
     return sum / (4 * std::numbers::pi);
 }
 
-/// The winding number, only as good as it takes to tell on which side of one half it and all within `change` of it are.
+/// The winding number, just good enough to decide on which side of one half it and all within `change` of it are.
 template <typename T>
-double telling_winding(const layout::MeshView<T>& mesh, const Vector<double>& probe, double change = 0) noexcept {
+double decisive_winding(const layout::MeshView<T>& mesh, const Vector<double>& probe, double change = 0) noexcept {
     const double rough = winding_number(mesh, probe, kWindingRough);
     return std::abs(rough - 0.5) > change + kWindingRough.error ? rough : winding_number(mesh, probe);
 }
 
 /// Whether the winding number is above one half.
 template <typename T> bool inside_by_winding(const layout::MeshView<T>& mesh, const Vector<T>& probe) noexcept {
-    return telling_winding(mesh, Vector<double>(probe)) > 0.5;
+    return decisive_winding(mesh, Vector<double>(probe)) > 0.5;
 }
 
 /// How much the winding number can change within `radius` of a probe that has no triangle so near: 0 for a closed mesh,
@@ -194,7 +195,7 @@ Vector<T> mean_value_normal(const layout::MeshView<T>& mesh, layout::uint facet,
             return stop.normal;
         const T product = start.distance * stop.distance;
         const T along = dot(start.offset, stop.offset);                       // cosine of the angle, times product
-        const T across = dot(facet_normal, cross(start.offset, stop.offset)); // sine, likewise
+        const T across = dot(facet_normal, cross(start.offset, stop.offset)); // sine, of the same
         if (!(along > T(0)) && !(abs(across) > std::numeric_limits<T>::epsilon() * product))
             return stop.distance * start.normal + start.distance * stop.normal;
         // Two forms of the tangent: each where it does not cancel.
@@ -281,7 +282,7 @@ Vector<T> shaded_force(const layout::Law<T>& law, const MeshTouch<T>& touch, con
     return {magnitude * direction.x, magnitude * direction.y, magnitude * direction.z};
 }
 
-/// The law where a probe touches; what the static field and the god-object have in common.
+/// The law of a probe in contact, for the static field and the god-object.
 template <typename T> Contact<T> touching_contact(const layout::Law<T>& law, const MeshTouch<T>& touch) noexcept {
     const T stiffness = law.mesh.params.stiffness;
     Contact<T> contact;

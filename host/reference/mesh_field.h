@@ -1,5 +1,5 @@
-// L6 static over a grid as a plan has it: the `--engine cpu` of a mesh's field. What the plan leaves out is out of
-// contact, and only a block's candidates are looked at; the same bits as evaluate_field() without a plan.
+// L6 static over a grid as a plan has it: the `--engine cpu` of a mesh's field. Voxels outside of the plan are out of
+// contact, and only a block's candidates are tested; the same bits as evaluate_field() without a plan.
 #pragma once
 
 #include <cstddef>

@@ -143,7 +143,7 @@ template <typename T> VectorLanes<T> cross(const VectorLanes<T>& u, const Vector
     return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
 }
 
-/// What is known of one edge of each triangle.
+/// One edge of each triangle.
 template <typename T> struct EdgeLanes {
     Lanes<T> square, length_square;
     LaneMask<T> within, outside; /* nearest point between the ends; the probe's foot beyond the edge */
@@ -162,7 +162,7 @@ EdgeLanes<T> edge_lanes(const VectorLanes<T>& start, const VectorLanes<T>& end, 
     const VectorLanes<T> direction{backwards ? -edge.x : edge.x, backwards ? -edge.y : edge.y,
                                    backwards ? -edge.z : edge.z};
     const Real along = -dot<T>(from, direction), length_square = dot<T>(edge, edge);
-    const Real share = along / length_square; // not used where it is no number
+    const Real share = along / length_square; // not used if not finite
     const VectorLanes<T> offset{from.x + share * direction.x, from.y + share * direction.y,
                                 from.z + share * direction.z};
     const Mask after = along > zero, before = along < length_square;
@@ -173,7 +173,7 @@ EdgeLanes<T> edge_lanes(const VectorLanes<T>& start, const VectorLanes<T>& end, 
 
 template <typename T> struct TriangleLanes { VectorLanes<T> corners[3], normal; };
 
-/// The triangles that triangle(lane) tells.
+/// The triangles triangle(lane), one a lane.
 template <typename T, typename Index>
 [[gnu::always_inline]] inline TriangleLanes<T> triangle_lanes(const layout::MeshView<T>& mesh,
                                                               const Index& triangle) noexcept {
@@ -279,7 +279,7 @@ void visit_tree(const layout::MeshView<T>& mesh, const Enters& enters, const Mee
 /// With u half an epsilon and L = 1 + largest, to first order:
 /// - an edge: coordinates differ from exact ones by u (|S| + 2|e| + |r|) <= 6 sqrt(3) u L, the root of the square by
 ///   1.5 sqrt(3) u L more: 13 u L;
-/// - a face: the sides of the edges are told to 14 u L, so the foot is within twice that of the triangle (the longest
+/// - a face: the sides of the edges are good to 14 u L, so the foot is within twice that of the triangle (the longest
 ///   edge bounds it lengthwise, whatever the shape), and the height is good to 14 u L: 42 u L;
 /// - a box: three differences, squares and sums, 18 u L; a slab: a product and a difference, 16 u L.
 /// Together below 64 u L = 32 epsilons.
@@ -309,7 +309,7 @@ bool keep_nearer(const layout::MeshView<T>& mesh, layout::uint triangle, const V
     return true;
 }
 
-/// Likewise for triangles first to last; most are ruled out without a look at where their nearest points lie.
+/// The same for triangles first to last; most are ruled out without a look at where their nearest points lie.
 template <typename T>
 bool keep_nearest_of_run(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last, const Vector<T>& probe,
                          Nearest<T>& best) noexcept {
@@ -343,7 +343,7 @@ template <typename Cull> [[gnu::always_inline]] inline Lanes<Cull> lanes_of(cons
     return result;
 }
 
-/// What the squared distances from a probe to what is below a node's four children cannot be below: by their boxes and
+/// Lower bounds of the squared distances from a probe to the triangles below a node's four children: by their boxes and
 /// slabs, good to Cull's rounding.
 template <typename Cull>
 [[gnu::always_inline]] inline void child_squares(const layout::MeshNode& node, const layout::MeshSlabs& slabs,

@@ -59,7 +59,7 @@ template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexce
 
 /// All triangles that meet a box (and some others), as planes in columns: one gathering serves the substeps of several
 /// updates. Only saves time, as the neighbourhood that it is part of. Single precision, seen from the middle of the
-/// box, tells most of them apart from a move; what it lets pass is looked at again.
+/// box, excludes most of them for a move; the others are checked again.
 template <typename T> struct CloseTriangles {
     static constexpr layout::uint kMost = 64;
     static constexpr layout::uint kFew = 16, kMany = 32;
@@ -75,9 +75,9 @@ template <typename T> struct CloseTriangles {
     layout::uint triangles[kRoom];
     layout::uint count = 0;
     layout::uint patience = 0;
-    Vector<T> low{T(1)}, high{T(-1)}; /* moves between them come close to nothing that is not here */
+    Vector<T> low{T(1)}, high{T(-1)}; /* moves between them approach only triangles that are here */
     Vector<T> middle{T(0)};
-    float margin = 0;      /* what is further than this from a plane is further than kCulled */
+    float margin = 0;      /* further than this from a plane is further than kCulled */
     float reach = 0x1p-6F; /* how far beyond a move the next box goes */
 
     void shrink(float share) noexcept { reach *= reach > 0x1p-20F ? share : 1.0F; }
@@ -112,8 +112,8 @@ template <typename T> struct CloseTriangles {
     }
 };
 
-/// Adds a run of triangles. False if there is no room. Writes fours, the last ones to be written over: no processor
-/// guesses how long a run is.
+/// Adds a run of triangles. False without room. Writes fours, the last ones to be written over: the length of a run
+/// is unpredictable.
 template <typename T>
 bool add_close(const layout::MeshView<T>& mesh, layout::uint triangle, layout::uint end,
                CloseTriangles<T>& close) noexcept {
@@ -193,7 +193,7 @@ template <typename T>
 layout::uint sift(const CloseTriangles<T>& close, const Move<T>& move, layout::uint* left) noexcept {
     static_assert(CloseTriangles<T>::kMost <= 64);
     const CloseMove seen = seen_from_middle(close, move);
-    // All rows before any bit: a processor guesses badly in which row there is one.
+    // All rows before any bit: which row has one is unpredictable.
     std::uint64_t meeting = 0;
     for (layout::uint row = 0; row < close.count; row += CloseTriangles<T>::kRow)
         meeting |= std::uint64_t(row_meeting(close, row, seen)) << row;
@@ -204,20 +204,20 @@ layout::uint sift(const CloseTriangles<T>& close, const Move<T>& move, layout::u
 }
 
 /// The leaves of the tree that meet a box around where a god-object lately was, in fours as a node has its children.
-/// Only saves time: what is found near a move does not depend on it. One per thread and mesh; no mesh may take the
+/// Only saves time: results do not depend on it. One per thread and mesh; no mesh may take the
 /// place of another under it.
 template <typename T> struct Neighbourhood {
     static constexpr layout::uint kFours = 12;
     static constexpr layout::uint kFewFours = 3;
     layout::MeshNode fours[kFours];
     layout::uint count = 0; /* fours in use */
-    MoveBox box = kNoBox;   /* what is not within it is not known here */
+    MoveBox box = kNoBox;   /* leaves outside of it are unknown */
     float reach = 0x1p-3F;  /* how far beyond a move the next box goes */
     CloseTriangles<T> close;
 };
 
-/// Asks the memory for what will be read soon. Inlined always, as what calls it alone: the compiler takes a function
-/// that does nothing else for one that does nothing, and drops the call.
+/// Prefetches data that will be read soon. Inlined always, as what calls it alone: the compiler takes a function
+/// with only this for one without effect, and drops the call.
 [[gnu::always_inline]] inline void fetch([[maybe_unused]] const void* address) noexcept {
 #if defined(__GNUC__)
     __builtin_prefetch(address);
@@ -225,7 +225,7 @@ template <typename T> struct Neighbourhood {
 }
 
 /// The same for what a walk reads of the triangles across a triangle's edges: one of them comes next, most likely. No
-/// more than that, since only so many lines of the cache can be on their way at once.
+/// more than that, since few lines of the cache can be on their way at once.
 template <typename T>
 [[gnu::always_inline]] inline void fetch_neighbours(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
     fetch(&mesh.triangle_facets[triangle]);
@@ -241,7 +241,7 @@ template <typename T>
     }
 }
 
-/// Bit i of the result: child i of the node meets the box. Places without a child have boxes that meet nothing.
+/// Bit i of the result: child i of the node meets the box. Places without a child have boxes that meet no other.
 inline unsigned children_meeting(const layout::MeshNode& node, const MoveBox& box) noexcept {
     const auto meets = [&](const float* low, const float* high, int axis) {
         return (lanes_at(low) <= box.high[axis]) & (lanes_at(high) >= box.low[axis]);
@@ -291,7 +291,7 @@ void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neig
     four.child[j] = node.child[i];
 }
 
-/// Gathers the leaves around a move. False if there are too many: then nothing is known.
+/// Gathers the leaves around a move. False if they are too many: then it is empty.
 template <typename T>
 bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<T>& neighbourhood) noexcept {
     constexpr layout::uint kMost = 4 * Neighbourhood<T>::kFours;
@@ -378,7 +378,7 @@ void visit_runs_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbou
         visit_along(mesh, move, visit);
 }
 
-/// Sees to it that all that come within kCorner of the move are among the close triangles. False if they are too many.
+/// Ensures that every triangle within kCorner of the move is among the close triangles. False if they are too many.
 template <typename T>
 bool update_close(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Move<T>& move) noexcept {
     CloseTriangles<T>& close = neighbourhood.close;

@@ -26,7 +26,7 @@ inline std::array<layout::uint, 4> philox(std::array<layout::uint, 4> counter,
     return counter;
 }
 
-// Where the motion is at a step. Phases are whole numbers, so nothing drifts, and a step needs none before it.
+// Where the motion is at a step. Phases are whole numbers: they do not drift, and a step needs none before it.
 
 /// A place in the motion's own frame, m: along the heading, to its left, and above the surface.
 template <typename T> struct Place { T along = T(0), across = T(0), above = T(0); };
@@ -133,8 +133,8 @@ Vector<T> harmonics_at(const layout::PathBatch<T>& batch, std::size_t path, layo
     return sum;
 }
 
-/// A random walk turns round where it comes to the edge of its region, half a side, m, from the middle: its harmonics
-/// come to 4 half sides at most.
+/// A random walk turns round where it reaches the edge of its region, half a side, m, from the middle: its harmonics
+/// reach 4 half sides at most.
 template <typename T> T reflected(T place, T half) noexcept {
     for (int i = 0; i < 2; ++i)
         place = place > half ? T(2) * half - place : place < -half ? T(-2) * half - place : place;
@@ -150,7 +150,8 @@ template <typename T> T nominal_height(const layout::Law<T>& law, T x) noexcept 
     return T(0);
 }
 
-/// A place in the world, m, and so much beside it; one that follows the surface lies the nominal height above it.
+/// A place in the world, m, plus the displacement `more`; one that follows the surface lies the nominal height above
+/// it.
 template <typename T>
 Vector<T> in_world(const layout::Law<T>& law, const layout::PathFeatures& features,
                    const layout::MotionParams<T>& motion, const Place<T>& place, const Vector<T>& more) noexcept {

@@ -1,5 +1,5 @@
 // One step of an exploration path, open or closed loop: the hand and the device over a sample (mass, damping and
-// spring, stepped exactly), what is remembered of a path, and where the probe is, what it feels and where it goes next.
+// spring, stepped exactly), the state of a path, and where the probe is, the force on it and where it goes next.
 // Step for step as shaders/laws/path_step.glsl.
 #pragma once
 
@@ -95,7 +95,7 @@ ProbeState<T> advance_hand(const layout::HandParams<T>& hand, const ProbeState<T
     return next;
 }
 
-// What is remembered of a path.
+// The state of a path.
 
 /// Adds to a sum that keeps what rounding takes from it (Kahan).
 template <typename T> void add_to(T& sum, T& rest, T value) noexcept {
@@ -131,8 +131,8 @@ void add_sample(layout::PathMetrics<T>& metrics, const Contact<T>& contact, cons
     ++metrics.contact_samples;
 }
 
-/// About the square of an angle from that of its chord, to tell which of two turns over different distances is the
-/// steeper: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180. A chord of a few
+/// About the square of an angle from that of its chord, to find the steeper of two turns over different
+/// distances: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180. A chord of a few
 /// roundings, as an unshaded facet has from sample to sample, is its own angle to the last bit; its powers would be
 /// denormal, which many processors are slow with.
 template <typename T> T angle_square(T chord_square) noexcept {
@@ -197,7 +197,7 @@ template <typename T> void end_round(layout::PathMetrics<T>& metrics, T late) no
     ++metrics.rounds;
 }
 
-/// The speed, m/s, at a step of a path of so many steps: growing oscillations show late.
+/// The speed, m/s, at a step of a path of `steps` steps: growing oscillations show late.
 template <typename T>
 void add_speed(layout::PathMetrics<T>& metrics, const Vector<T>& speed, layout::uint step,
                layout::uint steps) noexcept {
@@ -211,7 +211,7 @@ void add_speed(layout::PathMetrics<T>& metrics, const Vector<T>& speed, layout::
 
 // The step.
 
-/// What of a sample is written.
+/// The values of a sample that are written.
 template <typename T> struct PathSampled {
     Vector<T> position; /* m: where the law was evaluated */
     Vector<T> force;    /* N: commanded */
@@ -287,7 +287,7 @@ T late_work(const layout::PathInput<T>& input, const layout::MotionParams<T>& mo
     return T(0.5) * dot(forces, Vector<T>(sampled.position - round_end(input.law, input.features, motion)));
 }
 
-/// What the next sample needs of this one.
+/// State for the next sample.
 template <typename T> void keep_sample(layout::PathState<T>& state, const PathSampled<T>& sampled) noexcept {
     put(sampled.position, state.measured_x, state.measured_y, state.measured_z);
     put(sampled.force, state.force_x, state.force_y, state.force_z);

@@ -10,7 +10,7 @@ namespace {
 
 // Evaluated from one callback to the next: a second or so.
 constexpr std::size_t kMostSamples = std::size_t(1) << 22;
-// Likewise of a path: more at once are no quicker, and take memory.
+// The same for one path: more at once are no quicker, and take memory.
 constexpr std::size_t kMostSteps = std::size_t(1) << 16;
 
 template <typename T> class ThreadedWalk final : public PathWalk<T> {

@@ -9,7 +9,7 @@
 
 namespace forceshade::reference {
 
-/// What the evaluation may use.
+/// Limits of the evaluation.
 struct PathOptions {
     unsigned threads = 0;                            /* 0: most_threads() */
     std::size_t chunk_bytes = std::size_t(32) << 20; /* most bytes of samples held at once */
@@ -21,7 +21,7 @@ template <typename T>
 using TakeMetrics = std::function<void(std::size_t first, std::span<const layout::PathMetrics<T>>)>;
 template <typename T> using TakePaths = std::function<void(const layout::PathChunk<T>&)>;
 
-/// A batch of paths taken through its law some steps at a time. Nothing of a path depends on the others, on the batch,
+/// A batch of paths taken through its law some steps at a time. A path depends neither on the others nor on the batch,
 /// on how many steps are taken at once or on the number of threads.
 template <typename T> class PathWalk {
 public:

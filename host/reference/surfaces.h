@@ -1,4 +1,4 @@
-// What a law gives at one probe position, and what it needs of the surface there: facets, height maps, and the column
+// A law's result at one probe position, and its surface data there: facets, height maps, and the column
 // above (x, y).
 #pragma once
 
@@ -15,7 +15,7 @@ template <typename T> struct Contact {
     layout::uint facet; /* layout::kNoFacet out of contact */
 };
 
-/// What a law makes of a sample of a path.
+/// A law's result for a sample of a path.
 template <typename T> struct LawContact {
     Contact<T> contact;
     bool finished = true; /* the proxy came to rest */
@@ -28,7 +28,7 @@ template <typename T> struct Facet {
     T height = T(0);   /* m: the nominal surface above the plane at the probe's x */
     T normal_x = T(0); /* 1: unit normal (normal_x, 0, normal_z) */
     T normal_z = T(1);
-    layout::uint id = 0; /* 0 .. n-1 from left to right, n for the plane beside the bump */
+    layout::uint id = 0; /* 0 .. n-1 from left to right, n for the plane around the bump */
 };
 
 /// G2: the facet [x_i, x_i+1) that holds x, by bisection; needs x_0 <= x < x_n.
@@ -55,7 +55,7 @@ template <typename T> Facet<T> facet_at(const layout::Law<T>& law, T x) noexcept
     facet.id = facet_index(law.facet_vertices, x, params.facets);
     const T left = law.facet_vertices[facet.id];
     const T right = law.facet_vertices[facet.id + 1];
-    // The chord of a circle descends by (x_i + x_i+1) / (rise_i + rise_i+1): no difference of heights, so nothing
+    // The chord of a circle descends by (x_i + x_i+1) / (rise_i + rise_i+1): no difference of heights, so no digit
     // cancels.
     const T rises = circle_rise(params.radius, left) + circle_rise(params.radius, right);
     const T descent = rises > T(0) ? (left + right) / rises : T(0);

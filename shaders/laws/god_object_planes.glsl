@@ -82,7 +82,7 @@ bool is_nearest(Projection result, Projection others, real tolerance) {
     return result.count > 0u && pushes && within;
 }
 
-// Adds a half-space that `now` violates. False, and nothing changed, if no plane or line satisfies them all.
+// Adds a half-space that `now` violates. False, and `now` unchanged, if no plane or line satisfies them all.
 bool add_half_space(real3 wish, HalfSpace added, real tolerance, inout Projection now) {
     uint tried = 0u;
     uint last = now.count + 1u;
@@ -108,7 +108,7 @@ bool add_half_space(real3 wish, HalfSpace added, real tolerance, inout Projectio
 // A triangle near the proxy. Edges and what follows from them are computed where they are needed.
 struct Touch {
     uint feature;
-    bool face_tried; // its plane was tried from here and led nowhere
+    bool face_tried; // its plane was tried from here without success
     Triangle triangle;
     real3 face; // unit normal, towards the proxy; 0 without area
     real height; // above the face's plane, not below 0
@@ -152,7 +152,7 @@ bool is_clear(real inside, real3 edge) {
     return inside > ZERO && square > least;
 }
 
-// Beside the face, or too near its border to tell at a glance.
+// Outside of the face, or too near its border for the quick test.
 void update_touch_beside_face(inout Touch touch, real3 proxy) {
     TrianglePoint nearest = nearest_on_triangle(proxy, touch.triangle);
     real3 away = -nearest.offset;
@@ -192,7 +192,7 @@ bool lands_inside(real inside, real rate, real height, real descent) {
     return landing > ZERO;
 }
 
-// Whether a move that descends towards the plane of a triangle, from beside it, reaches the plane on the inner side of
+// Whether a move that descends towards the plane of a triangle, from outside of its face, reaches the plane on the inner side of
 // what is nearest: an edge, or the two edges of a corner.
 bool lands_on_face(Touch touch, real3 displacement, real descent) {
     bool corner = touch.feature >= kMeshCorner;
@@ -206,7 +206,7 @@ bool lands_on_face(Touch touch, real3 displacement, real descent) {
            (lands.z || (first != 2u && second != 2u));
 }
 
-// What of a touched triangle stands against a move.
+// The part of a touched triangle that constrains a move.
 uint constraint_of(Touch touch, real3 displacement) {
     precise real descent = -product(touch.face, displacement);
     bool plane = touch.height >= kPlane && !touch.face_tried;

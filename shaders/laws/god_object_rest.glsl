@@ -1,7 +1,7 @@
 // L6: what constrains a god-object at rest, and where it is without its skin, step for step as
 // host/reference/god_object_rest.h, for one or two faces right below the proxy.
 
-// What an update found.
+// The result of an update.
 struct Rest {
     real3 proxy; // on the surface; the probe itself out of contact
     uint count; // facets that constrain the proxy

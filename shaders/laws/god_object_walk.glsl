@@ -1,4 +1,4 @@
-// L6: the walk of a god-object towards the probe, until nothing near lets it come closer, over the pool of triangles that
+// L6: the walk of a god-object towards the probe, until it can come no closer, over the pool of triangles that
 // it may touch; step for step as host/reference/god_object_walk.h, as far as most steps go. What needs more is left to
 // the host (is_left): more triangles than the pool holds, a third plane, edges, corners, what the host did not list
 // beforehand, proxies and probes far off.
@@ -15,7 +15,7 @@ Touch pool[kPool];
 uint pool_index[kPool]; // triangles
 uint pool_count;
 uint pool_constraints; // 2 bits each
-uint pool_tried; // 1 bit each: its plane was tried from here and led nowhere
+uint pool_tried; // 1 bit each: its plane was tried from here without success
 uint pool_features; // 3 bits each
 Projection resting; // the displacement found last, and what constrains it
 real pool_tolerance; // shorter moves are none
@@ -26,11 +26,11 @@ real3 walk_probe;
 uint walk_substeps;
 bool walk_rests; // what constrained the proxy last is what constrains it
 bool walk_corner; // halted where a line between two faces ended
-bool walk_runs; // has not come to an end
+bool walk_runs; // has not ended
 real3 tread_place; // where the proxy was
-uint tread_substeps; // so many substeps ago
+uint tread_substeps; // number of substeps since then
 
-// Nothing is nearer to this place.
+// No triangle is nearer to this place than free_distance.
 real3 free_place;
 real free_distance;
 
@@ -101,7 +101,7 @@ uint place_of(uint triangle) {
     return place;
 }
 
-// What the proxy may touch; no harm if it does not. It is looked at when the next displacement is sought. `instead` of
+// Adds a candidate triangle. It is tested when the next displacement is sought. `instead` of
 // one that is known, or as one more (kPool).
 void remember(uint triangle, Triangle shape, uint instead) {
     bool known = place_of(triangle) != kPool;
@@ -229,7 +229,7 @@ void find_displacement(real3 proxy, real3 probe) {
 }
 
 // Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it. The plane of a rounded
-// edge or corner tells that of short moves alone, unless it constrains the move.
+// edge or corner decides that for short moves alone, unless it constrains the move.
 bool keeps_off(uint triangle, real3 displacement) {
     uint place = place_of(triangle);
     Touch touch = touch_at(place == kPool ? 0u : place);
@@ -387,14 +387,14 @@ void finish_substep(Move move, uint released, uint edge) {
     if (!was_hit && was_released)
         pool_tried = with_bits(pool_tried, released, 1u, moves ? 0u : 1u);
     bool arrives = !was_hit && !was_released;
-    // Nothing in the way: without a plane to keep to, that is the probe itself.
+    // No triangle in the way: without a plane to keep to, that is the probe itself.
     walk_proxy = arrives && resting.count == 0u ? walk_probe : place_at(move, arrives ? ONE : time);
     walk_rests = arrives && (resting.count == 0u || one_face);
     if (!arrives)
         take_in(was_hit, impact.triangle, was_released ? released : 0u, edge);
 }
 
-// When the move leaves the face that constrains it. Tells also what covers it.
+// When the move leaves the face that constrains it. Also sets what covers it.
 void consider_release(HalfSpace space, bool constrains, uint i, real3 displacement, inout Release release,
                       inout uint released) {
     Touch touch = touch_at(constrains ? space.source : 0u);

@@ -1,4 +1,4 @@
-// L6: how close a straight move comes to a triangle, step for step as host/reference/mesh_cast.h.
+// L6: how closely a straight move approaches a triangle, step for step as host/reference/mesh_cast.h.
 
 // The skin that keeps a god-object off every triangle.
 #ifdef FS_F64

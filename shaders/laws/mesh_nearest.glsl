@@ -152,7 +152,7 @@ void consider(uint candidate, real4 row_0, real4 row_1, real4 row_2, Points prob
 // What stands about a mesh in the device's buffers, as far as the law reads it. Triangles are numbered by (facet, triangle)
 // there.
 
-// Vectors a vertex: its place and normal where the law is shaded, its pseudonormal where that tells the inside.
+// Vectors a vertex: its place and normal where the law is shaded, its pseudonormal where that decides the inside.
 const uint kShadedVectors = SHADING != kShadingNone ? 2u : 0u;
 const uint kVertexVectors = kShadedVectors + (INSIDE == kInsidePseudonormal ? 1u : 0u);
 const bool kFacetNormals = SHADING != kShadingNone || MAP != kMapNone || TEXTURE != kMapNone;

@@ -1,5 +1,5 @@
-// Where the intended motion of a path is at a step, step for step as host/reference/motion.h. Phases are whole numbers, so
-// nothing drifts, and a step needs none before it. Needs MOTION, LOOP and HARMONICS, constants of the kernel; the buffer
+// Where the intended motion of a path is at a step, step for step as host/reference/motion.h. Phases are whole numbers:
+// they do not drift, and a step needs none before it. Needs MOTION, LOOP and HARMONICS, constants of the kernel; the buffer
 // `harmonics`. Where KEPT_HARMONICS is set, keep_harmonics comes before the first step. Zeros are `exact_zero`: what they
 // enter may be a zero with a sign.
 
@@ -185,8 +185,8 @@ real3 harmonics_at(uint path, uint paths, uint step) {
     return sum;
 }
 
-// A random walk turns round where it comes to the edge of its region, half a side, m, from the middle: its harmonics
-// come to 4 half sides at most.
+// A random walk turns round where it reaches the edge of its region, half a side, m, from the middle: its harmonics
+// reach 4 half sides at most.
 real turned_round(real place, real half_side) {
     precise real turned = place;
     for (int i = 0; i < 2; ++i)
@@ -194,7 +194,7 @@ real turned_round(real place, real half_side) {
     return turned;
 }
 
-// A place in the world, m, and so much beside it; one that follows the surface lies the nominal height above it.
+// A place in the world, m, plus the displacement `more`; one that follows the surface lies the nominal height above it.
 real3 in_world(MotionParams motion, Place place, real3 more) {
     precise real x = motion.centre_x + (place.along * motion.heading_x - place.across * motion.heading_y) + more.x;
     precise real y = motion.centre_y + (place.along * motion.heading_y + place.across * motion.heading_x) + more.y;

@@ -1,5 +1,5 @@
 // A step of an exploration path, open or closed loop, step for step as host/reference/path_step.h: the hand and its device,
-// what is remembered of the path, where the probe goes next. The kernel evaluates the law between probe_at and take_step.
+// the state of the path, where the probe goes next. The kernel evaluates the law between probe_at and take_step.
 // Needs motion.glsl; LOOP, FRICTION and QUANTISED, constants of the kernel.
 
 // The hand and the device over one sample: mass, damping and spring, stepped exactly (laws: sampled stability).
@@ -100,7 +100,7 @@ Carried carried(HandParams hand, Carried now, real3 target, real3 target_speed, 
     return Carried(sum(now.place, real3(x.shift, y.shift, z.shift)), real3(x.speed, y.speed, z.speed));
 }
 
-// What is remembered of a path. What does not count is selected away: on a software device a branch costs as much as both
+// The state of a path. Values that do not count are selected away: on a software device a branch costs as much as both
 // its sides.
 
 real least_reach; // m^2: square of the least distance that a turn of the force is counted over
@@ -134,8 +134,8 @@ void add_sample(inout PathMetrics metrics, real depth, bool touches, real3 force
     metrics.contact_samples += touches ? 1u : 0u;
 }
 
-// About the square of an angle from that of its chord, to tell which of two turns over ways of different length is the
-// steeper: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180. A chord of a few roundings,
+// About the square of an angle from that of its chord, to find the steeper of two turns over different
+// distances: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180. A chord of a few roundings,
 // as an unshaded facet has from sample to sample, is its own angle to the last bit; its powers would be denormal, which many
 // processors are slow with.
 real angle_square(real chord_square) {
@@ -200,7 +200,7 @@ void end_round(inout PathMetrics metrics, real late, bool ends) {
     metrics.rounds += ends ? 1u : 0u;
 }
 
-// The speed, m/s, at a step of a path of so many steps: growing oscillations show late.
+// The speed, m/s, at a step of a path of `steps` steps: growing oscillations show late.
 void add_speed(inout PathMetrics metrics, real3 speed, uint step, uint steps) {
     uint quarter = steps / 4u;
     precise real size = sqrt(product(speed, speed));
@@ -212,7 +212,7 @@ void add_speed(inout PathMetrics metrics, real3 speed, uint step, uint steps) {
 
 // The step itself.
 
-// What of a sample is written.
+// The values of a sample that are written.
 struct PathSample {
     real3 position; // m: where the law was evaluated
     real3 force;    // N: commanded

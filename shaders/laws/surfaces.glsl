@@ -5,7 +5,7 @@ struct Facet {
     real height;   // m: the nominal surface above the plane at the probe's x
     real normal_x; // 1: unit normal (normal_x, 0, normal_z)
     real normal_z;
-    uint id; // 0 .. n-1 from left to right, n for the plane beside the bump
+    uint id; // 0 .. n-1 from left to right, n for the plane around the bump
 };
 
 // The facet [x_i, x_i+1) that holds x, by bisection; needs x_0 <= x < x_n.
@@ -22,7 +22,7 @@ uint facet_index(real x, uint facets) {
     return low;
 }
 
-// What of a facet does not depend on the probe.
+// The part of a facet that does not depend on the probe.
 struct Slope {
     real left; // m: where it begins, and where it ends
     real right;
@@ -35,7 +35,7 @@ struct Slope {
 Slope slope_of(uint id) {
     real left = facet_vertices[id];
     real right = facet_vertices[id + 1u];
-    // The chord of a circle descends by (x_i + x_i+1) / (rise_i + rise_i+1): no difference of heights, so nothing cancels.
+    // The chord of a circle descends by (x_i + x_i+1) / (rise_i + rise_i+1): no difference of heights, so no digits cancel.
     precise real rises = circle_rise(law.radius, left) + circle_rise(law.radius, right);
     precise real descent = rises > ZERO ? (left + right) / rises : ZERO;
     real top = cylinder_height(law.half_width, law.radius, law.centre_depth, left);

@@ -1,4 +1,4 @@
-// What a law is evaluated with, as views over the layout: its parameters and tables, a mesh, a grid, paths; and what
+// The input of a law, as views over the layout: its parameters and tables, a mesh, a grid, paths; and what
 // comes back. C++ only, of standard types alone: compute takes these and links no folder of the host, the oracle takes
 // the same.
 #pragma once
@@ -10,7 +10,7 @@
 namespace forceshade::layout {
 
 // Along a direction of their own, within what bounds the triangles below a node's four children lie: where these face
-// one way, what is beyond is told sharper than by boxes. Host only.
+// one way, they bound tighter than boxes. Host only.
 struct MeshSlabs {
     float normal_x[kMeshChildren]; // 1: no longer than a unit vector
     float normal_y[kMeshChildren];
@@ -61,7 +61,7 @@ struct MeshPlan {
     std::span<const uint> inside;      // kInsideWinding: 1 word a block, bit (z * 2 + y) * 2 + x of each voxel
 };
 
-// What a scene uses; everything else is left out of the compiled kernel.
+// The features that a scene uses; the compiled kernel has no others.
 struct Features {
     uint surface = kSurfaceBump;
     uint shading = kShadingNone;
@@ -80,7 +80,7 @@ template <typename real> struct Law {
     LawParams<real> params;
     std::span<const real> facet_vertices;    // m, n + 1 increasing x coordinates (bump only)
     std::span<const real> map_gradients;     // 1, rows * columns pairs (dU/dx, dU/dy), row 0 at the smallest y
-    std::span<const real> texture_gradients; // likewise for the texture
+    std::span<const real> texture_gradients; // the same for the texture
     MeshView<real> mesh{};                   // kSurfaceMesh only; L9: params.map and map_gradients tilt its normals
 };
 
@@ -91,7 +91,7 @@ template <typename real> struct FieldInput {
     MeshPlan plan{};               // of a mesh
 };
 
-// Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) *
+// Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y in the same way. Row r = (z - z_first) *
 // y_count + (y - y_first) begins at sample r * x_pitch. Channels that the features lack are empty. The spans die with
 // the callback that receives them.
 template <typename real> struct FieldChunk {
@@ -176,7 +176,7 @@ template <typename real> struct MeshUpdate {
     bool touching;
     bool back; // touched from behind
     bool finished;
-    real reach; // 1: out of contact, nothing is nearer to the proxy than this
+    real reach; // 1: out of contact, no triangle is nearer to the proxy than this
 };
 
 } // namespace forceshade::layout

@@ -1,5 +1,5 @@
 // The nouns that kernels and CPU oracle share: structs, enums, binding and constant numbers; of fields, of paths, of
-// paths on meshes. No verbs: nothing here computes. Read by C++ and by GLSL. Structs hold scalars only, largest first,
+// paths on meshes. No functions. Read by C++ and by GLSL. Structs hold scalars only, largest first,
 // so that std430 offsets equal C++'s (a test compares them). `real` is float or double: a template parameter in C++, a
 // macro in GLSL. Laws G1 to L8: shaders/README.md.
 #ifdef __cplusplus
@@ -37,7 +37,7 @@ FS_CONSTANT kDepthNormal = 1u;
 // Which direction the smooth cylinder lends (L4).
 FS_CONSTANT kReferenceNormal = 0u; // the surface normal above the probe
 FS_CONSTANT kReferenceRadial = 1u; // away from the axis, at the probe itself
-// What tells the inside of a mesh from its outside (L6 static).
+// What decides between the inside of a mesh and its outside (L6 static).
 FS_CONSTANT kInsidePseudonormal = 0u; // the angle-weighted normal of the nearest feature
 FS_CONSTANT kInsideWinding = 1u;      // the generalized winding number, found on the host: a bit for each voxel
 // Height maps (G3), for shading and for texture.
@@ -101,14 +101,14 @@ FS_CONSTANT kMeshNoChild = 0xFFFFFFFFu;
 FS_CONSTANT kMeshLeaf = 0x80000000u; // bit of a child that is a run of triangles: first * 8 + count - 1
 FS_CONSTANT kMeshLeafTriangles = 8u; // most triangles of a leaf
 // triangle_neighbours: what lies across an edge.
-FS_CONSTANT kMeshBorder = 0xFFFFFFFFu;      // nothing
+FS_CONSTANT kMeshBorder = 0xFFFFFFFFu;      // no triangle
 FS_CONSTANT kMeshAnyObstacle = 0xFFFFFFFFu; // more than a list takes
 FS_CONSTANT kMeshManyBit = 0x80000000u;     // not exactly one triangle: the low bits index edge_pseudonormals
 // What of a triangle the nearest point lies on: its face, edge i as kMeshEdge + i, corner i as kMeshCorner + i.
 FS_CONSTANT kMeshFace = 0u;
 FS_CONSTANT kMeshEdge = 1u;
 FS_CONSTANT kMeshCorner = 4u;
-// A mesh field is evaluated in blocks of so many voxels along each axis.
+// A mesh field is evaluated in blocks of this many voxels along each axis.
 FS_CONSTANT kMeshBlock = 2u;
 
 // Bindings of the mesh kernel, all storage buffers in set 0. Sixteen, as many as a plain device may have.
@@ -184,7 +184,7 @@ struct ChunkParams {
 };
 
 // Where the mesh's own frame lies: vertices and probes are (place - centre) / scale there, scale a power of two such
-// that no vertex has a coordinate beyond 1. So nothing in a mesh law is absolute, and a change of unit changes nothing.
+// that no vertex has a coordinate beyond 1. So a mesh law has no absolute length, and a change of unit has no effect.
 // Places are measured from the scene's origin, which is near the mesh (host/mesh/structure.h), so that they round alike
 // wherever in the world the mesh lies.
 FS_STRUCT MeshParams {
@@ -201,7 +201,7 @@ FS_STRUCT MeshParams {
     uint zero; // 0, for kernels whose compiler must not know it
 };
 
-// What a mesh kernel reads of its law: L8 and L9, and the mesh's frame.
+// A mesh kernel's input of its law: L8 and L9, and the mesh's frame.
 FS_STRUCT MeshLawParams {
     FS_REAL_STRUCT(LawParams) law;
     FS_REAL_STRUCT(MeshParams) mesh;
@@ -256,7 +256,7 @@ FS_CONSTANT kLoopClosed = 1u;
 // From where a motion's depth is measured.
 FS_CONSTANT kFollowPlane = 0u;   // the plane z = centre_z
 FS_CONSTANT kFollowSurface = 1u; // the nominal surface above or below the motion, and centre_z more
-// What a path may write, as bits beside kChannelForce, kChannelDepth, kChannelFacet and kChannelProxy.
+// The channels of a path, as bits besides kChannelForce, kChannelDepth, kChannelFacet and kChannelProxy.
 FS_CONSTANT kChannelPosition = 32u; // m, 3 reals a sample: where the law was evaluated
 
 // A phase is counted in 2^-32 turns, so that it is exact however long a path is.
@@ -269,7 +269,7 @@ FS_CONSTANT kPathBindLaw = 0u;
 FS_CONSTANT kPathBindFacetVertices = 1u;
 FS_CONSTANT kPathBindMapGradients = 2u;
 FS_CONSTANT kPathBindTextureGradients = 3u;
-FS_CONSTANT kPathBindMotions = 4u;   // a MotionParams a path; recorded: one that says nothing
+FS_CONSTANT kPathBindMotions = 4u;   // a MotionParams a path; recorded: an empty one
 FS_CONSTANT kPathBindHarmonics = 5u; // component, axis, path, the last fastest
 FS_CONSTANT kPathBindHands = 6u;     // a HandParams for all, or one a path
 FS_CONSTANT kPathBindLengths = 7u;   // recorded: samples of each path
@@ -360,7 +360,7 @@ FS_STRUCT HandParams {
     uint zero;        // 0
 };
 
-// What is remembered of a path, however long it is. Sums have a second term that keeps what rounding takes from the
+// The state of a path, however long it is. Sums have a second term that keeps what rounding takes from the
 // first.
 FS_STRUCT PathMetrics {
     real largest_force;     // N
@@ -373,7 +373,7 @@ FS_STRUCT PathMetrics {
     real largest_depth;     // m
     real depth;             // m: sum over the samples in contact
     real depth_rest;        // m
-    real depth_square;      // m^2: likewise
+    real depth_square;      // m^2: of the same
     real depth_square_rest; // m^2
     real work;              // J: done on the hand
     real work_rest;         // J
@@ -431,7 +431,7 @@ FS_STRUCT ProxyStart {
 FS_CONSTANT kMeshPathBindLaw = 0u;
 FS_CONSTANT kMeshPathBindMapGradients = 1u;
 FS_CONSTANT kMeshPathBindTextureGradients = 2u;
-FS_CONSTANT kMeshPathBindVectors = 3u;   // 3 a triangle: its corners, and beside them the normal's x, y and z; then the
+FS_CONSTANT kMeshPathBindVectors = 3u;   // 3 a triangle: its corners, each with the normal's x, y or z; then the
                                          // normal of each facet, if shaded or textured; then, if shaded, of each
                                          // vertex position and normal
 FS_CONSTANT kMeshPathBindTriangles = 4u; // 8 words a triangle: facet, neighbours (with kMeshManyBit: none to hand over
@@ -449,12 +449,12 @@ FS_CONSTANT kMeshPathBindSamples = 13u;   // channel after channel: position, fo
 FS_CONSTANT kMeshPathBindFacet = 14u;
 FS_CONSTANT kMeshPathBindCount = 15u;
 
-FS_CONSTANT kNoPath = 0xFFFFFFFFu; // in the list: nothing to do
+FS_CONSTANT kNoPath = 0xFFFFFFFFu; // in the list: no path
 
 // Bits of a triangle: those that stand above its plane were too many to list.
 FS_CONSTANT kTriangleCrowded = 1u;
 
-// What is to be done with a path.
+// The next task of a path.
 FS_CONSTANT kPhaseStep = 0u;    // its next step begins
 FS_CONSTANT kPhaseHost = 1u;    // the host finds the contact of its step
 FS_CONSTANT kPhaseContact = 2u; // the contact of its step is found
@@ -479,7 +479,7 @@ FS_CONSTANT kContactUnfinished = 32u;
 FS_CONSTANT kWalkRealProxy = 0u;
 FS_CONSTANT kWalkRealProbe = 3u;
 FS_CONSTANT kWalkRealContact = 6u; // the contact's proxy
-FS_CONSTANT kWalkRealFree = 9u;    // nothing is nearer to here than
+FS_CONSTANT kWalkRealFree = 9u;    // no triangle is nearer to here than
 FS_CONSTANT kWalkRealReach = 12u;  // 1: this; 0: not known
 FS_CONSTANT kWalkRealCount = 13u;
 
@@ -492,7 +492,7 @@ struct MeshPathChunkParams {
     uint rows;      // steps of the results
     uint step_end;  // where the dispatch ends
     uint own_hands; // 1: each path has a hand of its own
-    uint pause;     // loops after which an invocation begins nothing new
+    uint pause;     // loops after which an invocation begins no new step
     uint limit;     // loops that an invocation may run
     float stretch;  // m: as in PathChunkParams
     uint vertices;  // where they begin in the vectors

@@ -107,7 +107,7 @@ TEST_F(MeshFiles, ObjRefusals) {
                                                           {"v 1 2\n", "three coordinates"},
                                                           {"v 1 2,5 3\n", "\"2,5\""},
                                                           {"v 1 2 3y\n", "\"3y\""},
-                                                          {"vertex 1 2 3\n", "no statement"},
+                                                          {"vertex 1 2 3\n", "unknown OBJ keyword"},
                                                           {"f 1 2 \\", "continued"}})
         EXPECT_NE(refusal<IoError>("a.obj", vertices + line).find(words), std::string::npos)
             << line << refusal<IoError>("a.obj", vertices + line);

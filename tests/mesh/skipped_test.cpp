@@ -84,7 +84,7 @@ TEST(Skipped, ObjElementsThatAreNoFacets) {
                 {"1 free-form curve (curv): skipped (in line 7)", "1 free-form surface (surf): skipped (in line 8)"});
     // Corners of what is skipped are corners of the file all the same.
     expect_refusal("a.obj", kObjQuad + "f 1 2 3 4\nf 1 9\n", "line 6 has vertex 9");
-    expect_refusal("a.obj", kObjQuad + "f 1 x\n", "\"x\" is no corner");
+    expect_refusal("a.obj", kObjQuad + "f 1 x\n", "\"x\" is not a corner");
     // Where the file ends within the line, corners may be missing.
     for (const char* cut : {"f", "f 1", "f 1 2", "f 1 2 "})
         expect_refusal("a.obj", kObjQuad + cut, ":5: a facet has three corners or more");
