@@ -31,7 +31,7 @@ struct ProbeContact {
 /// Neither allocates nor throws once it is made; threads may share it.
 template <typename T> class CaseLaw {
 public:
-    /// Keeps what it needs of the case. \throws UsageError if a value leaves the range of T.
+    /// Copies what it needs of the case. \throws UsageError if a value leaves the range of T.
     explicit CaseLaw(const PreparedCase& prepared);
     CaseLaw(CaseLaw&&) noexcept = default;
     CaseLaw& operator=(CaseLaw&&) noexcept = default;
@@ -44,14 +44,14 @@ public:
     glm::dvec3 in_world(const reference::Vector<T>& place) const { return world_place(glm::dvec3(place), origin_); }
     ProbeContact widened(const reference::LawContact<T>& found) const noexcept;
 
-    /// Whether the law has a meaning at a probe, m, in the world: T can still tell the mesh from a point.
+    /// Whether the law has a meaning at a probe, m, in the world: T can still distinguish the mesh from a point.
     bool reaches(const glm::dvec3& probe) const noexcept;
 
     // Without a history.
 
     /// A place of the world, m, as the law takes it: each coordinate, on a mesh of the mesh's frame, rounded once to T.
     reference::Vector<T> rounded(const glm::dvec3& place) const noexcept;
-    /// `hint`: what was nearest to the place before, a good guess for the next; 0 at first.
+    /// `hint`: the triangle nearest to the last place, a good guess for the next; 0 at first.
     reference::Contact<T> at_rounded(const reference::Vector<T>& place, layout::uint& hint) const noexcept;
     reference::Contact<T> at(const glm::dvec3& place, layout::uint& hint) const noexcept {
         return at_rounded(rounded(place), hint);
@@ -63,7 +63,7 @@ public:
 
     // With one.
 
-    /// What a law remembers of a path.
+    /// A law's state along a path.
     struct Path {
         reference::GodObject<T> proxy;
         bool begun = false;
@@ -84,7 +84,7 @@ private:
     layout::Law<T> law_; // points into the tables
 };
 
-/// What is wrong with a probe, m, of a path on a mesh that its law does not reach.
+/// The error text for a probe, m, of a path on a mesh that its law does not reach.
 template <typename T> std::string beyond_reach(const glm::dvec3& probe);
 
 /// One probe and its law.

@@ -156,7 +156,7 @@ void Compared::compare(std::size_t rows, std::size_t pitch, std::span<const T> f
         sum_.add(one);
 }
 
-// The one row of a layer, so many times as `rows` has some.
+// The one row of a layer, once for each of `rows`.
 template <typename T>
 void Compared::write_out(const layout::FieldChunk<T>& from, std::size_t layer, layout::FieldChunk<T>& rows) {
     Buffers<T>& to = buffers<T>();

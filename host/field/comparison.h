@@ -21,21 +21,21 @@ inline std::uint32_t written_channels(const Scene& scene) {
     return scene.output.channels | layout::kChannelForce | (scene.compare ? kComparedChannels : 0);
 }
 
-/// Of a force, and of what the shape would give where the probe is: K times the depth below its nearest place, along
+/// Difference of a force from the shape's force at the same probe: K times the depth below its nearest place, along
 /// the normal there. Of a bump's own smooth shape the place is the one above the probe (L4).
 struct Deviation {
     double angle;           /* deg: between the force and that normal; NaN where one of them is missing */
     double magnitude_error; /* N: |F| - K depth; NaN out of contact with both */
-    bool counts;            /* it is felt at most compare.depth deep; or, out of contact, the shape would be */
+    bool counts;            /* contact at most compare.depth deep; or, without contact, the shape would have it */
 };
 
-/// Evaluates in double. Nothing of it changes, so threads may share it.
+/// Evaluates in double. Immutable, so threads may share it.
 class ShapeComparison {
 public:
     /// Of a scene with [compare]. \throws UsageError for a mesh beyond the range of double.
     explicit ShapeComparison(const PreparedCase& prepared);
 
-    /// At a place, m, where the force is `force`, N. `hint`: what was nearest before, 0 at first.
+    /// At a place, m, where the force is `force`, N. `hint`: the triangle nearest to the last place, 0 at first.
     Deviation at(const glm::dvec3& place, const glm::dvec3& force, layout::uint& hint) const noexcept;
 
     /// Whether the shape differs from one y to another.
@@ -75,7 +75,7 @@ private:
     double errors_ = 0, error_square_ = 0, largest_error_ = 0; /* how many, N^2, N */
 };
 
-/// The channels kChannelAngle and kChannelMagnitudeError of fields and paths, and what they come to. T: float, double.
+/// The channels kChannelAngle and kChannelMagnitudeError of fields and paths, and their totals. T: float, double.
 class Compared {
 public:
     /// `threads` share the rows out.

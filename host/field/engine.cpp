@@ -47,12 +47,12 @@ private:
 };
 
 // For --verbose.
-void tell(const EngineReport& engine, const EngineTimes& times) {
+void print_times(const EngineReport& engine, const EngineTimes& times) {
     spdlog::debug("{}: plan {:.3f} s, compile {:.3f} s, upload {:.3f} s, kernel {:.3f} s, read back {:.3f} s",
                   engine.device, times.plan, times.compile, times.upload, times.kernel, times.read_back);
 }
 
-// The CPU oracle. Times what lies between the callbacks.
+// The CPU oracle. Measures the time between the callbacks.
 class CpuEngine final : public Engine {
 public:
     explicit CpuEngine(const EngineOptions& options) {
@@ -83,7 +83,7 @@ public:
                     evaluate_mesh<T>(one, timed(one.take), start, times);
             },
             work);
-        tell(report(), times);
+        print_times(report(), times);
         return times;
     }
 
@@ -158,7 +158,7 @@ public:
         spent.kernel = times.kernel;
         spent.read_back = times.read_back;
         spent.uploaded = times.uploaded;
-        tell(report(), spent);
+        print_times(report(), spent);
         return spent;
     }
 
@@ -190,7 +190,7 @@ private:
     template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes& spent) {
         if (work.input.law.features.surface != layout::kSurfaceMesh)
             return paths_.on(device_).explore(work.input, work.take, work.take_metrics);
-        // What the kernel leaves is the oracle's: few steps need its many cases.
+        // The oracle does the updates that the kernel leaves: few steps need its many cases.
         const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
             reference::finish_updates(work.input.law.mesh, updates, most_threads());
         };

@@ -9,11 +9,11 @@
 
 namespace forceshade {
 
-/// The bytes kept for a device, or none if there is no intact file. `device` tells devices and drivers apart. Never
+/// The bytes kept for a device, or none without an intact file. `device` identifies device and driver. Never
 /// throws for the file's sake.
 std::vector<std::byte> read_pipeline_cache(const std::filesystem::path& folder, const std::string& device);
 
-/// Keeps the bytes; a folder that cannot be written is no error.
+/// Keeps the bytes; a folder that cannot be written is not an error.
 void write_pipeline_cache(const std::filesystem::path& folder, const std::string& device,
                           std::span<const std::byte> bytes);
 

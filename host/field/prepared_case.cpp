@@ -131,7 +131,7 @@ void refuse_missing_groups(const MeshSpec& spec, const PolygonSoup& polygons) {
                                      spec.file));
 }
 
-// Findings already made are by the SHA-256 of their file and what was made of it.
+// Earlier findings, by the SHA-256 of their file and the changes made to it.
 // \throws IoError, UsageError for a file in which the law has no meaning
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const PolygonFile* given,
                                                  std::map<std::string, MeshFindings>& findings) {
@@ -155,10 +155,9 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const Pol
     const double weld = spec.weld / (spec.unit * spec.scale);
     const JoinedVertices joined = weld > 0 ? join_vertices(file.polygons, weld) : JoinedVertices{};
     if (joined.facets > 0 && joined.facets == file.polygons.facets())
-        throw UsageError(
-            fmt::format("{}: weld = {} m joins the vertices of every facet, so that nothing is left; it is "
-                        "to be smaller than the edges",
-                        spec.file, spec.weld));
+        throw UsageError(fmt::format("{}: weld = {} m joins the vertices of every facet, so that none is left; make it "
+                                     "smaller than the edges",
+                                     spec.file, spec.weld));
     if (spec.orient == Orientation::outward)
         for (const std::string& turned : orient_outward(file.polygons))
             mesh->changes.push_back({turned});
@@ -201,7 +200,7 @@ void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
                                          facet, scene.surface.mesh.file, polygons.corners_of(facet)));
 }
 
-// Who makes the default grid finer and changes nothing else of it sees a part of the bump.
+// A default grid with a finer spacing alone shows only a part of the bump.
 void warn_of_part(const Scene& scene, std::vector<std::string>& warnings) {
     const bool bump = scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump;
     const GridSpec& grid = scene.grid;
@@ -266,7 +265,7 @@ std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec, const Pol
     return mesh;
 }
 
-// What is not said of it is as with the scene's own mesh.
+// Keys that it lacks are as with the scene's own mesh.
 std::shared_ptr<const SceneMesh> CasePreparation::compared_mesh(Scene& scene) {
     CompareSpec& compare = *scene.compare;
     MeshSpec spec = scene.surface.kind == SurfaceKind::mesh ? scene.surface.mesh : MeshSpec{};

@@ -34,10 +34,10 @@ struct SceneMesh {
     MeshStructure structure;
     MeshFindings findings;
     InsideTest inside = InsideTest::pseudonormal; /* as the spec has it, or what suits the mesh */
-    std::vector<MeshFault> changes;               /* what was skipped of the file, what orient turned */
+    std::vector<MeshFault> changes;               /* parts of the file that were skipped, facets that orient turned */
 };
 
-/// What of the file was skipped, and the findings with which what is done still has a meaning, a sentence each, after
+/// Skipped parts of the file, and the findings that leave the computation meaningful, a sentence each, after
 /// the file's name.
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use);
 
@@ -66,15 +66,15 @@ inline glm::dvec3 world_place(const glm::dvec3& place, const glm::dvec3& origin)
 }
 
 /// A warning that names f64, where single precision rounds coordinates of up to `farthest`, m, to more than a hundredth
-/// of `length`, m, which is `what`; nothing in double precision, or for no length.
+/// of `length`, m, which is `what`; empty in double precision, or for no length.
 std::optional<std::string> coarse_warning(Precision precision, double farthest, const std::string& what, double length);
 
 /// Reads images and meshes; cases that follow each other share them, and only the last few stay in memory.
 class CasePreparation {
 public:
     /// \param given stands for the file of the scene's mesh
-    /// \throws IoError for a file that is missing or damaged, UsageError for one that is no height map or mesh, or not
-    /// the one whose SHA-256 the scene states.
+    /// \throws IoError for a file that is missing or damaged, UsageError for one that is not a height map or mesh, or
+    /// not the one whose SHA-256 the scene states.
     PreparedCase prepare(const Case& one, const PolygonFile* given = nullptr);
 
     /// The mesh alone; fills in its file's SHA-256. \throws as above
@@ -92,7 +92,7 @@ private:
 template <typename T> constexpr double kLargestLength = std::is_same_v<T, float> ? 1e15 : 1e150;
 
 /// The largest coordinate of a probe in the world, m: squares of lengths stay numbers of T, and a mesh can still be
-/// told from a point.
+/// distinguished from a point.
 template <typename T> double largest_coordinate(const PreparedCase& prepared);
 
 } // namespace forceshade

@@ -163,7 +163,7 @@ template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which,
     if (!(farthest <= kMeshReach<T> * mesh.scale))
         throw UsageError(fmt::format(
             "the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about "
-            "{:.3g} m in size: beyond {:.0f} sizes {} cannot tell its facets apart; move the grid "
+            "{:.3g} m in size: beyond {:.0f} sizes {} cannot distinguish its facets; move the grid "
             "or check the unit",
             farthest, "xyz"[which], 2 * mesh.scale, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
     return axis<T>(grid, i, grid.size[i], mesh.centre[which], mesh.scale, "a grid coordinate, in sizes of the mesh,");
@@ -217,7 +217,7 @@ layout::Features features_of(const Scene& scene) {
                                                                    : layout::kShadingNone;
     if (mesh && scene.surface.mesh.inside == InsideTest::winding)
         features.inside = layout::kInsideWinding;
-    // Only facets that slope tell the two readings apart.
+    // The two readings differ only on facets that slope.
     if (bump && scene.force.depth == DepthReading::normal)
         features.depth = layout::kDepthNormal;
     if (features.shading == layout::kShadingReference && scene.force.reference == ReferenceDirection::radial)
@@ -259,7 +259,7 @@ std::vector<std::string> omissions(const Scene& scene) {
     channel(layout::kChannelDepth, "depth channel");
     channel(layout::kChannelFacet, "facet channel");
     channel(layout::kChannelProxy, "proxy channel");
-    if (scene.field) // likewise
+    if (scene.field) // paths have no such channel
         channel(layout::kChannelUnshaded, "unshaded channel");
     if (scene.field && !depends_on_y(features) && scene.grid.size[1] > 1)
         left_out.push_back(fmt::format("{} of {} y samples, alike", scene.grid.size[1] - 1, scene.grid.size[1]));

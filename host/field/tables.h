@@ -42,7 +42,7 @@ struct SceneImages {
     std::shared_ptr<const SceneMesh> mesh;
 };
 
-/// Owns what a layout::FieldInput only points to.
+/// Owns the data of a layout::FieldInput.
 template <typename T> struct FieldTables {
     layout::Features features;
     layout::LawParams<T> params{};
@@ -61,7 +61,7 @@ template <typename T> struct FieldTables {
 
 /// How much of a grid is evaluated.
 enum class Extent {
-    nothing,     /* no samples: a law alone */
+    nothing,     /* the law alone */
     what_varies, /* one y where the force does not depend on it */
     everything,
 };
@@ -73,13 +73,13 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
 /// triangle; laws made before do not see it.
 template <typename T> void find_obstacles(FieldTables<T>& tables);
 
-/// What a scene switches on (layout::Features).
+/// The features of a scene (layout::Features).
 layout::Features features_of(const Scene& scene);
 
 /// True if any channel depends on y, so that a grid must be evaluated at every y.
 bool depends_on_y(const layout::Features& features);
 
-/// What was left out of the kernel and why, one short phrase each, for the manifest and the volume's attributes.
+/// The features left out of the kernel and why, one short phrase each, for the manifest and the volume's attributes.
 std::vector<std::string> omissions(const Scene& scene);
 
 } // namespace forceshade

@@ -120,7 +120,7 @@ private:
         const double size = norm(double(force.x), double(force.y), double(force.z));
         if (!std::isfinite(size))
             fail(reader_.csv().source(), {sample.line, 1},
-                 fmt::format("the force at ({}, {}, {}) m is no finite number of this precision", sample.probe.x,
+                 fmt::format("the force at ({}, {}, {}) m is not finite in this precision", sample.probe.x,
                              sample.probe.y, sample.probe.z));
         ++result_.samples;
         result_.in_contact += found.contact.facet != layout::kNoFacet;

@@ -24,9 +24,9 @@ struct ExploreResult {
 using ExploreProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 /// Reads `paths` (PathReader), evaluates the scene's law at every sample in the scene's precision on the calling
-/// thread, and writes `out` (PathWriter), rows in the order of the input, and STEM.paths.csv beside it (PathSummary);
+/// thread, and writes `out` (PathWriter), rows in the order of the input, and STEM.paths.csv next to it (PathSummary);
 /// `stretch`, m, as in layout::PathInput. Memory does not grow with the number of samples, only with that of paths.
-/// Nothing is written unless all is well.
+/// After an error no file is written.
 /// \throws UsageError for what is wrong in the paths (PathReader, PathCensus), IoError, Interrupted.
 ExploreResult explore(const PreparedCase& prepared, const std::filesystem::path& paths,
                       const std::filesystem::path& out, float stretch, const ExploreProgress& progress);

@@ -19,7 +19,7 @@ struct PathRegion {
     double width = 0;               /* m: across */
     double inner = 0;               /* m: a spiral's smallest radius */
     double bound = 0;               /* m: a probe further than this from its target has left */
-    double stretch = 0;             /* m: the least way that a turn of the force is counted over */
+    double stretch = 0;             /* m: the least distance over which a turn of the force is counted */
 };
 
 /// The region of a scene's paths. Left open: about the origin, or the middle of a mesh's box; 1.2 times as long as the
@@ -36,7 +36,7 @@ PathRegion recorded_region(const PreparedCase& prepared);
 /// The stretch, m, as kernels have it in either precision: its square is a number of single precision.
 float single_stretch(const PathRegion& region);
 
-/// The largest coordinate, m, that a path may come to: of a normal distribution 8 standard deviations are counted, and
+/// The largest coordinate, m, that a path may reach: of a normal distribution 8 standard deviations are counted, and
 /// of a closed loop what its bound allows.
 double farthest_coordinate(const PathsSpec& paths, const PathRegion& region);
 
@@ -104,19 +104,19 @@ double walk_edge(const PathsSpec& paths, const PathRegion& region, const PathDra
 
 // The intended motion of a path from its number: speeds, depths and directions drawn, phases counted.
 
-/// Turns as a phase, 2^-32 turns, whole turns left out; 0 for what is no number.
+/// Turns as a phase, 2^-32 turns, whole turns left out; 0 if not finite.
 std::uint32_t phase_of_turns(double turns);
 
 /// How fast a path goes.
 struct PathPace {
     double speed = 0; /* m/s */
-    double turns = 0; /* a sample: of a round there and back, whole ones included; 0 for what has no round or way */
+    double turns = 0; /* a sample: of a round there and back, whole ones included; 0 without rounds or lines */
 };
 
 PathPace path_pace(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
 
 /// The motion of a path, in double. All begin at phase 0: strokes and lines at their end, circles and spirals along the
-/// heading, spirals at their smallest radius, taps at the top. A way of no length is not gone along.
+/// heading, spirals at their smallest radius, taps at the top. A line without length is skipped.
 layout::MotionParams<double> path_motion(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
 
 /// Whether paths that do not tremble differ from each other.

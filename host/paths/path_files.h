@@ -44,14 +44,14 @@ private:
     double total_ = 0; /* s: of the samples before the last */
 };
 
-/// Nothing where a number has no meaning: depths without contact, a speed ratio in open loop. The deviation of depths
+/// Empty where a number has no meaning: depths without contact, a speed ratio in open loop. The deviation of depths
 /// is a difference of sums: in single precision it is known to about 3e-4 of the mean depth.
 struct PathFigures {
     std::uint64_t steps = 0;
     double contact_time = 0;                 /* s: of recorded paths as ContactTime says */
     double largest_force = 0, rms_force = 0; /* N; over the samples before a path left its bound */
     double largest_turn = 0;                 /* deg: of the force between two samples in a row, both in contact */
-    double steepest_turn = 0;                /* deg/mm: of the force, over ways of a stretch or more */
+    double steepest_turn = 0;                /* deg/mm: of the force, over distances of a stretch or more */
     double work = 0;                         /* J: done on the hand */
     double effort = 0;                       /* J: sum of |F . dx| */
     std::optional<double> eta;               /* 1: work / effort */
@@ -59,8 +59,8 @@ struct PathFigures {
     std::optional<double> least_round, mean_round, largest_round; /* J: done on the hand in a complete round */
     std::optional<double> least_depth, mean_depth, largest_depth, depth_deviation; /* m: in contact */
     std::optional<double> unstable_time; /* s: t of the sample at which the probe left its bound */
-    bool fell = false;                   /* free of contact, the way the hand pushes: off the rim of a surface */
-    std::optional<double> speed_ratio;   /* 1: largest speed of the last quarter over that of the second */
+    bool fell = false;                 /* left contact in the direction of the hand's push: off the rim of a surface */
+    std::optional<double> speed_ratio; /* 1: largest speed of the last quarter over that of the second */
     bool began_inside = false;
     std::uint64_t unfinished = 0; /* samples at which the proxy did not come to rest */
 };
@@ -149,7 +149,7 @@ const char* path_summary_header();
 // Explored paths as a CSV file: where the probe was, and the contact there.
 
 /// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); x, y, z are where the law was evaluated, g is the
-/// proxy, both in the world; facet -1 out of contact. Nothing stands under the final name until publish() or finish().
+/// proxy, both in the world; facet -1 out of contact. The final name appears with publish() or finish().
 class PathWriter {
 public:
     /// `origin`, m, in the world: what places are measured from; on axes on which it is not 0 they are written as
@@ -157,7 +157,7 @@ public:
     /// number. \throws IoError, as do the others.
     explicit PathWriter(const std::filesystem::path& path, const glm::dvec3& origin = glm::dvec3(0),
                         bool compared = false);
-    /// `compared`: those two, if there are such columns.
+    /// `compared`: those two columns, if `compared` was set.
     template <typename T>
     void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact,
              std::span<const T> compared = {});
@@ -216,7 +216,7 @@ private:
 // Explored paths as polylines for ParaView (.vtp), one a path, streamed.
 
 struct PathVtpHeader {
-    std::uint64_t paths = 0, samples = 0; /* samples of all paths, behind whose ends nothing stands */
+    std::uint64_t paths = 0, samples = 0; /* samples of all paths, up to their ends */
     bool proxies = false;                 /* whether they are stored */
     Precision precision = Precision::f32; /* Float32 or Float64; of `time` always Float64 */
     bool compared = false;                /* with angle and magnitude_error */
@@ -279,10 +279,10 @@ struct Following {
     double sunk = 0;           /* m: mean distance below the line, along z */
     double distance = 0;       /* m: root mean square from the line so sunk, along z */
     double angle = 0;          /* deg: root mean square between the force and the line's normal */
-    double median_angle = 0;   /* deg: likewise the median, which an edge that the probe rattles on does not move */
+    double median_angle = 0;   /* deg: the median, which an edge that the probe rattles on does not change */
 };
 
-/// Of a line whose x increases; no samples where there is none.
+/// Of a line whose x increases; no samples where the line is missing.
 Following following(const std::vector<picture::DrawnPath>& paths, const std::vector<picture::LinePoint>& line);
 
 } // namespace forceshade

@@ -139,7 +139,7 @@ void CsvReader::read_quoted() {
     }
     skip_blanks();
     if (const int c = peek(); c != ',' && c != '\n' && c != '\r' && c != kEnd)
-        fail(source_, here_, "text after a closing quote; a comma or the end of the line is wanted");
+        fail(source_, here_, "text after a closing quote; expected a comma or the end of the line");
 }
 
 namespace {
@@ -148,9 +148,9 @@ constexpr std::array<const char*, 5> kNames{"path", "t", "x", "y", "z"};
 constexpr std::array<const char*, 5> kWanted{"a whole number from 0, such as 7", "seconds, such as 0.25",
                                              "metres, such as -0.0125", "metres, such as -0.0125",
                                              "metres, such as -0.0125"};
-constexpr double kLargestWhole = 9007199254740992; // 2^53: up to here doubles tell whole numbers apart
+constexpr double kLargestWhole = 9007199254740992; // 2^53: doubles represent whole numbers up to here
 
-// A cell as an error shows it: not too long, and nothing that a terminal obeys.
+// A cell as an error shows it: not too long, and without control characters.
 std::string shown(std::string_view text) {
     constexpr std::size_t kMost = 40;
     std::string safe(text.substr(0, kMost));
@@ -162,9 +162,9 @@ std::string shown(std::string_view text) {
 // Spreadsheets of some countries write these.
 std::string separator_hint(std::string_view header) {
     if (header.find(';') != std::string_view::npos)
-        return "; its cells are separated by semicolons, commas are wanted";
+        return "; its cells are separated by semicolons instead of commas";
     if (header.find('\t') != std::string_view::npos)
-        return "; its cells are separated by tabs, commas are wanted";
+        return "; its cells are separated by tabs instead of commas";
     return "";
 }
 
@@ -201,7 +201,7 @@ void PathReader::refuse_header() const {
         if (std::find(there.begin(), there.end(), name) == there.end())
             missing.emplace_back(name);
     std::string hint = width_ == 1 ? separator_hint(there.front()) : "";
-    // Names of one letter are near to everything; only another case tells what was meant.
+    // Every name of one letter is near to every other; only another case is a hint.
     for (const std::string& name : there)
         for (const std::string& wanted : missing)
             if (hint.empty() && (name.size() > 1 || std::tolower(static_cast<unsigned char>(name[0])) == wanted[0]))
@@ -209,7 +209,7 @@ void PathReader::refuse_header() const {
                     hint = fmt::format("; {} there is meant to be \"{}\"?", shown(name), wanted);
     std::string header = fmt::format("{}", fmt::join(there, ","));
     fail(csv_.source(), csv_.where(0),
-         fmt::format("the header lacks {} \"{}\": got {}{}; wanted are path,t,x,y,z in any order (s, m)",
+         fmt::format("the header lacks {} \"{}\": got {}{}; expected path,t,x,y,z in any order (s, m)",
                      missing.size() > 1 ? "columns" : "column", fmt::join(missing, "\", \""), shown(header), hint));
 }
 
@@ -222,7 +222,7 @@ void PathReader::read(std::vector<PathSample>& samples, std::size_t most) {
     }
     any_ = any_ || !samples.empty();
     if (!any_)
-        fail(csv_.source(), {}, "there is no sample below the header; a row for each is wanted");
+        fail(csv_.source(), {}, "there is no sample below the header; write a row for each");
 }
 
 void PathReader::check_width() const {
@@ -232,7 +232,7 @@ void PathReader::check_width() const {
     fail(csv_.source(), where,
          fmt::format("{} cell{} in this row, the header has {}{}", csv_.size(), csv_.size() == 1 ? "" : "s", width_,
                      csv_.ends_open()       ? "; the file ends here without a line feed: was it cut off?"
-                     : csv_.size() > width_ ? "; are there decimal commas? Points are wanted"
+                     : csv_.size() > width_ ? "; are there decimal commas? Use points"
                                             : ""));
 }
 
@@ -243,7 +243,7 @@ void PathReader::refuse(Column column, const std::string& message) const {
 double PathReader::number(Column column) const {
     std::string_view text = csv_.text(cells_[column]);
     if (text.empty())
-        refuse(column, fmt::format("the cell is empty; wanted are {}", kWanted[column]));
+        refuse(column, fmt::format("the cell is empty; expected {}", kWanted[column]));
     if (text.size() > 1 && text[0] == '+' && text[1] != '-')
         text.remove_prefix(1); // std::from_chars knows no plus sign
     double value = 0;
@@ -252,9 +252,9 @@ double PathReader::number(Column column) const {
     if (error == std::errc::result_out_of_range && whole)
         refuse(column, fmt::format("{} is beyond double precision: 0, or sizes from 4.9e-324 to 1.8e308", shown(text)));
     if (error != std::errc() || !whole)
-        refuse(column, fmt::format("{} is no number; wanted are {}", shown(text), kWanted[column]));
+        refuse(column, fmt::format("{} is not a number; expected {}", shown(text), kWanted[column]));
     if (!std::isfinite(value))
-        refuse(column, fmt::format("{} is not finite; wanted are {}", shown(text), kWanted[column]));
+        refuse(column, fmt::format("{} is not finite; expected {}", shown(text), kWanted[column]));
     return value;
 }
 
@@ -275,11 +275,11 @@ std::uint64_t PathReader::path_id() const {
         return id;
     const double value = number(kPath);
     if (value < 0)
-        refuse(kPath, fmt::format("{} is negative; wanted is {}", shown(text), kWanted[kPath]));
+        refuse(kPath, fmt::format("{} is negative; expected {}", shown(text), kWanted[kPath]));
     if (value != std::floor(value))
-        refuse(kPath, fmt::format("{} is not whole; wanted is {}", shown(text), kWanted[kPath]));
+        refuse(kPath, fmt::format("{} is not whole; expected {}", shown(text), kWanted[kPath]));
     if (value > kLargestWhole)
-        refuse(kPath, fmt::format("{} is too large; wanted is {}", shown(text), kWanted[kPath]));
+        refuse(kPath, fmt::format("{} is too large; expected {}", shown(text), kWanted[kPath]));
     return static_cast<std::uint64_t>(value);
 }
 

@@ -91,7 +91,7 @@ public:
     PathReader(const std::filesystem::path& path, double largest_coordinate);
 
     /// Replaces `samples` by the next ones, `most` or what is left; empty at the end of the file.
-    /// \throws UsageError `file:line:column: x: ...` for the first row that is no sample, or if there is none at all.
+    /// \throws UsageError `file:line:column: x: ...` for the first row that is not a sample, or without any row.
     void read(std::vector<PathSample>& samples, std::size_t most);
 
     const CsvReader& csv() const noexcept { return csv_; }
@@ -170,7 +170,7 @@ private:
     std::unordered_map<std::uint64_t, std::size_t> numbers_;
     std::vector<std::uint64_t> ids_;
     std::vector<double> times_;      /* s: of each path's last sample */
-    std::vector<glm::dvec3> places_; /* m: likewise */
+    std::vector<glm::dvec3> places_; /* m: of the same */
     StepScale scale_;
     std::size_t last_ = 0; // the path of the sample before
     std::optional<std::uint32_t> first_return_;

@@ -131,7 +131,7 @@ void RecordedFile::require_unchanged() const {
 }
 
 void RecordedFile::refuse_change() const {
-    throw IoError(fmt::format("{} was changed while it was read; nothing was written", path_.string()));
+    throw IoError(fmt::format("{} was changed while it was read; no file was written", path_.string()));
 }
 
 void RecordedCursor::restart() {

@@ -127,7 +127,7 @@ public:
         : file_(std::move(file)), cursor_(*file_), most_(most), origin_(origin) {}
 
     const std::shared_ptr<const RecordedFile>& file() const { return file_; }
-    /// Further batches have at most so many samples.
+    /// The most samples of further batches.
     void limit(std::size_t most) { most_ = std::min(most_, most); }
 
     /// Goes to the path `first`; how many paths from there on, at most `count`, are taken together. A batch ends before
@@ -156,7 +156,7 @@ private:
 };
 
 /// Puts the SHA-256 of the file of recorded paths into the case and its resolved text. \throws IoError, UsageError if
-/// the scene states another one. Does nothing where the paths are generated.
+/// the scene states another one. No effect where the paths are generated.
 void add_recorded_digest(PreparedCase& prepared);
 
 extern template class RecordedPaths<float>;

@@ -71,7 +71,7 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     region_.centre = {region_.centre[0] - origin_.x, region_.centre[1] - origin_.y};
     region_.height -= origin_.z;
     if (prepared.images.mesh && spec_.kind != PathKind::recorded && !(farthest <= largest_coordinate<T>(prepared)))
-        throw UsageError(fmt::format("the paths come to {:.3g} m from the origin, further from the mesh than {} can "
+        throw UsageError(fmt::format("the paths reach {:.3g} m from the origin, further from the mesh than {} can "
                                      "follow: at most {:.3g} m; are the units right?",
                                      farthest, std::is_same_v<T, float> ? "f32" : "f64",
                                      largest_coordinate<T>(prepared)));
@@ -334,7 +334,7 @@ std::string open_round_warning(const PathsSpec& paths, const PathPace& fastest) 
     const double steps = 1 / fastest.turns; // of a round
     return fmt::format(
         "[paths]: steps: a round takes {:.4g} s at {:.3g} m/s, and the paths end after {:.4g} s: no round "
-        "is complete, and none is told of; right is steps = {:.0f} or more, or a higher speed",
+        "is complete, and none is reported; set steps = {:.0f} or more, or a higher speed",
         steps / paths.rate, fastest.speed, static_cast<double>(paths.steps) / paths.rate, std::ceil(steps) + 1);
 }
 

@@ -52,7 +52,7 @@ public:
     /// What is remarkable in the recorded file, `file:line:column: ...`, or in what is generated; and where T is too
     /// coarse for the steps or the depth.
     std::vector<std::string> warnings() const;
-    /// Batches of recorded paths have at most so many samples, each path counted as long as the longest.
+    /// The most samples of a batch of recorded paths, each path counted as long as the longest.
     void limit_batches(std::size_t samples);
 
     layout::PathBatch<T> batch(std::size_t first, std::size_t count) override;
@@ -94,7 +94,7 @@ extern template class ScenePaths<double>;
 /// Which key, how many paths, and what would be right: paths that go half a round a sample or more, so that they seem
 /// to go slower or back; paths that all end before they have been there and back once; paths so slow that whole phases
 /// of 2^-32 rounds (of a spiral also of its way out and back) a sample miss their speed by more than a hundredth;
-/// frequencies of half the rate or more. Of more than 65 536 paths the first so many are looked at.
+/// frequencies of half the rate or more. Of more than 65 536 paths the first 65 536 are checked.
 std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion& region);
 
 // The hand and the device of a scene, as an engine takes them.
@@ -114,7 +114,7 @@ struct Axis {
 };
 
 /// Its exact map over `period` seconds during which target and force are held (zero-order hold): under-, over- and
-/// critically damped, and without damping or spring. No coefficient loses digits where it is small beside others.
+/// critically damped, and without damping or spring. No coefficient loses digits where it is small against others.
 layout::AxisMap<double> axis_map(const Axis& axis, double period);
 
 } // namespace forceshade

@@ -244,7 +244,7 @@ private:
                      {std::tuple(&xs, point.x, point.x_low, point.x_high), {&ys, point.y, point.y_low, point.y_high}})
                     values->insert(values->end(), {at, low.value_or(at), high.value_or(at)});
             }
-        if (bars()) { // they lie, and begin at nothing
+        if (bars()) { // they are horizontal, and begin at zero
             ys.push_back(0);
             xs = ys;
         }
@@ -270,7 +270,7 @@ private:
         return {plot_.x + u * plot_.width, plot_.y + (1 - v) * plot_.height};
     }
 
-    // The series with marks whose name a curve has; null if there is none.
+    // The series with marks whose name a curve has, or null.
     const ChartSeries* marked_as(const ChartSeries& curve) const {
         const auto found = std::ranges::find_if(
             chart_.series, [&](const ChartSeries& one) { return !curve.marks && one.marks && one.name == curve.name; });
@@ -338,7 +338,7 @@ private:
                     continue;
                 const double top = plot_.y + (point.x + 0.125) * row + static_cast<double>(i) * height;
                 const double end = place(point.y, 0).x;
-                if (chart_.x.logarithmic) // there is nothing that a bar could begin at
+                if (chart_.x.logarithmic) // it has no zero for a bar to begin at
                     draw_mark(canvas, numbers_[i], {end, top + height / 2});
                 else
                     canvas.fill({std::min(base, end), top, std::max(1.0, std::fabs(end - base)), height - 1},
@@ -402,7 +402,7 @@ private:
         }
     }
 
-    // Beside their marks, where no mark, line or other label is.
+    // Next to their marks, where no mark, line or other label is.
     void draw_labels(Canvas& canvas) const {
         std::vector<Box> taken;
         for (const auto& [text, at] : labels_) {

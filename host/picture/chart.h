@@ -21,14 +21,14 @@ struct ChartAxis {
 struct ChartPoint {
     double x = 0, y = 0;
     std::optional<double> x_low{}, x_high{}, y_low{}, y_high{}; /* ends of whiskers */
-    std::string label{};                                        /* stands beside the mark if there is room */
+    std::string label{};                                        /* stands next to the mark, where there is room */
     bool marked = true;                                         /* if the series has marks */
 };
 
 struct ChartSeries {
     std::string name;
     std::vector<ChartPoint> points;
-    bool marks = true, joined = false, dashed = false; /* without marks a point that is no number breaks the line */
+    bool marks = true, joined = false, dashed = false; /* without marks a point that is not finite breaks the line */
     std::vector<Stroke> strokes{};                     /* of the line, one over the other; empty: by the name */
     bool bar_if_still = false;                         /* a line that stays in one place is a short bar there */
 };

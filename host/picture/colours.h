@@ -25,12 +25,12 @@ constexpr std::uint32_t packed(Rgb8 c) {
     return static_cast<std::uint32_t>(c.r << 16 | c.g << 8 | c.b);
 }
 
-/// Where there is no force.
+/// Where the force is zero.
 inline constexpr Rgb8 kNoForceColour{255, 255, 255};
-/// Values that are no number are drawn as a checker of these two, so that they stand out without colour vision too.
+/// NaN values are drawn as a checker of these two, so that they stand out without colour vision too.
 inline constexpr std::array<Rgb8, 2> kNonFiniteColours{Rgb8{255, 0, 200}, Rgb8{0, 0, 0}};
 
-/// viridis; plasma, for a second quantity beside it; blue, white, red; a rainbow that begins again where it ends.
+/// viridis; plasma, for a second quantity; blue, white, red; a rainbow that begins again where it ends.
 enum class ColourMap { sequential, second, diverging, cyclic };
 
 /// The colour at `share` of the map, in [0, 1].

@@ -108,7 +108,7 @@ private:
         return visible_pieces(points, plot);
     }
 
-    // Panels in one column have the bars of their scales beside them; else bars stand in a row.
+    // Panels in one column have the bars of their scales on their right; else bars stand in a row.
     bool beside_their_panels() const {
         return columns_ == 1 && sheet_.scales.size() > 1 && panel_height_ >= kLeastBarHeight;
     }
@@ -356,8 +356,8 @@ Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantit
         if (of_tile.none < of_tile.samples)
             filled.push_back(tile);
     }
-    const bool nothing = filled.empty();
-    if (nothing)
+    const bool empty = filled.empty();
+    if (empty)
         filled.push_back(tiles[0]);
     const Window window = contact_window(filled);
     PanelSheet sheet{look, {}, {}, {scale_for(quantity, census.largest, tiles[0].axes.axis)}, {}, census};
@@ -376,7 +376,7 @@ Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantit
                                              sheet.scales[0].words, labels.size())) +
                           largest_note(sheet.scales[0], census.largest));
     add_axes_notes(axes, false, sheet.notes);
-    if (nothing)
+    if (empty)
         sheet.notes.push_back("no force in this field");
     return draw_panels(sheet);
 }

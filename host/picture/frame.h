@@ -32,10 +32,10 @@ struct PlaneAxes {
 
 PlaneAxes plan_axes(const SliceAxes& samples);
 
-/// How long a plot side of so many samples may be, at most `room` pixels: a handful of samples needs no whole sheet.
+/// How long a plot side of `samples` samples may be, at most `room` pixels: a handful of samples needs no whole sheet.
 double most_pixels(std::size_t samples, double room);
 
-/// Of the axes that make(most ticks) returns the one with as many ticks as so many pixels leave room for.
+/// Of the axes that make(most ticks) returns the one with as many ticks as fit into `pixels`.
 Axis fit_axis(double pixels, bool vertical, const AxisMaker& make);
 
 struct AxesStyle {
@@ -47,10 +47,11 @@ double left_room(const Axis& axis, bool title = true);
 double bottom_room(bool title = true);
 /// The frame of a plot, ticks and labels.
 void draw_axes(Canvas& canvas, const Box& plot, const Axis& x, const Axis& y, const AxesStyle& style = {});
-/// The titles beside that, unless they are empty.
+/// The titles outside of that, unless they are empty.
 void draw_axis_titles(Canvas& canvas, const Box& plot, const Axis& x, const Axis& y);
 
-/// A vertical bar of the scale's colours with ticks and title on its right; nothing and no width without values.
+/// A vertical bar of the scale's colours with ticks and title on its right; without values it is not drawn and has no
+/// width.
 double colour_bar_width(const ColourScale& scale, double height);
 double colour_bar_least_height(const ColourScale& scale);
 void draw_colour_bar(Canvas& canvas, Point upper_left, double height, const ColourScale& scale);
@@ -72,12 +73,12 @@ struct LegendItem {
     std::function<void(Canvas& canvas, Point left, Point right)> draw; // at half the height of the text
 };
 
-/// Height of the items, flowed into rows of `width` pixels; 0 if there are none.
+/// Height of the items, flowed into rows of `width` pixels; 0 without items.
 double legend_height(const std::vector<LegendItem>& items, double width);
 void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width);
 
 LegendItem swatch_item(std::string text, Rgb8 colour);
-/// Of values that are no finite number.
+/// Of values that are not finite.
 LegendItem checker_item(std::string text);
 
 inline constexpr double kLeastArrowLength = 4; // pixels

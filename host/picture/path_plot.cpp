@@ -22,7 +22,7 @@ struct Bounds {
         low = std::min(low, value);
         high = std::max(high, value);
     }
-    // With a border, and never empty; `least` of border if there is no width.
+    // With a border, and never empty; `least` of border at no width.
     Range widened(double least) const {
         if (!(low <= high))
             return {-least, least};

@@ -71,7 +71,7 @@ Picture draw_arrows(const Look& look, const FieldSlice& slice, const SurfaceLine
 Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded,
                      const SurfaceLines& lines = {});
 
-/// A path to draw: sample i was at way[i]; direction[i] is the force's, NaN where there is none.
+/// A path to draw: sample i was at way[i]; direction[i] is the force's, NaN without force.
 struct DrawnPath {
     std::string label;
     std::vector<LinePoint> way;
@@ -82,7 +82,7 @@ struct PathDrawing {
     Look look;
     std::vector<std::string> notes; // lines below the title
     std::vector<DrawnPath> paths;   // one at least, with a finite sample
-    SurfaceLines surface;           // its normals are drawn beside the forces' directions
+    SurfaceLines surface;           // its normals are drawn with the forces' directions
     bool draws_normals = true;
 };
 
@@ -100,7 +100,7 @@ struct Breadth {
 };
 Breadth drawn_breadth(const std::vector<DrawnPath>& paths);
 
-/// Which of the files of a picture are wanted.
+/// Which files of a picture to write.
 struct Endings {
     bool png = false, svg = false, pdf = false;
     bool any() const { return png || svg || pdf; }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
-// The sample nearest to `at` along an axis; the middle one, rounded down, if nothing is wanted.
+// The sample nearest to `at` along an axis; the middle one, rounded down, if `at` is empty.
 std::uint64_t chosen_index(const GridSpec& grid, std::size_t axis, std::optional<double> at) {
     const std::uint64_t last = std::max<std::uint64_t>(grid.size[axis], 1) - 1;
     if (!at)
@@ -22,7 +22,7 @@ std::uint64_t chosen_index(const GridSpec& grid, std::size_t axis, std::optional
 
 std::vector<std::uint64_t> even_indices(std::uint64_t count, std::size_t wanted) {
     std::vector<std::uint64_t> result(static_cast<std::size_t>(std::min<std::uint64_t>(count, wanted)));
-    if (result.size() < 2) // a single one: the first of one, there is no "last" to include
+    if (result.size() < 2) // a single one: the first
         return result;
     const std::uint64_t steps = result.size() - 1;
     const std::uint64_t whole = (count - 1) / steps;

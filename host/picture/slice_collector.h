@@ -15,7 +15,7 @@ namespace forceshade::picture {
 inline constexpr std::size_t kMaxSliceSamples = 256; // along one axis of a slice
 inline constexpr std::size_t kMaxTiles = 36;
 
-/// `wanted` of `count` indices as evenly as whole numbers allow, first and last among them; all if there are no more.
+/// `wanted` of `count` indices as evenly as whole numbers allow, first and last among them; all if `count` is no more.
 std::vector<std::uint64_t> even_indices(std::uint64_t count, std::size_t wanted);
 
 /// Which slice is kept, and what of the tiles.

@@ -29,7 +29,7 @@ constexpr double kSlack = 1e-9;  // steps: a tick on the very end of an axis cou
 constexpr double kHandy = 20;    // extents from the offset that labels may reach
 constexpr double kFarAway = 100; // extents from the origin, from where labels without an offset would be unreadable
 
-// Where an axis lies without its offset, so that nothing cancels.
+// Where an axis lies without its offset, so that no digits cancel.
 struct Placed {
     double offset;           /* m */
     std::string offset_text; // " − 1000 m" or empty

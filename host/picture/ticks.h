@@ -71,7 +71,7 @@ struct Range {
     double fraction(double value) const;
 };
 
-/// Makes an axis with at most so many ticks.
+/// Makes an axis with at most `most` ticks.
 using AxisMaker = std::function<struct Axis(std::size_t most)>;
 
 struct AxisTick {
@@ -107,8 +107,8 @@ double axis_extent(const std::vector<double>& samples, double spacing);
 Axis make_axis(std::string_view name, const std::vector<double>& samples, double spacing, const Unit& unit,
                std::size_t most_ticks);
 
-/// "z = −4.2 mm" for each increasing coordinate (m), in one unit, with the decimals that tell them apart.
-/// `spacing` of the grid (m) sets the resolution where there is one coordinate only. `preferred`: the unit to use where
+/// "z = −4.2 mm" for each increasing coordinate (m), in one unit, with the decimals that distinguish them.
+/// `spacing` of the grid (m) sets the resolution for a single coordinate. `preferred`: the unit to use where
 /// its numbers are handy, between 0.001 and 10000.
 std::vector<std::string> position_labels(std::string_view name, const std::vector<double>& at, double spacing,
                                          const Unit& preferred);

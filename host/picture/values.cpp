@@ -12,7 +12,7 @@
 namespace forceshade::picture {
 namespace {
 
-constexpr int kCheckerSize = 4; // pixels: squares of the pattern that marks what is no number
+constexpr int kCheckerSize = 4; // pixels: squares of the pattern that marks NaN
 constexpr double kMissingValue = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegreesInTurn = 180 / std::numbers::pi;
 

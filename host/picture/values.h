@@ -41,7 +41,7 @@ enum class Quantity { magnitude, x, y, z, direction, angle };
 /// As the command line names them, in the order of Quantity.
 inline constexpr std::array<std::string_view, 6> kQuantityNames{"magnitude", "x", "y", "z", "direction", "turn"};
 
-/// The value where there is no force; a value that is no finite number is NaN.
+/// The value without force; a value that is not finite is NaN.
 inline constexpr double kNoForce = -INFINITY;
 
 struct ValueSlice {
@@ -59,7 +59,7 @@ ValueSlice values_of(const FieldSlice& slice, Quantity quantity, const FieldSlic
 
 /// What a set of values holds.
 struct Census {
-    double largest = 0; // of the finite ones, without their sign; 0 if there are none
+    double largest = 0; // of the finite ones, without their sign; 0 without any
     std::size_t samples = 0, none = 0, non_finite = 0;
 };
 
@@ -70,7 +70,7 @@ Census operator+(const Census& a, const Census& b);
 struct ColourScale {
     Quantity quantity = Quantity::magnitude;
     ColourMap map = ColourMap::sequential;
-    double low = 0, high = 0; // equal where there is nothing to show
+    double low = 0, high = 0; // equal without values
     std::string words;        // "force magnitude |F|"
     std::string title;        // of its bar: "force magnitude"
     std::string_view unit;    // "N" or "°"
@@ -82,13 +82,13 @@ struct ColourScale {
 /// The scale for values up to `largest` in a plane with those directions.
 ColourScale scale_for(Quantity quantity, double largest, const std::array<std::size_t, 3>& axis);
 
-/// " (at most 16.8 N)", or nothing if there is nothing, and of directions.
+/// " (at most 16.8 N)"; empty without values, and for directions.
 std::string largest_note(const ColourScale& scale, double largest);
 
 /// The sample nearest to the middle of each of `pixels` equal parts of an axis, from its low end.
 std::vector<std::size_t> nearest_samples(const std::vector<double>& samples, double spacing, int pixels);
 
-/// width * height pixels 0x00RRGGBB, row 0 at the largest v; each shows the nearest sample, nothing is interpolated.
+/// width * height pixels 0x00RRGGBB, row 0 at the largest v; each shows the nearest sample, without interpolation.
 std::vector<std::uint32_t> rasterise(const ValueSlice& slice, int width, int height, const ColourScale& scale);
 
 /// Which samples of slices a picture shows: [first, last] along u and v.
@@ -96,8 +96,8 @@ struct Window {
     std::size_t u_first = 0, u_last = 0, v_first = 0, v_last = 0;
 };
 
-/// Where some slice has a force or what is no number, with a border; of `reach` (m: low and high v), if given, all that
-/// the slice has. The whole slice if there is nothing.
+/// Where some slice has a force or NaN, with a border; of `reach` (m: low and high v), if given, all that
+/// the slice has. The whole slice without contact.
 Window contact_window(std::span<const ValueSlice> slices, std::optional<std::array<double, 2>> reach = {});
 
 ValueSlice cropped(const ValueSlice& slice, const Window& window);

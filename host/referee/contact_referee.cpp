@@ -80,7 +80,7 @@ template <typename T> struct ContactReferee<T>::Path {
     T last[3]{};              // m: the position of its last sample
     bool begun = false, touching = false, lost = false;
     Point probe{0}, proxy{0}; // of the last sample
-    double tolerance = 0;     // likewise
+    double tolerance = 0;     // of the last sample
 };
 
 template <typename T> struct ContactReferee<T>::Sample {
@@ -175,8 +175,8 @@ private:
                          *side, *path_.side));
     }
 
-    // Whether a place beside a proxy in contact may be on another side than the proxy a skin off the surface is: facets
-    // there face both ways, or another one is near.
+    // Whether a place next to a proxy in contact may be on another side than the proxy a skin off the surface is:
+    // facets there face both ways, or another one is near.
     bool is_in_pocket(const Point& place, const Point& towards) const {
         return surface_.face_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance) ||
                surface_.meets(place, at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no;
@@ -209,7 +209,7 @@ private:
                                             off_normals(here, facing) / depth_));
     }
 
-    // Whether the force is along normals that may constrain a proxy together. Of a mesh that is no solid, all its
+    // Whether the force is along normals that may constrain a proxy together. Of a mesh that is not a solid, all its
     // facets' fronts face the proxy, or all their backs.
     bool rests_on(const std::vector<std::uint32_t>& triangles, int facing, double allowed) const {
         for (const int side : {1, -1})

@@ -1,5 +1,5 @@
 // The contacts of paths on a mesh judged from their rows alone: probes and proxies of this sample and of the last one,
-// the mesh, and nothing of how engine and oracle move a god-object; so it sees a proxy that both of them lose.
+// the mesh, independently of how engine and oracle move a god-object; so it detects a proxy that both of them lose.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@
 namespace forceshade {
 
 struct ContactCount {
-    bool mesh = false;            /* else nothing is looked at */
+    bool mesh = false;            /* else no sample is checked */
     bool closed = false;          /* a mesh without rims: has sides */
-    std::uint64_t samples = 0;    /* looked at: all, but of probes that left their bound */
+    std::uint64_t samples = 0;    /* checked: all, but of probes that left their bound */
     std::uint64_t windings = 0;   /* of them, those for which a winding number was computed */
     std::uint64_t brute = 0;      /* of them, those for which loops over all triangles computed it, too */
     std::uint64_t near = 0;       /* of them, those about which rounding, skin or a narrow corner leave a doubt */

@@ -73,7 +73,7 @@ struct SegmentBoxes {
     double slack;
 };
 
-// How far a vector is from the cone that unit vectors span; `together(i, j)`: two of them may bear it together. The
+// How far a vector is from the cone that unit vectors span; `together(i, j)`: two of them may be combined. The
 // nearest place of a cone is in the span of no more than three of its vectors, with no negative share of any.
 template <typename Together>
 double distance_from_cone(const glm::dvec3& vector, std::span<const glm::dvec3> spans, const Together& together) {

@@ -46,7 +46,7 @@ public:
     bool is_clear(const glm::dvec3& from, const glm::dvec3& to, double aside) const;
 
     double distance(const glm::dvec3& place) const;
-    /// The winding number; none nearer to the surface than `nearest`, or if it is no whole one.
+    /// The winding number; none nearer to the surface than `nearest`, or if it is not whole.
     std::optional<int> side_by_tree(const glm::dvec3& place, double nearest) const;
     std::optional<int> side_by_loops(const glm::dvec3& place, double nearest) const;
     /// How the winding number changes at a place, which is behind the surface, if that is taken for the front.

@@ -39,8 +39,8 @@ inline constexpr Factor kNearest{40, 40}; // L6: of 1 + P, of d / l more on an e
 inline constexpr Factor kPlace{2, 2};     // L6: of a point and the centre, m. Two sums, or one and what is given
 inline constexpr Factor kMorgenbesser{27, 21}; // L7: of the length, and 1 more a corner. Two roots, a product
 inline constexpr Factor kBarycentric{6, 5}; // L7: of the length times 1 + aspect. Areas cancel: 3 of their longest side
-inline constexpr Factor kMeanValue{11, 8};  // L7: likewise; two roots and two quotients on the way
-inline constexpr double kTurn = 2;          // L7: a normal turns so much of what the point moves, of the height
+inline constexpr Factor kMeanValue{11, 8};  // L7: of the same; two roots and two quotients on the way
+inline constexpr double kTurn = 2;          // L7: turn of a normal, per displacement of the point over the height
 inline constexpr Factor kTilt{20, 12};      // L9: of 1 + s. Root 9, / 5, the projection
 
 // Forces.

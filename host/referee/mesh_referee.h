@@ -53,7 +53,7 @@ public:
 
     /// `world` in m. Out of contact the proxy is the probe.
     Answer at(const glm::dvec3& world) const;
-    /// What the law may say where distances are told to within a tolerance in m: an answer for each facet that may be
+    /// The law's possible answers if distances are known to within a tolerance in m: one for each facet that may be
     /// the nearest, and being free of contact where the surface is as near.
     std::vector<Answer> all_at(const glm::dvec3& world, Real tolerance) const;
 
@@ -63,7 +63,7 @@ public:
     /// How often the surface is left more than entered along a ray in a haphazard direction: the winding number of a
     /// closed mesh.
     int crossings(const glm::dvec3& world) const;
-    /// The unit direction that the law's shading and map give at a point of a facet; 0 where there is none.
+    /// The unit direction that the law's shading and map give at a point of a facet; 0 without one.
     Vector direction(std::uint32_t facet, const Vector& point) const;
     Vector facet_normal(std::uint32_t facet) const;
 

@@ -47,13 +47,13 @@ public:
         return mesh_bound().compare(computed, probe, 1, layout::kChannelForce) == Verdict::beyond;
     }
 
-    // Whether an error says nothing: rounding chose another facet of a mesh, or took the probe, or an edge, so that it
-    // is on the other side of an edge.
+    // Whether an error is meaningless: rounding chose another facet of a mesh, or took the probe, or an edge, so that
+    // it is on the other side of an edge.
     bool is_on_edge(const glm::dvec3& force, const glm::dvec3& truth, const glm::dvec3& exact_probe,
                     const glm::dvec3& probe) {
         if (mesh_)
             return mesh_bound().is_ambiguous(force, probe, truth);
-        constexpr double kSurely = 0x1p-18; // of the force: an error of less is no jump worth the look
+        constexpr double kSurely = 0x1p-18; // of the force: a smaller error is not a jump
         if (!single_ || !(norm(force - truth) > kSurely * norm(truth)))
             return false;
         const double allowed = bound().at(probe.x, probe.y, probe.z).force;
@@ -139,7 +139,7 @@ template <typename T> void OracleCheck::add(const layout::FieldChunk<T>& chunk) 
                     touched[x] = !(glm::dot(force_at(x), force_at(x)) == 0);
             continue;
         }
-        const char* const beside = y > 0 ? touched - x_count : touched;
+        const char* const previous_row = y > 0 ? touched - x_count : touched;
         glm::vec<3, T> force = force_at(0);
         T square = glm::dot(force, force);
         VoxelKind before = square == 0 ? VoxelKind::free : VoxelKind::inside;
@@ -154,7 +154,7 @@ template <typename T> void OracleCheck::add(const layout::FieldChunk<T>& chunk) 
                 after = VoxelKind::jump;
             VoxelKind kind = touches ? VoxelKind::inside : VoxelKind::free;
             if (before == VoxelKind::boundary || after == VoxelKind::boundary ||
-                (z > 0 && touches != (touched[x] != 0)) || (y > 0 && touches != (beside[x] != 0)))
+                (z > 0 && touches != (touched[x] != 0)) || (y > 0 && touches != (previous_row[x] != 0)))
                 kind = VoxelKind::boundary;
             else if (before == VoxelKind::jump || after == VoxelKind::jump)
                 kind = VoxelKind::jump;

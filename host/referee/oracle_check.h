@@ -14,8 +14,8 @@
 
 namespace forceshade {
 
-/// Where a voxel lies, as its forces and those of its neighbours tell: in free space, beside the boundary of contact,
-/// beside a jump of the direction (an edge, or a tie of two facets), or else inside.
+/// Where a voxel lies, by its forces and those of its neighbours: in free space, next to the boundary of contact,
+/// next to a jump of the direction (an edge, or a tie of two facets), or else inside.
 enum class VoxelKind { free, boundary, jump, inside };
 inline constexpr std::size_t kVoxelKinds = 4;
 
@@ -28,7 +28,7 @@ public:
     OracleCheck(const PreparedCase& prepared, bool exact_bits);
 
     template <typename T> void add(const layout::FieldChunk<T>& chunk);
-    /// Compares what was drawn, on so many threads.
+    /// Compares what was drawn, on `threads` threads.
     OracleError compare(unsigned threads) const;
 
 private:

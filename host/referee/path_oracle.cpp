@@ -250,7 +250,7 @@ template <typename T>
 void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathChunk<T>& oracle, const Sample& sample) {
     const auto [chosen, path, step, at, other] = sample;
     ++error_.samples;
-    const bool has_force = !rows.force.empty(); // else the engine only told where there is contact
+    const bool has_force = !rows.force.empty(); // else the engine only returned where it has contact
     const glm::dvec3 force = has_force ? vector_of(rows.force, at) : glm::dvec3(0);
     const glm::dvec3 expected = has_force ? vector_of(oracle.force, other) : glm::dvec3(0);
     const double off = norm(force - expected);

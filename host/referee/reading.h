@@ -50,7 +50,7 @@ Bound operator+(const Bound& a, const Bound& b);
 Bound operator*(double factor, const Bound& bound);
 
 /// The first of `channels` (layout::kChannel... bits) in which a reading is further from the truth than the bound
-/// allows; 0 if there is none. A facet must be the very same.
+/// allows, or 0. A facet must be the very same.
 layout::uint first_misfit(const Reading& computed, const Reading& truth, const Bound& allowed, layout::uint channels);
 
 /// One channel in words, as "depth 0.001 m".

@@ -67,7 +67,7 @@ double gradient_error(const Roundoff& u, layout::uint kind, const layout::MapPar
 
 double radial_error(const Place& at) {
     const double depth = at.law.params.centre_depth, distance = std::hypot(at.x, at.z + depth); /* m */
-    // Close to the axis the square of the distance is no normal number. On the axis all of this is infinite.
+    // Close to the axis the square of the distance is not a normal number. On the axis all of this is infinite.
     return std::fmin(at.u(roundings::kRadial) * (1 + depth / distance) + at.u.tiny / (distance * distance), kOpposite);
 }
 

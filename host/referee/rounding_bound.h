@@ -31,11 +31,11 @@ struct Roundoff {
 
 /// First-order bounds, law by law: what each part of it may be off (law_bounds.h), carried through its formula. One
 /// bound serves hardware and CPU alike. With s the slope of facet or map, and every coordinate taken as exact:
-///  - a height of G2 is off by what its operations and rounded vertices make of U(left) + s a, and exact beside the
+///  - a height of G2 is off by what its operations and rounded vertices make of U(left) + s a, and exact outside of the
 ///  bump or with one facet. Where R is barely above a vertex, R and a being rounded moves the circle's rise there by up
 ///  to 4 u R^2 / rise, never more than 2 sqrt(u) R; slope and height of the facet follow;
 ///  - a depth by that and u d, a direction by what is said there, a force by both and the products.
-/// Below the smallest normal number m nothing is relative, and hardware may take such numbers for zero: each depth,
+/// Below the smallest normal number m no error is relative, and hardware may take such numbers for zero: each depth,
 /// direction and force is off by 4 m more, a gradient by 32 m (1 + s). No direction is off by more than 2, whatever its
 /// condition.
 class RoundingBound {
@@ -186,12 +186,12 @@ public:
     /// The case must outlive the bound.
     MeshBound(const PreparedCase& prepared, Precision precision);
 
-    /// Whether a reading is the law's at the probe (mesh frame), allowing for the rounding of so many `sides`.
+    /// Whether a reading is the law's at the probe (mesh frame), allowing for the rounding of `sides` sides.
     Verdict compare(const Reading& computed, const reference::Vector<double>& probe, double sides,
                     layout::uint channels) const;
 
     /// True if rounding, of the probe's position too, decides which point of the mesh an exact force near `probe`
-    /// and one computed there belong to: the difference between them then says nothing.
+    /// and one computed there belong to: the difference between them is then meaningless.
     bool is_ambiguous(const glm::dvec3& computed, const reference::Vector<double>& probe,
                       const glm::dvec3& exact) const;
 

@@ -160,7 +160,7 @@ struct RowMemory {
 // Everything a case of an analytic surface is compared with, and the tables that it takes.
 template <typename T> class SurfaceReferees {
 public:
-    static constexpr bool kOracleTellsForce = false; // the closed form does
+    static constexpr bool kOracleGivesForce = false; // the closed form does
     static constexpr const char* kClosedForm = "the closed form";
 
     explicit SurfaceReferees(const PreparedCase& prepared)
@@ -291,12 +291,12 @@ brute::MeshLaw brute_law(const PreparedCase& prepared) {
     return law;
 }
 
-// Likewise of a mesh. The closed form's place takes the brute referee, which loops over all triangles: on evenly chosen
-// voxels; and where a wrong facet is most likely, which are voxels next to the medial axis and those whose nearest
-// place is on an edge or a corner. Each so many that the loops stay within some seconds.
+// The same for a mesh. The closed form's place takes the brute referee, which loops over all triangles: on evenly
+// chosen voxels; and where a wrong facet is most likely, which are voxels next to the medial axis and those whose
+// nearest place is on an edge or a corner. Their number keeps the loops within some seconds.
 template <typename T> class MeshReferees {
 public:
-    static constexpr bool kOracleTellsForce = true;
+    static constexpr bool kOracleGivesForce = true;
     static constexpr const char* kClosedForm = "a loop over all triangles";
 
     explicit MeshReferees(const PreparedCase& prepared)
@@ -326,7 +326,7 @@ public:
     }
 
     // The error counts against the true position; the bound holds at the position that was rounded to T. Where rounding
-    // chose another facet, the difference says nothing of errors.
+    // chose another facet, the difference is not an error.
     Finding against_oracle(const Reading& computed, layout::uint facet, VoxelIndex at, Hints& hints) const {
         const Reading truth = reading_of(reference::mesh_contact(exact_law_, probe_at(exact_, at), hints.exact));
         const Point probe = probe_at(tables_, at);
@@ -386,7 +386,7 @@ private:
         return !first_misfit(computed, truth, allowed, channels_);
     }
 
-    // One, and as many as the rounding of the probe's place in the world comes to.
+    // One, and more for the rounding of the probe's place in the world.
     double sides_of(const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
         const double placed = 2 * kDoubleRoundoff * norm(centre_) / frame.scale;
@@ -410,8 +410,8 @@ private:
     MeshBound bound_;
     glm::dvec3 centre_, origin_; /* m, in the world: of the mesh's frame, of places */
     layout::uint channels_;
-    std::uint64_t every_;     // voxels: one in so many goes to the brute referee
-    std::uint64_t row_every_; // rows: in one in so many critical voxels do
+    std::uint64_t every_;     // voxels: every n-th goes to the brute referee
+    std::uint64_t row_every_; // rows: in every n-th, critical voxels do
 };
 
 // True if every channel of the sample equals the contact's bit for bit.
@@ -473,11 +473,11 @@ private:
         const std::optional<Finding> closed_form = referees.against_closed_form(computed, reading_of(same), at, memory);
         if (closed_form)
             add(*closed_form, computed, at, result.closed_form, Referees::kClosedForm);
-        const Finding& telling = Referees::kOracleTellsForce ? oracle : *closed_form;
-        result.largest_force = std::max(result.largest_force, norm(telling.truth.force));
+        const Finding& source = Referees::kOracleGivesForce ? oracle : *closed_form;
+        result.largest_force = std::max(result.largest_force, norm(source.truth.force));
     }
 
-    // Where the bits must be the oracle's, nothing else is said of them.
+    // Where the bits must be the oracle's, no other check is made.
     void compare_with_same_precision(const layout::FieldChunk<T>& chunk, std::size_t sample, const Reading& computed,
                                      const reference::Contact<T>& same, VoxelIndex at) {
         ++result.differing;

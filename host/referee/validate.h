@@ -18,7 +18,7 @@ inline const char* name_of(Precision precision) {
 /// The scene with its edges and radii rounded to T as a kernel's tables round them, so that a referee of the rounded
 /// scene puts a voxel of rounded position on the same side of every edge as a kernel without error does. A voxel
 /// exactly on an edge in T has a force that need not occur anywhere in the scene as written: two edges that coincide,
-/// one closed and one open, or a half-open facet beside an open cylinder.
+/// one closed and one open, or a half-open facet next to an open cylinder.
 template <typename T> Scene rounded_scene(const Scene& scene);
 
 extern template Scene rounded_scene<float>(const Scene&);
@@ -28,7 +28,7 @@ extern template Scene rounded_scene<double>(const Scene&);
 struct Distance {
     double largest = 0;            /* N: largest |F - F_referee| of all others */
     std::uint64_t boundary = 0;    /* voxels with a channel beyond the bound, but equal to the referee a few ULP away:
-                                      they fell to the other side of an edge, and their error says nothing */
+                                      they fell to the other side of an edge, and their error is meaningless */
     std::uint64_t unexplained = 0; /* voxels beyond the bound without that excuse */
 };
 
@@ -52,7 +52,7 @@ struct Comparison {
     double relative(const Distance& distance) const { return largest_force > 0 ? distance.largest / largest_force : 0; }
 };
 
-/// Evaluates every voxel (nothing that could be repeated is) and compares. \throws compute::DeviceError, Interrupted.
+/// Evaluates every voxel (none is copied from another) and compares. \throws compute::DeviceError, Interrupted.
 Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision);
 
 struct Totals {

@@ -78,7 +78,7 @@ TEST(Pace, OfARoundThatDoesNotClose) {
     const auto open = warnings("count = 1\nsteps = 500\n");
     ASSERT_EQ(open.size(), 1u);
     EXPECT_EQ(open[0], "[paths]: steps: a round takes 0.6 s at 0.1 m/s, and the paths end after 0.5 s: no round is "
-                       "complete, and none is told of; right is steps = 601 or more, or a higher speed");
+                       "complete, and none is reported; set steps = 601 or more, or a higher speed");
     EXPECT_EQ(warnings("count = 1\nsteps = 601\n").size(), 0u);
     EXPECT_EQ(warnings("count = 1\nsteps = 500\nkind = \"minimum_jerk\"\n").size(), 0u) << "it has no rounds";
     EXPECT_EQ(warnings("count = 300\nsteps = 500\nspeed = { min = \"50 mm/s\", max = \"200 mm/s\" }\n").size(), 0u)
