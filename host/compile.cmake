@@ -30,7 +30,9 @@ endfunction()
 forceshade_headers(plain 1)
 forceshade_headers(plain 2)
 forceshade_headers(plain 3)
-forceshade_headers(json 1 LINK nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp>)
+if(NOT FORCESHADE_LIBRARY_ONLY)
+    forceshade_headers(json 1 LINK nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp>)
+endif()
 
 # forceshade_compile(LEVEL HEADERS target ...): -O3 for the oracle, the mesh and the live loop, where benchmarks show a
 # difference (the plan of a mesh's field takes 2.5 times as long at -O2), -O1 where run time does not matter, -O2 elsewhere.

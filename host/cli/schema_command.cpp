@@ -11,6 +11,7 @@
 #include "host/experiment/experiment.h"
 #include "host/program.h"
 #include "host/scene/schema.h"
+#include "host/scene/schema_json.h"
 #include "host/scene/value.h"
 
 namespace forceshade {

@@ -21,6 +21,7 @@
 #include "host/scene/document.h"
 #include "host/scene/quantity.h"
 #include "host/scene/schema.h"
+#include "host/scene/schema_json.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -471,8 +472,7 @@ std::string experiment_schema() {
                                      "Their keys:",
                                      kMostAnswers));
     for (const AnswerKey& key : answer_keys())
-        text +=
-            comment_text(fmt::format("{}: {}: {}", key.name, schema_row(key)["values"].get<std::string>(), key.doc));
+        text += comment_text(fmt::format("{}: {}: {}", key.name, describe_values(key), key.doc));
     return text;
 }
 

@@ -18,6 +18,7 @@
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/output/files.h"
+#include "host/output/json.h"
 #include "host/output/raw_formats.h"
 #include "host/output/reading.h"
 #include "host/paths/path_reader.h"

@@ -13,8 +13,6 @@
 
 #include "host/error.h"
 
-struct evp_md_ctx_st; // of OpenSSL
-
 namespace forceshade {
 
 /// `cannot write results/a.exr: No space left on device; free space there or choose another folder`.
@@ -100,13 +98,14 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view t
 class Sha256 {
 public:
     Sha256();
+    ~Sha256();
     void update(std::span<const std::byte> bytes);
     /// 64 lower-case hex digits; once, as the last call.
     std::string finish();
 
 private:
-    static void require(bool succeeded);
-    std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
+    struct State; // OpenSSL's, or the library's own (sha256.cpp, sha256_alone.cpp)
+    std::unique_ptr<State> state_;
 };
 
 std::string sha256_of(std::span<const std::byte> bytes);

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/output/files.h"
-#include "host/output/reading.h"
+#include "host/output/json.h"
 
 namespace forceshade {
 

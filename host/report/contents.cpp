@@ -9,7 +9,7 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
+#include "host/output/json.h"
 #include "host/report/sections.h"
 #include "host/study/data/data_files.h"
 

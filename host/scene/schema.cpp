@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "host/scene/scene.h"
 
@@ -149,6 +148,26 @@ namespace {
 
 constexpr std::size_t kLineWidth = 100;
 
+// The key of a quantity that may differ from path to path: its parts replace it.
+bool is_spread(const Key& key) {
+    return !key.spread_part && !key.choice.empty() && key.choice == key.name;
+}
+
+std::string table_header(std::string_view table) {
+    std::string_view remark;
+    if (table == "texture")
+        remark = "(L8; a scene without this table has none)";
+    if (table == "paths")
+        remark = "(exploration paths; a scene without this table has none, one with it and without [grid] no field)";
+    if (table == "compare")
+        remark = "(a shape that forces are compared with; a scene without this table has none)";
+    if (table == "hand")
+        remark = "(what moves the probe along paths in closed loop)";
+    return remark.empty() ? fmt::format("\n[{}]\n", table) : fmt::format("\n# [{}]    {}\n", table, remark);
+}
+
+} // namespace
+
 std::string type_name(const Key& key) {
     constexpr const char* kNames[] = {"",     "",       "number", "integer", "choice", "list of choices",
                                       "file", "digest", "text",   "boolean"};
@@ -157,12 +176,6 @@ std::string type_name(const Key& key) {
     return kNames[static_cast<std::size_t>(key.kind)];
 }
 
-// The key of a quantity that may differ from path to path: its parts replace it.
-bool is_spread(const Key& key) {
-    return !key.spread_part && !key.choice.empty() && key.choice == key.name;
-}
-
-// What may stand there: choices, a range, or a unit.
 std::string describe_values(const Key& key) {
     std::string text = type_name(key);
     if (!key.choices.empty())
@@ -179,24 +192,9 @@ std::string describe_values(const Key& key) {
     return text;
 }
 
-std::string table_header(std::string_view table) {
-    std::string_view remark;
-    if (table == "texture")
-        remark = "(L8; a scene without this table has none)";
-    if (table == "paths")
-        remark = "(exploration paths; a scene without this table has none, one with it and without [grid] no field)";
-    if (table == "compare")
-        remark = "(a shape that forces are compared with; a scene without this table has none)";
-    if (table == "hand")
-        remark = "(what moves the probe along paths in closed loop)";
-    return remark.empty() ? fmt::format("\n[{}]\n", table) : fmt::format("\n# [{}]    {}\n", table, remark);
-}
-
 std::string_view example_of(const Key& key) {
     return key.example.empty() ? key.default_text : key.example;
 }
-
-} // namespace
 
 std::string comment_text(std::string text) {
     std::string result;
@@ -234,37 +232,6 @@ std::string schema_text() {
             result += key_text(key, example_of(key), applies(key, Forms{}));
     }
     return result;
-}
-
-nlohmann::ordered_json schema_row(const Key& key) {
-    nlohmann::ordered_json row{{"key", key.path()}, {"type", type_name(key)}};
-    row["default"] =
-        key.default_text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(std::string(key.default_text));
-    if (key.kind == ValueKind::quantity) {
-        row["unit"] = std::string(dimension_info(key.dimension).unit);
-        row["sign"] = std::array{"any", "not_negative", "positive"}[static_cast<std::size_t>(key.sign)];
-    }
-    if (key.kind == ValueKind::integer) {
-        row["minimum"] = key.smallest;
-        row["maximum"] = key.largest;
-    }
-    if (!key.choices.empty())
-        row["choices"] = std::vector<std::string>(key.choices.begin(), key.choices.end());
-    row["count"] = key.count;
-    row["one_for_all"] = key.one_for_all;
-    row["axis"] = key.axis;
-    row["applies_to"] = describe_applicability(key);
-    row["values"] = describe_values(key);
-    row["example"] = std::string(example_of(key));
-    row["doc"] = std::string(key.doc);
-    return row;
-}
-
-nlohmann::ordered_json schema_json() {
-    nlohmann::ordered_json keys = nlohmann::ordered_json::array();
-    for (const Key& key : schema_keys())
-        keys.push_back(schema_row(key));
-    return {{"keys", std::move(keys)}};
 }
 
 } // namespace forceshade

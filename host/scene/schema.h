@@ -8,8 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "host/scene/quantity.h"
 
 namespace forceshade {
@@ -110,6 +108,15 @@ std::string describe_forms(const Key& key, const Forms& forms);
 /// What a key applies to: `kind bump`, `function sine or gaussian`; empty if to everything.
 std::string describe_applicability(const Key& key);
 
+/// `length`, `integer`, `list of choices`.
+std::string type_name(const Key& key);
+
+/// What may stand there: choices, a range, or a unit.
+std::string describe_values(const Key& key);
+
+/// A value that may stand there: the default where the schema has no better one.
+std::string_view example_of(const Key& key);
+
 /// The schema as TOML with comments: each key with its default, unit or choices, and meaning. It parses as the default
 /// scene.
 std::string schema_text();
@@ -117,9 +124,5 @@ std::string schema_text();
 /// A part of that: a text as lines of comment, and a key with a value below its meaning, commented out unless `given`.
 std::string comment_text(std::string text);
 std::string key_text(const Key& key, std::string_view literal, bool given);
-
-/// The same as JSON: {"keys": [{"key", "type", "default", ...}]}; and the row of one key.
-nlohmann::ordered_json schema_json();
-nlohmann::ordered_json schema_row(const Key& key);
 
 } // namespace forceshade

@@ -13,6 +13,7 @@
 #include "host/error.h"
 #include "host/output/deflate.h"
 #include "host/output/files.h"
+#include "host/output/json.h"
 #include "host/output/raw_formats.h"
 #include "host/output/reading.h"
 #include "host/output/record.h"

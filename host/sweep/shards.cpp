@@ -12,7 +12,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
+#include "host/output/json.h"
 
 namespace forceshade {
 

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/output/json.h"
 #include "host/output/reading.h"
 #include "host/report/contents.h"
 #include "host/report/report.h"

@@ -9,6 +9,7 @@
 #include "host/error.h"
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
+#include "host/output/json.h"
 #include "host/output/reading.h"
 #include "host/scene/schema.h"
 #include "host/scene/starter.h"

@@ -1,4 +1,5 @@
 #include "host/scene/schema.h"
+#include "host/scene/schema_json.h"
 
 #include "host/scene/scene.h"
 #include "host/scene/starter.h"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/output/reading.h"
+#include "host/output/json.h"
 #include "host/study/data/data_files.h"
 
 namespace forceshade::study {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/output/json.h"
 #include "host/output/raw_formats.h"
-#include "host/output/reading.h"
 #include "host/picture/chart.h"
 
 /// A struct as an object of its members, in this order; read by FORCESHADE_FROM, or NLOHMANN_JSON_FROM_WITH_DEFAULT
