@@ -36,9 +36,15 @@ shading = "reference"
 [run]
 precision = "f64"
 END
-cmake -S "$here/../library" -B feel -DCMAKE_PREFIX_PATH="$folder" > /dev/null
-cmake --build feel > /dev/null
-feel/feel scene.toml > felt.csv
+cmake -S "$here/../../host/library/examples" -B examples -DCMAKE_PREFIX_PATH="$folder" > /dev/null
+cmake --build examples > /dev/null
+for example in loop touch headers; do
+    "examples/$example" > "$example.txt"
+done
+grep -q '^0.275 s: 0.000000 0.000000 .* N, facet 1$' loop.txt
+grep -q '^again: touching, ' touch.txt
+grep -q '^error 3: .*stiffness' touch.txt
+examples/feel scene.toml > felt.csv
 bin/forceshade explore scene.toml --paths felt.csv --out explored.csv --engine cpu --quiet
 cat > same.py <<END
 import csv
@@ -59,5 +65,5 @@ END
 module=$(find "$folder/lib" -name '_native*.so' | head -n 1)
 PYTHONPATH=${module%/forceshade/*} /usr/bin/python3 same.py
 echo '[surface' > scene.toml
-if feel/feel scene.toml > felt.csv 2> complaint; then exit 1; fi
+if examples/feel scene.toml > felt.csv 2> complaint; then exit 1; fi
 grep -q 'scene.toml:1:' complaint

@@ -1,11 +1,13 @@
-// An update of the god-object takes nothing from the heap.
+// An update of the god-object takes nothing from the heap, nor does a call of the library that a loop makes.
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <new>
 
 #include <gtest/gtest.h>
 
+#include "host/library/forceshade.h"
 #include "host/reference/god_object.h"
 #include "tests/mesh/god_object_walks.h"
 
@@ -53,6 +55,41 @@ TEST(GodObjectHeap, NothingIsTaken) {
     void* volatile place = std::malloc(1);
     std::free(place);
     EXPECT_GT(taken.load(), before) << "the count must bite";
+}
+
+TEST(LibraryHeap, NothingIsTaken) {
+#if defined(__SANITIZE_ADDRESS__)
+    GTEST_SKIP() << "the sanitizer has the heap";
+#endif
+    const double vertices[] = {0, 0, 0, 0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.02}, level[] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const int corners[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    for (const fs_precision precision : {FS_F32, FS_F64}) {
+        fs_law law = fs_default_law();
+        law.precision = precision;
+        fs_scene* const scene = fs_scene_from_mesh(vertices, 4, corners, nullptr, 4, &law);
+        ASSERT_NE(scene, nullptr) << fs_last_error();
+        fs_probe* const probe = fs_probe_new(scene);
+        ASSERT_NE(probe, nullptr) << fs_last_error();
+        double depths = 0;
+        fs_touch touches[2];
+        const std::uint64_t begun = taken.load();
+        for (int i = 0; i < 1000; ++i) {
+            const double way = 0.009 - 0.003 * std::sin(0.01 * i), lift[] = {0, 0, 1e-6 * i};
+            const double places[] = {way, way, way, 1e300, way, way};
+            fs_scene_pose(scene, level, lift);
+            depths += fs_probe_step(probe, places).depth + fs_scene_at(scene, places).depth;
+            fs_scene_at_many(scene, places, 2, touches, 1);
+            const fs_probe_state state = fs_probe_get_state(probe);
+            fs_probe_set_state(probe, &state);
+            if (i % 100 == 0)
+                fs_probe_reset(probe);
+            fs_scene_pose(scene, vertices, lift); // refused: no rotation
+        }
+        EXPECT_EQ(taken.load(), begun);
+        EXPECT_GT(depths, 0);
+        fs_probe_free(probe);
+        fs_scene_free(scene);
+    }
 }
 
 } // namespace
