@@ -1,5 +1,5 @@
-// What the live loop asks of a haptic device, simulated or real: its position, and to display a force. With what its
-// threads share: the clock, priorities, and a hand-over of values without waiting.
+// The live loop's interface to a haptic device, simulated or real: read a position, display a force. Also what its
+// threads share: the clock, priorities, and a wait-free hand-over of values.
 #pragma once
 
 #include <array>
@@ -25,33 +25,33 @@ inline constexpr double kSlowestRate = 100, kFastestRate = 10000; /* Hz: of the 
 /// What a device is and can do. In the world of every back end x points to the user's right, y away from the user and
 /// z up, whatever the vendor's axes are.
 struct DeviceFacts {
-    std::string name;                // "Inverse3 04BA": as the user would tell it from another
-    std::string software;            // "Inverse Service 3.5.1": through what it is driven, with its version
-    double max_force = kUnknown;     /* N: the largest force that it displays */
-    double lasting_force = kUnknown; /* N: the largest force that its motors bear for any time */
-    glm::dvec3 low{-kUnknown};       /* m: the workspace */
-    glm::dvec3 high{kUnknown};       /* m */
-    double rate = 1000;              /* Hz: of the loop unless the user says another: a recording's own */
-    bool simulated = false;          // each read() is one sample later than the one before, whatever the clock says
-    double silence = kUnknown;       /* s: after such a pause between forces it may have dropped the last one */
-    bool has_watchdog = true;        // a process that is killed leaves no force
-    unsigned buttons = 0;            // that it tells of, at most
-    std::string remark;              // what else the user should know; empty: nothing
+    std::string name;                   // "Inverse3 04BA": distinguishes it from another device
+    std::string software;               // "Inverse Service 3.5.1": its driver, with the version
+    double max_force = kUnknown;        /* N: the largest force that it displays */
+    double continuous_force = kUnknown; /* N: the largest force that it can display without time limit */
+    glm::dvec3 low{-kUnknown};          /* m: the workspace */
+    glm::dvec3 high{kUnknown};          /* m */
+    double rate = 1000;                 /* Hz: of the loop unless the user says another: a recording's own */
+    bool simulated = false;             // each read() is one sample later than the one before, whatever the clock says
+    double silence = kUnknown;          /* s: after such a pause between forces it may have dropped the last one */
+    bool has_watchdog = true;           // a process that is killed leaves no force
+    unsigned buttons = 0;               // how many it can report
+    std::string remark;                 // a note for the user; empty: none
 };
 
 /// How a device answered a question for its position.
 enum class Answer {
     fresh,    // measured since the last one
-    repeated, // nothing newer than the last one, which is returned again
+    repeated, // no newer one: the last one again
     failed,   // no answer, or one without a position
     ended,    // there are no more (a recording is over)
 };
 
 struct Reading {
     Answer answer = Answer::failed;
-    glm::dvec3 position{0};    /* m; of `failed` and `ended` without a meaning, of `fresh` perhaps not finite */
+    glm::dvec3 position{0};    /* m; undefined for `failed` and `ended`; may be not finite for `fresh` */
     bool begins_path = false;  // the probe did not move here from the position before
-    std::uint32_t buttons = 0; // pressed ones, button N as bit N - 1; of `failed` and `ended` without a meaning
+    std::uint32_t buttons = 0; // pressed ones, button N as bit N - 1; undefined for `failed` and `ended`
 };
 
 /// The bit of a button, which people count from 1 to 32; none for 0.
@@ -74,7 +74,7 @@ public:
     /// Displays a force, N, finite, until the next one; false: this force is not displayed.
     virtual bool write(const glm::dvec3& force) noexcept = 0;
 
-    /// Why the device, which is there, displays no force: not calibrated, switched off by the user. Null: it does.
+    /// Why a connected device displays no force (not calibrated, switched off by the user); null: it displays forces.
     /// Lives as long as the program; from any thread.
     virtual const char* withheld() const noexcept { return nullptr; }
 
@@ -82,12 +82,12 @@ public:
     /// too; more than once. Best effort: what the device allows.
     virtual void halt() noexcept = 0;
 
-    /// No force until the next write(), from another thread than the loop's, which does not come round. Devices whose
-    /// driver does so by itself when nothing is written need nothing here.
+    /// No force until the next write(). Called from another thread while the loop's is stuck. Not needed for devices
+    /// whose driver drops the force by itself when none is written.
     virtual void rest() noexcept {}
 
-    /// In words, what the device complained of last; null: nothing. Lives as long as the program; from any thread.
-    virtual const char* complaint() const noexcept { return nullptr; }
+    /// The device's last error in words; null: none. Lives as long as the program; from any thread.
+    virtual const char* error_text() const noexcept { return nullptr; }
 };
 
 /// A device, its service or its library is not there: exit 3. The message says how to get it.
@@ -97,8 +97,8 @@ public:
 };
 
 /// Hands the newest value from one thread to another. Both are wait-free: neither sees a value half written, and a
-/// value that was not taken before the next one came is gone. Of three places the writer fills one, the reader reads
-/// another, and the third, which they exchange for theirs, holds the newest.
+/// value that was not taken before the next one came is gone. A triple buffer: the writer fills one place, the reader
+/// reads another, the third holds the newest, and each thread swaps its own for that one.
 template <typename T> class Newest {
     static_assert(std::is_trivially_copyable_v<T>);
 
@@ -109,7 +109,7 @@ public:
         writing_ = between_.exchange(writing_ | kFresh, std::memory_order_acq_rel) & ~kFresh;
     }
 
-    /// By the reading thread only: false, and `value` as it was, if nothing was put since the last one was taken.
+    /// By the reading thread only: false, and `value` as it was, if no newer one was put.
     bool take(T& value) noexcept {
         if ((between_.load(std::memory_order_relaxed) & kFresh) == 0)
             return false;
@@ -119,7 +119,7 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t kFresh = 4; // beside the place's index: not taken yet
+    static constexpr std::uint32_t kFresh = 4; // added to the place's index: not taken yet
 
     std::array<T, 3> places_{};
     std::uint32_t writing_ = 0, reading_ = 1;
@@ -138,7 +138,7 @@ inline std::int64_t read_clock(clockid_t clock) noexcept {
     return std::int64_t(time.tv_sec) * kSecond + time.tv_nsec;
 }
 
-/// ns of the monotonic clock, which nobody sets, from an arbitrary beginning.
+/// ns of the monotonic clock, which is never set, from an arbitrary beginning.
 inline std::int64_t now() noexcept {
     return read_clock(CLOCK_MONOTONIC);
 }

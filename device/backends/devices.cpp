@@ -29,8 +29,8 @@ DeviceKind find_haply(const std::string& url, double wait) {
     DeviceKind kind;
     kind.place = url;
     if (!found.problem.empty()) {
-        kind.problem = fmt::format("no Inverse Service: {}. Install and start the Inverse Service 3.x (haply.co); one "
-                                   "elsewhere is asked for as haply:ws://HOST:PORT",
+        kind.problem = fmt::format("no Inverse Service: {}. Install and start the Inverse Service 3.x (haply.co); if "
+                                   "it runs elsewhere, use haply:ws://HOST:PORT",
                                    found.problem);
         return kind;
     }

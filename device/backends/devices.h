@@ -37,12 +37,12 @@ struct HeldButton {
 /// One kind of device, found or not.
 struct DeviceKind {
     std::string option;               // as it is asked for: "dhd[:INDEX]"
-    std::string what;                 // in words
+    std::string what;                 // description
     std::vector<std::string> devices; // what can be asked for now: "dhd:0"
-    std::string name;                 // of the devices, if the kind tells: "Touch (serial number 8042)"
-    std::string software;             // through what it is driven, with its version; empty: not found
-    std::string place;                // the library's file, the service's address; empty: there is none
-    std::string problem;              // why there is no device and what to do about it; empty: there is
+    std::string name;                 // of the devices, if the kind reports it: "Touch (serial number 8042)"
+    std::string software;             // its driver, with the version; empty: not found
+    std::string place;                // the library's file, the service's address; empty: none
+    std::string problem;              // why no device was found and what to do about it; empty: one was
 };
 
 /// Every kind. Vendors' libraries are loaded and asked; no device moves. Haply's service is asked at its usual address,
@@ -71,11 +71,11 @@ std::unique_ptr<BackEnd> make_replay(const std::filesystem::path& file);
 
 /// Force Dimension's devices (omega, delta, sigma, lambda; Novint's Falcon), through the vendor's DHD SDK: the one of
 /// this index, or with an empty text the first that is free. Its watchdog, where the device has one, drops the force
-/// when none was written for 32 ms. A position that cannot be in metres is refused. \throws UsageError for what is no
-/// index, DeviceAbsent without library or device.
+/// when none was written for 32 ms. A position that cannot be in metres is refused. \throws UsageError for an
+/// invalid index, DeviceAbsent without library or device.
 std::unique_ptr<BackEnd> open_dhd(std::string_view index);
 
-/// Nothing is moved. \throws DeviceAbsent without the library.
+/// The device does not move. \throws DeviceAbsent without the library.
 DeviceKind find_dhd();
 
 /// 3D Systems' devices (Touch, Touch X, Phantom), through the vendor's OpenHaptics HDAPI: the one of this configured

@@ -17,25 +17,25 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr unsigned char kWatchdog = 255;                        // in 125 us: 32 ms, the longest there is
+constexpr unsigned char kWatchdog = 255;                        // in 125 us: 32 ms, the maximum
 constexpr Clock::duration kGap = std::chrono::milliseconds(30); // after such a pause the watchdog may have bitten
-constexpr double kDhdSilence = 0.025; /* s: likewise, for the loop, which is to notice first */
-constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between questions for the status
+constexpr double kDhdSilence = 0.025;                           /* s: the same for the loop, which must notice first */
+constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between status queries
 constexpr int kDoorPatience = 20;                               /* ms */
 constexpr int kDisplayTime = 2;                                 /* ms: until a force that was written is displayed */
 constexpr double kDhdReach = 3;                                 /* m: no device reaches further */
-constexpr unsigned kDhdButtons = 32;                            // the mask's; no device tells how many it has
+constexpr unsigned kDhdButtons = 32;                            // the mask's; no device reports how many it has
 
-/// A door that one thread passes at a time, none waiting for long: who is in the vendor's library. Safe in a signal's
-/// handler, where a mutex is not: the interrupted thread may be the one inside, and is then not waited for.
+/// A lock for the vendor's library with short waits only. Unlike a mutex it is safe in a signal's handler: the
+/// interrupted thread may be the one inside, and is then not waited for.
 class Door {
 public:
     bool enter() noexcept {
-        pthread_t nobody{};
-        return inside_.compare_exchange_strong(nobody, ::pthread_self());
+        pthread_t none{};
+        return inside_.compare_exchange_strong(none, ::pthread_self());
     }
 
-    /// Waits up to `most` ms for who is inside, unless it is the calling thread itself.
+    /// Waits up to `most` ms for the thread inside, unless it is the calling thread itself.
     bool enter_within(int most) noexcept {
         for (int waited = 0; !enter(); ++waited) {
             if (inside_.load() == ::pthread_self() || waited >= most)
@@ -56,18 +56,18 @@ glm::dvec3 to_world(double x, double y, double z) {
     return {y, -x, z};
 }
 
-// False also for what is no number.
+// False also for NaN.
 bool is_reachable(const glm::dvec3& at) {
     return std::abs(at.x) <= kDhdReach && std::abs(at.y) <= kDhdReach && std::abs(at.z) <= kDhdReach;
 }
 
-// What the maker states of a type of device.
+// Data sheet values of a type of device.
 struct Model {
     int first, last; // the SDK's numbers for it, right and left hands
     double force;    /* N: the largest */
     double reach;    /* m: from the middle of the workspace no arm reaches further: the stated width (omega 160 mm,
-                        delta 400 mm, sigma 190 mm, lambda 240 mm, Falcon 102 mm) and half of it more, for devices
-                        stand as they stand */
+                        delta 400 mm, sigma 190 mm, lambda 240 mm, Falcon 102 mm) and half of it more, because
+                        devices are mounted in different ways */
 };
 constexpr Model kUnknownModel{0, 0, kUnknown, 0.5};
 constexpr std::array kModels{
@@ -79,7 +79,7 @@ constexpr std::array kModels{
     Model{108, 109, kUnknown, 0.18}, // lambda.7
 };
 
-// Why a device in this state is not to display forces; null: it may, once they are enabled.
+// Why a device in this state must not display forces; null: it may, once they are enabled.
 const char* objection(const DhdLibrary::Status& status) {
     using Status = DhdLibrary::Status;
     if (status[Status::reset])
@@ -93,20 +93,20 @@ const char* objection(const DhdLibrary::Status& status) {
     return nullptr;
 }
 
-// Why forces are off, where nothing else is wrong.
+// Why forces are off, without any other fault.
 const char* cause_in_words(int cause) {
     switch (cause) {
     case DhdLibrary::button:
         return "forces were switched off by the device's button: press it again";
     case DhdLibrary::velocity:
-        return "the device switched its forces off, for it was moved too fast: press its button";
+        return "the device switched its forces off because it was moved too fast: press its button";
     case DhdLibrary::watchdog:
         return "the device's watchdog switched its forces off";
     case DhdLibrary::software:
         return "another program switched the device's forces off";
     case DhdLibrary::dead_man:
         return "the device's dead-man switch is released";
-    default: // none told, or one that cannot be while we talk to it
+    default: // none reported, or one that cannot occur while we talk to it
         return "the device's forces are off, and it does not say why: press its button";
     }
 }
@@ -115,7 +115,7 @@ int index_of(std::string_view text) {
     int index = -1;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
     if (error != std::errc{} || end != text.data() + text.size() || index < 0 || index > 127)
-        throw UsageError(fmt::format("dhd:{}: a device's index is to be a whole number from 0 on", text));
+        throw UsageError(fmt::format("dhd:{}: a device's index is a whole number from 0 to 127", text));
     return index;
 }
 
@@ -128,8 +128,7 @@ char open_by_index(const DhdLibrary& library, int index) {
                         "use it (a udev rule for USB)? Library: {}",
                         library.version(), count < 0 ? library.error() : "0 devices", library.file()));
     if (count <= index)
-        throw DeviceAbsent(fmt::format("no Force Dimension device {}: there {} {}, counted from 0", index,
-                                       count == 1 ? "is" : "are", count));
+        throw DeviceAbsent(fmt::format("no Force Dimension device {}: {} connected, counted from 0", index, count));
     const int id = index < 0 ? library.open() : library.open_id(static_cast<char>(index));
     if (id < 0)
         throw DeviceAbsent(fmt::format("the Force Dimension device{} cannot be opened: {} ({}, {})",
@@ -152,9 +151,9 @@ class Dhd final : public BackEnd {
 public:
     explicit Dhd(int index) : device_{library_, open_by_index(library_, index)} {
         facts_ = read_facts();
-        // What it is not ready for now it may be later: the session goes on without force until then.
+        // It may become ready later: the session goes on without force until then.
         if (!ask(Clock::now()))
-            throw DeviceAbsent(fmt::format("{} does not tell its status: {}", facts_.name, library_.error()));
+            throw DeviceAbsent(fmt::format("{} does not report its status: {}", facts_.name, library_.error()));
         check_position();
         set_watchdog();
     }
@@ -165,7 +164,7 @@ public:
 
     const DeviceFacts& facts() const noexcept override { return facts_; }
     const char* withheld() const noexcept override { return withheld_.load(); }
-    const char* complaint() const noexcept override { return complaint_.load(); }
+    const char* error_text() const noexcept override { return error_text_.load(); }
 
     Reading read() noexcept override {
         if (!door_.enter())
@@ -173,10 +172,10 @@ public:
         double x = NAN, y = NAN, z = NAN;
         const bool asked = ask_when_due(Clock::now());
         const int answer = library_.get_position(&x, &y, &z, id_);
-        const bool told = done(answer) && asked;
+        const bool valid = done(answer) && asked;
         buttons_ = library_.get_button_mask ? library_.get_button_mask(id_) : 0;
         door_.leave();
-        if (!told)
+        if (!valid)
             return {Answer::failed, position_, false};
         if (answer == DhdLibrary::kTimeGuard)
             return {Answer::repeated, position_, false, buttons_};
@@ -191,13 +190,13 @@ public:
         if (!door_.enter())
             return false;
         const Clock::time_point now = Clock::now();
-        const bool told = !halted_ && ask_when_due(now);
-        const bool again = begun_ && enable_; // the device dropped the force meanwhile: it is to come up from zero
-        const bool on = told && (enable_ ? enable() : on_);
+        const bool has_status = !halted_ && ask_when_due(now);
+        const bool again = begun_ && enable_; // the device dropped the force meanwhile: it ramps up from zero
+        const bool on = has_status && (enable_ ? enable() : on_);
         begun_ = begun_ || on;
         const glm::dvec3 wanted = on && !again ? force : glm::dvec3(0);
         const bool shown = display(wanted);
-        const bool accepted = shown && told && (on || withheld_ != nullptr) && wanted == force;
+        const bool accepted = shown && has_status && (on || withheld_ != nullptr) && wanted == force;
         if (halted_) // perhaps while the force was being sent, and could not enter
             display(glm::dvec3(0));
         if (shown)
@@ -208,8 +207,8 @@ public:
         return accepted && !halted_;
     }
 
-    // Where the door stays shut, the thread inside drops the force itself: the one in write() as its last deed, the one
-    // in read() with its next write(). A device whose thread never comes out again has its watchdog.
+    // If the door stays shut, the thread inside drops the force itself: in write() before it leaves, in read() with its
+    // next write(). If that thread never leaves, the device's watchdog drops the force.
     void halt() noexcept override {
         halted_ = true;
         if (!door_.enter_within(kDoorPatience))
@@ -219,7 +218,7 @@ public:
         door_.leave();
     }
 
-    // A loop that is stuck in the vendor's library itself has the device's watchdog.
+    // If the loop is stuck in the vendor's library itself, the device's watchdog drops the force.
     void rest() noexcept override {
         if (!door_.enter())
             return;
@@ -259,16 +258,16 @@ private:
     void check_position() {
         double x = NAN, y = NAN, z = NAN;
         if (library_.get_position(&x, &y, &z, id_) < 0)
-            throw DeviceAbsent(fmt::format("{} tells no position: {}", facts_.name, library_.error()));
+            throw DeviceAbsent(fmt::format("{} reports no position: {}", facts_.name, library_.error()));
         position_ = to_world(x, y, z);
         if (!is_reachable(position_))
             throw DeviceAbsent(
-                fmt::format("{} tells the position ({}, {}, {}): its SDK gives metres, and no device reaches "
+                fmt::format("{} reported the position ({}, {}, {}): its SDK gives metres, and no device reaches "
                             "further than {} m",
                             facts_.name, x, y, z, kDhdReach));
     }
 
-    // The loop writes forces all the time; should the process stop, the device drops the force by itself.
+    // The loop writes forces all the time; if the process stops, the device drops the force by itself.
     void set_watchdog() {
         facts_.has_watchdog = false;
         if (library_.enable_expert_mode && library_.disable_expert_mode && library_.set_watchdog &&
@@ -282,19 +281,19 @@ private:
 
     bool done(int answer) noexcept {
         if (answer < 0)
-            complaint_ = library_.error_get_last_str();
+            error_text_ = library_.error_get_last_str();
         return answer >= 0;
     }
 
     bool display(const glm::dvec3& force) noexcept { return done(library_.set_force(-force.y, force.x, force.z, id_)); }
 
-    // False: the status is due and not told. Then it is due again.
+    // False: the status is due and was not reported. It stays due.
     bool ask_when_due(Clock::time_point now) noexcept {
         return (now - asked_ <= kAsk && now - written_ <= kGap) || ask(now);
     }
 
-    // Forces that are off are switched on where nobody has yet, and where the device's own watchdog dropped them after
-    // a pause of ours. What the user, the device or another program switched off stays off.
+    // Switches forces on that were never on, or that the device's own watchdog dropped after a pause of ours. Forces
+    // that the user, the device or another program switched off stay off.
     bool ask(Clock::time_point now) noexcept {
         DhdLibrary::Status status;
         on_ = enable_ = false;
@@ -332,14 +331,14 @@ private:
     glm::dvec3 position_{0};
     std::uint32_t buttons_ = 0;   // of the last reading
     Clock::time_point written_{}; // when a force was accepted last
-    Clock::time_point asked_{};   // when the status was told last
+    Clock::time_point asked_{};   // when the status was reported last
     bool on_ = false;             // forces are, by that status
-    bool enable_ = false;         // they are off, and we are the ones to switch them on
+    bool enable_ = false;         // they are off, and we must switch them on
     bool begun_ = false;          // they were on when we wrote one
     Door door_;
     std::atomic<const char*> withheld_ = nullptr;
     std::atomic<bool> halted_ = false;
-    std::atomic<const char*> complaint_ = nullptr;
+    std::atomic<const char*> error_text_ = nullptr;
 };
 
 } // namespace
@@ -354,13 +353,13 @@ DeviceKind find_dhd() {
     kind.software = library.version();
     kind.place = library.file();
     const int count = library.get_device_count();
-    const std::string complaint = count < 0 ? " (" + library.error() + ")" : "";
+    const std::string error_text = count < 0 ? " (" + library.error() + ")" : "";
     for (int index = 0; index < count; ++index)
         kind.devices.push_back(fmt::format("dhd:{}", index));
     if (count <= 0)
         kind.problem = fmt::format("no device{}: is it plugged in and powered, and may this user use it (a udev rule "
                                    "for USB)?",
-                                   complaint);
+                                   error_text);
     return kind;
 }
 

@@ -12,12 +12,12 @@
 
 namespace forceshade::device {
 
-/// Calls that return an int return a negative one on an error, about which dhdErrorGetLastStr knows more. A device is
-/// named by the number that opening it returned. \throws DeviceAbsent: not there, or not what it should be.
+/// Calls that return an int return a negative one on an error; dhdErrorGetLastStr describes it. A device is
+/// named by the number that opening it returned. \throws DeviceAbsent: the library is missing or is a different one.
 struct DhdLibrary : SharedLibrary {
-    static constexpr int kTimeGuard = 1; // dhdGetPosition: asked too soon, this is the position of before
+    static constexpr int kTimeGuard = 1; // dhdGetPosition: called too soon, this is the previous position
 
-    /// What dhdGetStatus tells, by index: 1 or 0, but for the cause. Versions of the SDK have 15 to 17 of them.
+    /// Entries of dhdGetStatus by index, 1 or 0 except for the cause. Versions of the SDK have 15 to 17 of them.
     struct Status {
         static constexpr std::size_t power = 0, connected = 1, started = 2, reset = 3, force = 5, error = 9,
                                      force_off_cause = 14;
@@ -62,7 +62,7 @@ struct DhdLibrary : SharedLibrary {
         get_sdk_version(&major, &minor, &release, &revision);
         return fmt::format("DHD SDK {}.{}.{}.{}", major, minor, release, revision);
     }
-    std::string error() const { // what it complained of last in this thread
+    std::string error() const { // the last one in this thread
         const char* text = error_get_last_str();
         return text && *text ? text : "no reason given";
     }

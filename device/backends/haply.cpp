@@ -17,8 +17,8 @@ namespace {
 /// N: stated by the Inverse3's data sheet over 80 % of its workspace (at its peak 10 N).
 constexpr double kInverse3Force = 4;
 
-/// m: from the device's origin, further than which its arm does not reach, however it is mounted. Its workspace, 460 mm
-/// wide, 510 mm high and 230 mm deep, is no box.
+/// m: its arm's largest reach from the device's origin, however it is mounted. Its workspace, 460 mm wide, 510 mm high
+/// and 230 mm deep, is not a box.
 constexpr double kReach = 0.6;
 constexpr double kHaplySilence = 0.045; /* s: a little less than the other thread waits for a force (haply_link.cpp) */
 
@@ -70,7 +70,7 @@ public:
         return why != nullptr ? why : exchange_.lately_withheld.load();
     }
 
-    const char* complaint() const noexcept override { return exchange_.complaint; }
+    const char* error_text() const noexcept override { return exchange_.error_text; }
 
 private:
     static std::string zero_frame(const HaplyOptions& options) {
@@ -88,7 +88,7 @@ private:
 };
 
 std::string service_of(const HaplyFinding& finding) {
-    return fmt::format("Inverse Service {}", finding.version.empty() ? "(version not told)" : finding.version);
+    return fmt::format("Inverse Service {}", finding.version.empty() ? "(version unknown)" : finding.version);
 }
 
 const HaplyDevice& choose(const HaplyFinding& finding, const std::string& id) {
@@ -130,9 +130,9 @@ std::unique_ptr<BackEnd> open_haply(const HaplyOptions& options) {
         throw DeviceAbsent(fmt::format("no Inverse Service at {}: {}. {}", finding.url, finding.problem, kHowToGet));
     const HaplyDevice& device = choose(finding, options.device_id);
     if (!parse_basis(device.basis))
-        throw DeviceAbsent(fmt::format("the {} at {} speaks of device {} in the basis '{}', which is no permutation of "
+        throw DeviceAbsent(fmt::format("the {} at {} uses the basis '{}' for device {}, which is not a permutation of "
                                        "X, Y and Z: set another one in Haply Hub",
-                                       service_of(finding), finding.url, device.id, device.basis));
+                                       service_of(finding), finding.url, device.basis, device.id));
     HaplyOptions chosen = options;
     chosen.device_id = device.id;
     if (chosen.dialect == HaplyOptions::Dialect::by_version)

@@ -15,10 +15,10 @@ struct HaplyOptions {
     enum class Dialect { by_version, vector, values };
 
     std::string url = "ws://localhost:10001";
-    Dialect dialect = Dialect::by_version; // of a service that does not tell its version: vector
+    Dialect dialect = Dialect::by_version; // if the service does not report its version: vector
     std::string device_id;                 // empty: the only one
     double wait = 3;                       /* s: for the service to answer at all */
-    double patience = 0.1;                 /* s: an answer later than this counts as lost, a position older as none */
+    double patience = 0.1;                 /* s: later answers count as lost, older positions as missing */
 };
 
 /// What follows the colon of `haply:URL`: `ws://HOST[:PORT][/PATH][?device=ID&dialect=vector|values]`. Empty: all by
@@ -32,16 +32,16 @@ std::unique_ptr<BackEnd> open_haply(const HaplyOptions& options);
 struct HaplyDevice {
     std::string id;     // "04BA"
     std::string type;   // "inverse3", as the service calls it
-    std::string status; // "ready, not calibrated": whatever the service says of it
-    std::string basis;  // "XYZ": the axes in which the service speaks of it (haply_protocol.h)
-    unsigned unmet = 0; // of what a force needs (haply_protocol.h), by its status
+    std::string status; // "ready, not calibrated": as the service reports it
+    std::string basis;  // "XYZ": the axes of its positions and forces (haply_protocol.h)
+    unsigned unmet = 0; // conditions for a force that its status does not meet (haply_protocol.h)
 };
 
-/// What answers at an address.
+/// The result of a query at an address.
 struct HaplyFinding {
     std::string url;
     std::string problem; // why the service cannot be used; empty: it can
-    std::string version; // "3.5.0"; empty: it did not tell
+    std::string version; // "3.5.0"; empty: not reported
     std::vector<HaplyDevice> devices;
     bool has_grip = false; // a VerseGrip with the buttons a, b and c
 };
@@ -57,7 +57,7 @@ struct Address {
     std::string host_field() const;
 };
 
-/// Throws UsageError for what is no `ws://HOST[:PORT][/PATH]`.
+/// Throws UsageError unless it has the form `ws://HOST[:PORT][/PATH]`.
 Address parse_address(std::string_view url);
 
 } // namespace forceshade::device

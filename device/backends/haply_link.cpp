@@ -1,5 +1,5 @@
-// The service at work: what answers at an address, one connection, and the thread that keeps the lock-step of commands
-// and answers. Only this source sees Boost.Beast, which takes 25 s to compile.
+// Queries an address, holds a connection, and runs the thread that keeps commands and answers in lock-step. Only this
+// source sees Boost.Beast, which takes 25 s to compile.
 #include "device/backends/haply_link.h"
 
 #include <cerrno>
@@ -34,8 +34,8 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using Tcp = asio::ip::tcp;
 using ErrorCode = boost::system::error_code;
-using WebSocket = websocket::stream<beast::tcp_stream, false>; // the service compresses nothing
-// What is called when an operation has ended. Erased types: each operation of Beast compiles once, not once a lambda.
+using WebSocket = websocket::stream<beast::tcp_stream, false>; // the service does not compress
+// Completion handlers. Erased types: each operation of Beast compiles once, not once a lambda.
 using Ended = std::function<void(const ErrorCode&)>;
 using Moved = std::function<void(const ErrorCode&, std::size_t)>;
 using Connected = std::function<void(const ErrorCode&, const Tcp::endpoint&)>;
@@ -47,27 +47,27 @@ constexpr std::size_t kLongestMessage = std::size_t(1) << 20; // bytes; an inven
 constexpr milliseconds kSilence{50};                          // after which a silent live loop counts as dead
 constexpr milliseconds kGiveUp{1000};                         // for a late answer, before the connection counts as dead
 constexpr milliseconds kFarewell{200};                        // from `stopping` to the end of the thread
-constexpr milliseconds kFirstPause{20}, kLongestPause{1000};  // before connecting anew
+constexpr milliseconds kFirstPause{20}, kLongestPause{1000};  // before reconnecting
 
-constexpr const char* kClosed = "the connection to the Inverse Service broke; connecting anew";
+constexpr const char* kClosed = "the connection to the Inverse Service broke; reconnecting";
 
 milliseconds milliseconds_of(double seconds) {
     return milliseconds(static_cast<std::int64_t>(seconds * 1e3));
 }
 
-/// Why a connection failed, in words: of an operation that had `wait` s to end.
+/// Why an operation failed that had `wait` s to end.
 std::string trouble(const ErrorCode& error, double wait) {
     if (error == beast::error::timeout)
         return fmt::format("no answer within {} s", wait);
     if (error == asio::error::connection_refused)
-        return "connection refused: nothing listens there";
+        return "connection refused: no service listens there";
     if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow)
         return fmt::format("it sent a message of more than {} bytes", kLongestMessage);
     if (error == websocket::error::closed || error == asio::error::eof || error == asio::error::connection_reset ||
         error == beast::http::error::end_of_stream)
         return "it closed the connection";
     if (error.category() == beast::http::make_error_code(beast::http::error::end_of_stream).category())
-        return fmt::format("what answers there is no WebSocket ({})", error.message());
+        return fmt::format("the answer is not from a WebSocket ({})", error.message());
     return error.message();
 }
 
@@ -77,22 +77,22 @@ struct Line : std::enable_shared_from_this<Line> {
 
     explicit Line(asio::io_context& io) : socket(io), resolver(io) {}
 
-    /// Connects and waits until the service has told its inventory; after the look-up of the name for at most `limit` a
-    /// step, if that is not 0.
+    /// Connects and waits for the service's inventory; after the look-up of the name for at most `limit` a step, if
+    /// that is not 0.
     void dial(const Address& address, milliseconds limit, Done done) {
         const auto self = shared_from_this();
         const auto begin_step = [self, limit] {
             if (limit != milliseconds(0))
                 self->socket.next_layer().expires_after(limit);
         };
-        const Moved told = [self, done](const ErrorCode& error, std::size_t) {
+        const Moved read = [self, done](const ErrorCode& error, std::size_t) {
             done(error, error ? "" : self->take_text());
         };
-        const Ended greeted = [self, begin_step, done, told](const ErrorCode& error) {
+        const Ended greeted = [self, begin_step, done, read](const ErrorCode& error) {
             if (error)
                 return done(error, {});
             begin_step();
-            self->socket.async_read(self->received, told);
+            self->socket.async_read(self->received, read);
         };
         const Connected connected = [self, begin_step, done, greeted, address](const ErrorCode& error,
                                                                                const Tcp::endpoint&) {
@@ -114,7 +114,7 @@ struct Line : std::enable_shared_from_this<Line> {
         resolver.async_resolve(address.host, address.port, resolved);
     }
 
-    /// What was received, as it is.
+    /// The text received.
     std::string take_text() {
         std::string text(static_cast<const char*>(received.data().data()), received.size());
         received.consume(received.size());
@@ -138,7 +138,7 @@ struct Line : std::enable_shared_from_this<Line> {
     bool writing = false; // one at a time
 };
 
-/// What answers at an address: asked step by step, each with its own time limit, sending no command.
+/// Queries an address step by step, each with its own time limit, sending no command.
 class Look {
 public:
     Look(const Address& address, double wait) : address_(address), wait_(milliseconds_of(wait)), wait_s_(wait) {}
@@ -163,7 +163,7 @@ private:
         return outcome;
     }
 
-    /// Only that nobody is there is an error: a service may keep its version to itself.
+    /// Only a missing service is an error: a service need not report its version.
     ErrorCode ask_version(std::string& version) {
         Tcp::resolver resolver(io_);
         Tcp::resolver::results_type places;
@@ -213,7 +213,7 @@ private:
         if (auto devices = read_inventory(inventory))
             finding.devices = std::move(*devices);
         else
-            finding.problem = "what answers there tells no inventory of devices: it is not the Inverse Service 3.x";
+            finding.problem = "the answer has no inventory of devices: it is not the Inverse Service 3.x";
         finding.has_grip = tells_of_grip(inventory);
         line->socket.next_layer().expires_after(std::min(wait_, milliseconds(200)));
         step([&](Ended done) { line->socket.async_close(websocket::close_code::normal, done); });
@@ -251,13 +251,13 @@ private:
         });
     }
 
-    /// A handler that goes on if all is well and the connection is still the one in use: with the results or without.
-    template <typename Next> auto on(const LinePointer& line, const char* complaint, Next next) {
-        return [this, line, complaint, next](const ErrorCode& error, auto&&... results) {
+    /// A handler that continues, with the results or without, if no error occurred and the connection is still in use.
+    template <typename Next> auto on(const LinePointer& line, const char* error_text, Next next) {
+        return [this, line, error_text, next](const ErrorCode& error, auto&&... results) {
             if (line != line_)
                 return;
             if (error)
-                return lose(complaint);
+                return lose(error_text);
             if constexpr (std::is_invocable_v<Next, decltype(results)...>)
                 next(results...);
             else if constexpr (std::is_invocable_v<Next>)
@@ -286,7 +286,8 @@ private:
         });
     }
 
-    /// The loop's own watchdog stops with the loop; this one does not. It also asks for positions while nobody writes.
+    /// The loop's own watchdog stops with the loop; this one does not. It also asks for positions while no force is
+    /// written.
     void watch() {
         arm(silence_, kSilence, [this] {
             wish_ = glm::dvec3(0);
@@ -296,7 +297,7 @@ private:
         });
     }
 
-    // A short objection would else be over before the loop looks, and the full force come back at once.
+    // Otherwise a short refusal could end before the loop sees it, and the full force would come back at once.
     void tell_withheld() {
         const char* why = objection(unmet_);
         if (why != nullptr)
@@ -325,9 +326,9 @@ private:
             return lose("the Inverse Service does not list the device");
         const std::optional<Axes> axes = parse_basis(device->basis);
         if (!axes)
-            return lose("the Inverse Service names the device's axes in a way that is not known");
+            return lose("the Inverse Service gives the device's axes in an unknown form");
         axes_ = *axes;
-        unmet_ = device->unmet; // whatever was before the connection broke
+        unmet_ = device->unmet; // replaces the state from before the connection broke
         tell_withheld();
         limit_.cancel();
         phase_ = Phase::running;
@@ -359,14 +360,14 @@ private:
                                  })));
     }
 
-    /// The answer is late. The service may still apply what was under way when it wakes up: let no force follow that.
+    /// The answer is late. The service may still apply the command under way when it wakes up: no force may follow it.
     void miss() {
         if (step_.owed() == 0)
             return;
         exchange_.measurement.put({});
         if (late_)
-            return lose("the Inverse Service does not answer any more; connecting anew");
-        exchange_.complaint = "the Inverse Service does not answer in time";
+            return lose("the Inverse Service does not answer any more; reconnecting");
+        exchange_.error_text = "the Inverse Service does not answer in time";
         late_ = true;
         if (line_->writing)
             arm(answer_, kGiveUp, [this] { miss(); });
@@ -383,7 +384,7 @@ private:
                                     if (kind == LockStep::Kind::current)
                                         take_state(text);
                                     else if (kind == LockStep::Kind::unasked)
-                                        exchange_.complaint =
+                                        exchange_.error_text =
                                             "the Inverse Service sent a state that was not asked for; it was dropped";
                                     hear(line);
                                     pump();
@@ -394,13 +395,13 @@ private:
         answer_.cancel();
         late_ = false;
         const State state = read_state(text, options_.device_id);
-        unmet_ = (unmet_ & ~state.readiness.told) | state.readiness.unmet;
+        unmet_ = (unmet_ & ~state.readiness.known) | state.readiness.unmet;
         tell_withheld();
         if (state.fault == nullptr) {
             exchange_.measurement.put({true, now(), axes_.to_world(state.position), state.buttons});
             pause_ = kFirstPause;
         } else {
-            exchange_.complaint = state.fault;
+            exchange_.error_text = state.fault;
             exchange_.measurement.put({});
         }
     }
@@ -415,10 +416,10 @@ private:
         line_.reset();
     }
 
-    void lose(const char* complaint) {
+    void lose(const char* error_text) {
         if (phase_ == Phase::leaving || phase_ == Phase::over)
             return finish();
-        exchange_.complaint = complaint;
+        exchange_.error_text = error_text;
         drop_line();
         limit_.cancel();
         answer_.cancel();
@@ -467,7 +468,7 @@ private:
     Axes axes_;
     Phase phase_ = Phase::connecting;
     glm::dvec3 wish_{0}; /* N, in the world's axes: to be sent */
-    unsigned unmet_ = 0; // of the conditions for a force
+    unsigned unmet_ = 0; // conditions for a force, as bits
     bool pending_ = false, late_ = false, said_ = false;
     milliseconds pause_ = kFirstPause;
 };
@@ -476,19 +477,19 @@ private:
 
 Exchange::Exchange(std::string zero_frame) : zero_frame_(std::move(zero_frame)) {
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    nothing_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC); // no socket: sending to it fails, which is what it is for
-    line_ = nothing_ < 0 ? -1 : ::fcntl(nothing_, F_DUPFD_CLOEXEC, 0);
+    null_device_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC); // not a socket, so that sending to it fails
+    line_ = null_device_ < 0 ? -1 : ::fcntl(null_device_, F_DUPFD_CLOEXEC, 0);
     if (wake_ < 0 || line_ < 0) {
         const int error = errno;
-        for (const int descriptor : {wake_, nothing_, line_})
+        for (const int descriptor : {wake_, null_device_, line_})
             if (descriptor >= 0)
                 ::close(descriptor);
-        throw Error(ExitCode::io, fmt::format("haply: no descriptor to be had: {}", std::strerror(error)));
+        throw Error(ExitCode::io, fmt::format("haply: cannot open a file descriptor: {}", std::strerror(error)));
     }
 }
 
 Exchange::~Exchange() {
-    for (const int descriptor : {wake_, nothing_, line_})
+    for (const int descriptor : {wake_, null_device_, line_})
         ::close(descriptor);
 }
 
@@ -510,7 +511,7 @@ void Exchange::stop() noexcept {
 }
 
 void Exchange::lend_line(int socket) noexcept {
-    ::dup3(socket < 0 ? nothing_ : socket, line_, O_CLOEXEC);
+    ::dup3(socket < 0 ? null_device_ : socket, line_, O_CLOEXEC);
 }
 
 HaplyFinding look_for_haply(const std::string& url, double wait) {
@@ -520,8 +521,8 @@ HaplyFinding look_for_haply(const std::string& url, double wait) {
 void run_link(Exchange& exchange, const HaplyOptions& options) noexcept {
     try {
         Link(exchange, options).run();
-    } catch (...) { // memory; the connection is gone with it, and the service applies nothing to what is silent
-        exchange.complaint = "the thread that talks to the Inverse Service failed";
+    } catch (...) { // no memory; the connection is gone too, and the service applies no force to a silent client
+        exchange.error_text = "the thread that talks to the Inverse Service failed";
     }
     exchange.lend_line(-1);
     exchange.there = false;

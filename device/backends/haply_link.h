@@ -1,4 +1,4 @@
-// The thread that talks to the Inverse Service, and what it and the live loop's thread tell each other.
+// The thread that talks to the Inverse Service, and the data that it exchanges with the live loop's thread.
 #pragma once
 
 #include <atomic>
@@ -23,8 +23,7 @@ struct Measurement {
 /// Forces one way, positions the other, without either thread waiting for the other.
 class Exchange {
 public:
-    /// `zero_frame`: a command without force, as it goes over the line. Throws Error where the system has no more
-    /// descriptors.
+    /// `zero_frame`: a command without force, as sent. Throws Error if the system has no more descriptors.
     explicit Exchange(std::string zero_frame);
     ~Exchange();
     Exchange(const Exchange&) = delete;
@@ -35,32 +34,33 @@ public:
     std::atomic<bool> there{false};    // the service answers and lists the device
     std::atomic<bool> stopping{false}; // no force any more; set once
     std::atomic<bool> resting{false};  // no force until the next one
-    std::atomic<const char*> complaint{nullptr};
+    std::atomic<const char*> error_text{nullptr};
     std::atomic<const char*> withheld{nullptr};        // why the device is not ready for a force; null: it is
     std::atomic<const char*> lately_withheld{nullptr}; // the same until the live loop has asked for no force
 
-    /// Lets the other thread look at what is new. Safe in a signal's handler, like stop().
+    /// Wakes the other thread. Safe in a signal's handler, like stop().
     void wake() const noexcept;
 
-    /// Sets `stopping` and, as what is left of this process may never come to it, sends the command without force at
-    /// once, past the thread that owns the line. A frame is one system call, so that the two do not mix; were the line
-    /// so jammed that they could, this one does not go out and the service, hearing nothing, applies nothing.
+    /// Sets `stopping` and sends the command without force at once, past the thread that owns the line, because this
+    /// process may end before that thread runs. A frame is one system call, so that the two do not mix; if the line is
+    /// so full that they could, this one is not sent, and the service gets no command and applies no force.
     void stop() noexcept;
 
     /// Readable after wake().
     int wake_descriptor() const noexcept { return wake_; }
 
-    /// The socket over which stop() may send from now on; -1: none. Its number stays the same for good, so that no
-    /// moment exists in which stop() could write to a file that got the number of a socket just closed.
+    /// The socket over which stop() may send from now on; -1: none. Its number never changes, so that stop() cannot
+    /// write to a file that got the number of a socket just closed.
     void lend_line(int socket) noexcept;
 
 private:
     std::string zero_frame_;
-    int wake_ = -1, nothing_ = -1, line_ = -1;
+    int wake_ = -1, null_device_ = -1, line_ = -1;
 };
 
-/// What that thread runs: connects, keeps the lock-step of commands and answers, reconnects, until `exchange.stopping`;
-/// then ends within 200 ms, with a last command without force. `options` name a device and a dialect. Throws nothing.
+/// Main function of that thread: connects, keeps commands and answers in lock-step, reconnects, until
+/// `exchange.stopping`; then ends within 200 ms, with a last command without force. `options` name a device and a
+/// dialect. Does not throw.
 void run_link(Exchange& exchange, const HaplyOptions& options) noexcept;
 
 } // namespace forceshade::device

@@ -24,7 +24,7 @@ std::string checked_port(std::string_view url, std::string_view port) {
     unsigned number = 0;
     const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
     if (error != std::errc() || end != port.data() + port.size() || number == 0 || number > 65535)
-        refuse(url, fmt::format("has the port '{}', which is none from 1 to 65535", port));
+        refuse(url, fmt::format("has the port '{}', which is not from 1 to 65535", port));
     return std::string(port);
 }
 
@@ -47,7 +47,7 @@ using Dialect = HaplyOptions::Dialect;
 
 constexpr std::array kGrips{"wireless_verse_grip", "verse_grip"};
 constexpr std::array kGripButtons{"a", "b", "c"};
-constexpr double kHaplyReach = 10; /* m: no hand-held device reaches so far: such numbers are no position */
+constexpr double kHaplyReach = 10; /* m: positions further away are invalid: no hand-held device reaches so far */
 
 Json parse(std::string_view text) {
     return Json::parse(text.begin(), text.end(), nullptr, false);
@@ -89,12 +89,12 @@ constexpr std::array kConditions{
     Condition{"ready", "the Inverse3 is not ready (Haply Hub shows why)"},
 };
 
-// What is told and is not `true` is not met.
+// A condition that is given and is not `true` is not met.
 Readiness readiness_of(const Json* status) {
     Readiness readiness;
     for (std::size_t i = 0; status != nullptr && i < kConditions.size(); ++i)
         if (const Json* value = member(*status, kConditions[i].name)) {
-            readiness.told |= 1u << i;
+            readiness.known |= 1u << i;
             readiness.unmet |= *value == true ? 0u : 1u << i;
         }
     return readiness;
@@ -116,7 +116,7 @@ std::optional<glm::dvec3> position_of(const Json* value) {
     return position;
 }
 
-// Of whatever grips the service lists; of one that is asleep or gone, none.
+// Of all grips that the service lists; none of one that is asleep or gone.
 std::uint32_t buttons_of(const Json& message) {
     std::uint32_t pressed = 0;
     for (const char* list : kGrips) {
@@ -175,7 +175,7 @@ HaplyOptions parse_haply(std::string_view after_colon) {
     const std::string_view url = after_colon.substr(0, mark);
     if (!url.empty())
         options.url = url;
-    parse_address(options.url); // to complain now
+    parse_address(options.url); // to report errors now
     for (std::size_t end = mark; end != std::string_view::npos;) {
         const std::string_view query = after_colon.substr(end + 1), pair = query.substr(0, query.find('&'));
         const std::size_t equals = pair.find('=');
@@ -289,7 +289,7 @@ std::string frame(std::string_view message) {
 State read_state(std::string_view message, std::string_view device_id) {
     const Json json = parse(message);
     if (json.is_discarded())
-        return {"the Inverse Service answered with what is no JSON", {}, {}};
+        return {"the Inverse Service's answer is not JSON", {}, {}};
     if (member(json, "error") != nullptr)
         return {"the Inverse Service refused a command: does it speak another dialect? (?dialect=values or vector)",
                 {},

@@ -21,15 +21,15 @@ constexpr double kUnknownReach = 0.5; /* m: of a device that states no workspace
 constexpr double kMillimetre = 1e-3;  /* m */
 constexpr unsigned kHdButtons = 4;    // that HDAPI names
 
-/// If no force was put for this long, none is displayed: three samples of the slowest loop, 100 Hz, and then some.
+/// If no force was put for this long, none is displayed: more than three samples of the slowest loop, 100 Hz.
 constexpr std::int64_t kHdSilence = 50'000'000; /* ns */
 
-/// What runs in the vendor's scheduler: reads the position and displays the newest force, once a millisecond.
+/// Runs in the vendor's scheduler: reads the position and displays the newest force, once a millisecond.
 class Servo {
 public:
     struct Frame {
         glm::dvec3 position{0}; /* m, in the world */
-        bool told = false;      // the device gave one
+        bool valid = false;     // the device gave one
         std::uint32_t buttons = 0;
     };
 
@@ -38,14 +38,14 @@ public:
     /// The scheduler's callback, `servo` a Servo. Neither waits nor throws.
     static unsigned tick(void* servo) noexcept { return static_cast<Servo*>(servo)->frame(); }
 
-    /// By the live thread: true and the newest frame, if there is one since the last.
+    /// By the live thread: true and the newest frame, if it is newer than the last.
     bool take(Frame& frame) noexcept { return frames_.take(frame); }
 
-    /// By the live thread: false, with a complaint, if the scheduler has not called for as long as kHdSilence.
+    /// By the live thread: false, with an error text, if the scheduler has not called for as long as kHdSilence.
     bool runs() noexcept {
         if (now() - called_ <= kHdSilence)
             return true;
-        complaint_ = "the OpenHaptics scheduler does not run any more";
+        error_text_ = "the OpenHaptics scheduler does not run any more";
         return false;
     }
 
@@ -66,14 +66,14 @@ public:
         return wait_for(silent_, most);
     }
 
-    /// Likewise, and that frame is the last. True once it has passed.
+    /// As halt(), and that frame is the last. True once it has passed.
     bool end(int most) noexcept {
         halted_ = true;
         ending_ = true;
         return wait_for(ended_, most);
     }
 
-    const char* complaint() const noexcept { return complaint_.load(); }
+    const char* error_text() const noexcept { return error_text_.load(); }
 
 private:
     struct Command {
@@ -88,16 +88,16 @@ private:
         library_.begin_frame(device_);
         double at[3]{}; /* mm */
         library_.get_doublev(HdValue::current_position, at);
-        const bool told = succeeded();
+        const bool valid = succeeded();
         int buttons = 0;
         library_.get_integerv(HdValue::current_buttons, &buttons);
-        if (library_.drain_errors() != HdValue::success) // a device without is no failure
+        if (library_.drain_errors() != HdValue::success) // a device without buttons is not a failure
             buttons = 0;
-        const Frame frame{kMillimetre * glm::dvec3(at[0], -at[2], at[1]), told, static_cast<std::uint32_t>(buttons)};
+        const Frame frame{kMillimetre * glm::dvec3(at[0], -at[2], at[1]), valid, static_cast<std::uint32_t>(buttons)};
         commands_.take(command_);
         const bool old = time - command_.time > kHdSilence || command_.time <= rested_;
-        const bool silent = halted_; // asked as late as can be
-        const glm::dvec3 force = silent || old || !frame.told ? glm::dvec3(0) : command_.force;
+        const bool silent = halted_; // read as late as possible
+        const glm::dvec3 force = silent || old || !frame.valid ? glm::dvec3(0) : command_.force;
         const double axes[3]{force.x, force.z, -force.y};
         library_.set_doublev(HdValue::current_force, axes);
         library_.end_frame(device_);
@@ -110,20 +110,20 @@ private:
         return last ? HdValue::callback_done : HdValue::callback_continue;
     }
 
-    // True if the calls since the last question did what they should.
+    // True if no call failed since the last check.
     bool succeeded() noexcept {
         const unsigned code = library_.drain_errors();
         if (code != HdValue::success)
-            complaint_ = library_.get_error_string(code);
+            error_text_ = library_.get_error_string(code);
         return code == HdValue::success;
     }
 
-    bool wait_for(const std::atomic<bool>& happened, int most) const noexcept {
-        if (thread_.load() == ::pthread_self()) // interrupted in a frame, which cannot come to its end meanwhile
-            return happened;
-        for (int waited = 0; !happened && waited < most; ++waited)
+    bool wait_for(const std::atomic<bool>& done, int most) const noexcept {
+        if (thread_.load() == ::pthread_self()) // interrupted in a frame, which cannot end meanwhile
+            return done;
+        for (int waited = 0; !done && waited < most; ++waited)
             ::poll(nullptr, 0, 1);
-        return happened;
+        return done;
     }
 
     const HdLibrary& library_;
@@ -136,13 +136,13 @@ private:
     std::atomic<pthread_t> thread_{};      // the scheduler's
     std::atomic<bool> displayed_ = true;   // the last frame's force
     std::atomic<bool> halted_ = false, ending_ = false, silent_ = false, ended_ = false;
-    std::atomic<const char*> complaint_ = nullptr;
+    std::atomic<const char*> error_text_ = nullptr;
 };
 
 // An open device: closed on every way out.
 struct Session {
     Session(const HdLibrary& used, const std::string& name) : library(used) {
-        library.error(); // what was before is none of ours
+        library.error(); // clears earlier errors
         device = library.init_device(name.empty() ? nullptr : name.c_str());
         const std::string error = library.error();
         if (device != HdValue::invalid_handle && error.empty()) {
@@ -230,15 +230,15 @@ public:
 
     const DeviceFacts& facts() const noexcept override { return facts_; }
 
-    // Until a frame has a position again, that it had none is the newest there is to know.
+    // After a frame without a position, read() fails until one has a position again.
     Reading read() noexcept override {
         Servo::Frame frame;
         const bool fresh = servo_.take(frame);
         if (fresh) {
-            told_ = frame.told;
+            valid_ = frame.valid;
             buttons_ = frame.buttons;
         }
-        if (!told_ || (!fresh && !servo_.runs()))
+        if (!valid_ || (!fresh && !servo_.runs()))
             return {Answer::failed, position_, false};
         if (!fresh)
             return {Answer::repeated, position_, false, buttons_};
@@ -249,7 +249,7 @@ public:
     bool write(const glm::dvec3& force) noexcept override { return servo_.put(force); }
     void halt() noexcept override { servo_.halt(kFramePatience); }
     void rest() noexcept override { servo_.rest(); }
-    const char* complaint() const noexcept override { return servo_.complaint(); }
+    const char* error_text() const noexcept override { return servo_.error_text(); }
 
 private:
     DeviceFacts read_facts() const {
@@ -279,14 +279,14 @@ private:
             throw DeviceAbsent(fmt::format("{} states a largest force of {} N: between 0.5 N and 200 N is plausible",
                                            facts.name, most));
         facts.max_force = most;
-        double lasting = NAN;
-        if (!states(HdValue::nominal_max_continuous_force, &lasting))
+        double continuous = NAN;
+        if (!states(HdValue::nominal_max_continuous_force, &continuous))
             return;
-        if (!(lasting >= 0.1 && lasting <= most))
+        if (!(continuous >= 0.1 && continuous <= most))
             throw DeviceAbsent(fmt::format("{} states a continuous force of {} N: between 0.1 N and its largest, {} "
                                            "N, is plausible",
-                                           facts.name, lasting, most));
-        facts.lasting_force = lasting;
+                                           facts.name, continuous, most));
+        facts.continuous_force = continuous;
     }
 
     void read_workspace(DeviceFacts& facts) const {
@@ -316,7 +316,7 @@ private:
                             facts.name, why));
     }
 
-    // In words; empty: it is calibrated, perhaps by us.
+    // Empty: it is calibrated, perhaps by us.
     std::string why_uncalibrated(DeviceFacts& facts) const {
         unsigned state = library_.check_calibration();
         std::string error = library_.error();
@@ -335,33 +335,34 @@ private:
             if (const std::string further = library_.error(); error.empty())
                 error = further;
             if (chosen == HdValue::calibrate_by_reset)
-                facts.remark = facts.name + " took the place where it stood for its reset position: start again with "
-                                            "it there if it was elsewhere";
+                facts.remark = facts.name + " calibrated as if it stood at its reset position: put it there and start "
+                                            "again if it stood elsewhere";
         }
         if (!error.empty())
             return error;
         return state == HdValue::calibration_ok                   ? ""
                : state == HdValue::calibration_needs_manual_input ? "it waits to be placed"
-                                                                  : "it says so after an update, too";
+                                                                  : "also after an update";
     }
 
     void await_position() {
         Servo::Frame frame;
         int failures = 0;
-        for (int waited = 0; !frame.told && waited < kStartPatience && failures < kMostFailures; ++waited) {
+        for (int waited = 0; !frame.valid && waited < kStartPatience && failures < kMostFailures; ++waited) {
             ::poll(nullptr, 0, 1);
-            failures += servo_.take(frame) && !frame.told ? 1 : 0;
+            failures += servo_.take(frame) && !frame.valid ? 1 : 0;
         }
-        if (!frame.told) {
-            const char* why = servo_.complaint();
+        if (!frame.valid) {
+            const char* why = servo_.error_text();
             throw DeviceAbsent(
-                fmt::format("{} tells no position: {}", facts_.name, why ? why : "its scheduler does not run"));
+                fmt::format("{} reports no position: {}", facts_.name, why ? why : "its scheduler does not run"));
         }
         const glm::dvec3& at = frame.position;
         const auto reached = [](double along) { return std::abs(along) <= kHdReach; }; // and is a number
         if (!reached(at.x) || !reached(at.y) || !reached(at.z))
-            throw DeviceAbsent(fmt::format("{} tells the position ({}, {}, {}) mm: no device reaches further than {} m",
-                                           facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kHdReach));
+            throw DeviceAbsent(
+                fmt::format("{} reported the position ({}, {}, {}) mm: no device reaches further than {} m",
+                            facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kHdReach));
         position_ = at;
     }
 
@@ -372,7 +373,7 @@ private:
     const Schedule schedule_;
     glm::dvec3 position_{0};
     std::uint32_t buttons_ = 0; // of the newest frame
-    bool told_ = true;          // it had a position
+    bool valid_ = true;         // it had a position
 };
 
 } // namespace

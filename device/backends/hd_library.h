@@ -34,8 +34,8 @@ struct HdValue {
     static constexpr unsigned short default_priority = 0x7FFF;
 };
 
-/// Errors are put onto a stack, from which hdGetError takes the newest. \throws DeviceAbsent: not there, or not what
-/// it should be.
+/// Errors are put onto a stack, from which hdGetError takes the newest. \throws DeviceAbsent: the library is
+/// missing or is a different one.
 struct HdLibrary : SharedLibrary {
     HdLibrary()
         : SharedLibrary({"3D Systems OpenHaptics toolkit",
@@ -66,8 +66,8 @@ struct HdLibrary : SharedLibrary {
     unsigned (*check_calibration)() = needed("hdCheckCalibration");
     void (*update_calibration)(unsigned style) = needed("hdUpdateCalibration");
 
-    /// Empties the stack of errors: the one that came first, of which the others may be consequences. Ends even where
-    /// the library reports errors without end.
+    /// Empties the stack of errors; returns the first one, of which the others may be consequences. Ends even if the
+    /// library reports errors without end.
     unsigned drain_errors() const noexcept {
         constexpr int kMost = 32;
         unsigned first = HdValue::success;
@@ -80,7 +80,7 @@ struct HdLibrary : SharedLibrary {
         return first;
     }
 
-    /// Likewise, in the library's words with its code; empty: none.
+    /// The same, in the library's words with its code; empty: none.
     std::string error() const {
         const unsigned code = drain_errors();
         if (code == HdValue::success)
@@ -89,7 +89,7 @@ struct HdLibrary : SharedLibrary {
         return fmt::format("{} (HDAPI error 0x{:04X})", text && *text ? text : "no reason given", code);
     }
 
-    std::string text(unsigned what) const { // empty if the library does not tell
+    std::string text(unsigned what) const { // empty if the library has none
         const char* text = get_string(what);
         return drain_errors() == HdValue::success && text ? text : "";
     }

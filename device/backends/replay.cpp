@@ -16,7 +16,7 @@ struct Row {
     std::size_t path;    // numbered by their first rows
 };
 
-// The rate of a recording, as far as clocks and rounding leave it: samples at 10 kHz may lie 99.9 us apart.
+// The rate of a recording, up to clock error and rounding: samples at 10 kHz may lie 99.9 us apart.
 double rounded_rate(double recorded) {
     constexpr double kOff = 0.02;
     for (const double end : {kSlowestRate, kFastestRate})

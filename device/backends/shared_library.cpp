@@ -12,34 +12,34 @@ namespace forceshade::device {
 
 namespace {
 
-// Null, or the linker's complaint in `why`.
+// On failure null, with the linker's error in `why`.
 void* open_library(const std::string& name, std::string& why) {
     void* handle = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!handle) {
-        const char* complaint = ::dlerror();
-        why = complaint ? complaint : name + ": cannot be loaded";
+        const char* error_text = ::dlerror();
+        why = error_text ? error_text : name + ": cannot be loaded";
     }
     return handle;
 }
 
 void* open_sought(const SoughtLibrary& sought) {
-    std::string why, complaints;
+    std::string why, load_errors;
     if (const char* const file = std::getenv(sought.variable.c_str()); file && *file) {
         if (void* handle = open_library(file, why))
             return handle;
-        throw DeviceAbsent(fmt::format("the library that {} names cannot be loaded: {}; it is to be the {}'s. {}",
-                                       sought.variable, why, sought.product, sought.installation));
+        throw DeviceAbsent(fmt::format("cannot load the library of the {} from ${}: {}. {}", sought.product,
+                                       sought.variable, why, sought.installation));
     }
     for (const std::string& name : sought.names) {
         if (void* handle = open_library(name, why))
             return handle;
-        // That a name is nowhere is no news; that a library is there and cannot be loaded is.
+        // Ignore "not found"; report libraries that exist but fail to load.
         if (!why.starts_with(name + ": cannot open shared object file: No such file"))
-            complaints += "; " + why;
+            load_errors += "; " + why;
     }
     throw DeviceAbsent(fmt::format("no library of the {}: none of {} is in LD_LIBRARY_PATH or the system's folders, "
                                    "and {} is not set{}. {}",
-                                   sought.product, fmt::join(sought.names, ", "), sought.variable, complaints,
+                                   sought.product, fmt::join(sought.names, ", "), sought.variable, load_errors,
                                    sought.installation));
 }
 
@@ -58,8 +58,8 @@ SharedLibrary::Symbol SharedLibrary::optional(const char* name) const noexcept {
 SharedLibrary::Symbol SharedLibrary::needed(const char* name) const {
     if (const Symbol symbol = optional(name); symbol.address)
         return symbol;
-    throw DeviceAbsent(fmt::format("{} has no function {}: it is another library than the {}'s, or too old a version",
-                                   file_, name, product_));
+    throw DeviceAbsent(
+        fmt::format("{} has no function {}: it is not the library of the {}, or is too old", file_, name, product_));
 }
 
 } // namespace forceshade::device

@@ -6,16 +6,16 @@
 
 namespace forceshade::device {
 
-/// Where a library is looked for, and what to tell a user who does not have it.
+/// Where to look for a library, and how to install it.
 struct SoughtLibrary {
     std::string product;            // "Force Dimension SDK"
-    std::string variable;           // of the environment; where it is set, only the file that it names is tried
+    std::string variable;           // of the environment; if it is set, only its file is tried
     std::vector<std::string> names; // tried in this order where the dynamic linker looks
     std::string installation;       // one sentence: where it comes from and where to put it
 };
 
 /// A loaded library. It stays loaded until the program ends: threads that the vendor started may still run in it, and
-/// complaints point into it.
+/// error texts point into it.
 class SharedLibrary {
 public:
     /// \throws DeviceAbsent: names what was tried and how to install it.
@@ -31,9 +31,9 @@ public:
         }
     };
 
-    /// \throws DeviceAbsent if there is none of that name, with library and name.
+    /// \throws DeviceAbsent with library and name if it has no such function.
     Symbol needed(const char* name) const;
-    /// Null if there is none.
+    /// Null if it has no such function.
     Symbol optional(const char* name) const noexcept;
 
 private:

@@ -18,7 +18,7 @@ namespace {
 
 using reference::Vector;
 
-// As the hand follows them: in a closed loop.
+// Paths as the hand follows them: in a closed loop.
 PreparedCase with_hand(PreparedCase prepared, double rate) {
     Scene& scene = prepared.one.scene;
     if (!scene.paths) {

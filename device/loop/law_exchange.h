@@ -27,13 +27,13 @@ public:
         delete former_.exchange(nullptr, std::memory_order_acq_rel);
     }
 
-    /// From the thread that offers: false if the law that was offered last is used already.
+    /// From the thread that offers: false if the last law offered is in use already.
     bool withdraw() {
         const std::unique_ptr<ProbeLaw> law(next_.exchange(nullptr, std::memory_order_acq_rel));
         return law != nullptr;
     }
 
-    /// From the loop: true if there is a new law. It waits until offer() has freed the former one.
+    /// From the loop: true if it took a new law. A new law waits until offer() has freed the former one.
     bool update() noexcept {
         if (next_.load(std::memory_order_relaxed) == nullptr || former_.load(std::memory_order_acquire) != nullptr)
             return false;

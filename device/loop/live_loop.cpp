@@ -20,12 +20,12 @@ Watchdog::Watchdog(BackEnd& back_end, std::int64_t patience)
 Watchdog::~Watchdog() = default;
 
 void Watchdog::run(const std::stop_token& stop) noexcept {
-    constexpr std::int64_t kLongest = kSecond / 20; // between looks at `stop`
+    constexpr std::int64_t kLongest = kSecond / 20; // between checks of `stop`
     raise_priority(kWatchdogPriority);
     while (!stop.stop_requested()) {
         const std::int64_t fed = fed_.load(std::memory_order_relaxed), time = now();
         if (time - fed > patience_)
-            back_end_.rest(); // again and again: the loop's thread may be in the vendor's library
+            back_end_.rest(); // repeatedly: the loop's thread may be in the vendor's library
         sleep_until(std::min(std::max(fed + patience_, time + patience_ / 4), time + kLongest));
     }
 }
@@ -44,7 +44,7 @@ void raise_to(double& largest, double value) noexcept {
     largest = value > largest ? value : largest;
 }
 
-constexpr double kBeyondAnyLimit = std::numeric_limits<double>::quiet_NaN(); // even if there is none
+constexpr double kBeyondAnyLimit = std::numeric_limits<double>::quiet_NaN(); // even an infinite one
 
 } // namespace
 
@@ -88,7 +88,7 @@ void LiveLoop::ask_for_permissions() noexcept {
         const double patience = std::max(settings_.limits.late * period_, period_);
         if (std::isfinite(patience))
             watchdog_.emplace(back_end_, static_cast<std::int64_t>(std::min(patience, 1e6) * 1e9));
-    } catch (...) { // no memory, no thread: the loop runs without, and the report lists nothing
+    } catch (...) { // no memory, no thread: the loop runs without permissions, and the report lists none
     }
 }
 
@@ -135,7 +135,7 @@ void LiveLoop::wait_until_due(Turn& turn) noexcept {
     if (!settings_.real_time)
         return;
     turn.sample.late = turn.begin - turn.due;
-    if (seconds(turn.sample.late) > settings_.standstill) { // an hour's samples at once would only keep the device busy
+    if (seconds(turn.sample.late) > settings_.standstill) { // catching up would only keep the device busy
         counts_->standstill += seconds(turn.sample.late);
         first_due_ += turn.sample.late;
     }
@@ -151,7 +151,7 @@ void LiveLoop::begin_path(Turn& turn) noexcept {
     if (!begun_)
         return;
     ++path_;
-    turn.sample.happened |= kNewPath;
+    turn.sample.flags |= kNewPath;
 }
 
 // False: there has been no position yet.
@@ -177,13 +177,13 @@ bool LiveLoop::read_position(Turn& turn) noexcept {
     const bool given = reading.answer == Answer::fresh || (reading.answer == Answer::repeated && begun_);
     look_at_buttons(turn, reading);
     const bool clutched = (turn.now.held_back & kClutched) != 0;
-    if (given && clutched_ && !clutched && is_finite(reading.position)) { // where the hand is now is where the probe is
-        slid_ = reading.position - settings_.mapping.to_hand(probe_);
+    if (given && clutched_ && !clutched && is_finite(reading.position)) { // the hand's position now is the probe's
+        clutch_offset_ = reading.position - settings_.mapping.to_hand(probe_);
         clutched_ = false;
     }
     const glm::dvec3 probe = clutched && begun_ ? probe_ : probe_at(reading.position);
     turn.now.is_position = given && is_finite(reading.position) && laws_.present().reaches(probe);
-    path_begins_ = path_begins_ || reading.begins_path; // with the next position, if this is none
+    path_begins_ = path_begins_ || reading.begins_path; // with the next position, if this one is invalid
     if (turn.now.is_position) {
         turn.now.begins_path = std::exchange(path_begins_, false);
         if (turn.now.begins_path && begun_) {
@@ -196,7 +196,7 @@ bool LiveLoop::read_position(Turn& turn) noexcept {
         begun_ = true;
     }
     const double passed = turn.now.time - std::exchange(last_time_, turn.now.time);
-    // That the process stood still does not mean that the device was gone.
+    // A pause of the process does not count as a missing device.
     gone_ = given && begun_ && accepted_ ? 0 : gone_ + std::min(passed, 0.1 * settings_.patience);
     if (gone_ > settings_.patience)
         end_.store(LoopEnd::device_gone, std::memory_order_release);
@@ -205,23 +205,22 @@ bool LiveLoop::read_position(Turn& turn) noexcept {
 }
 
 glm::dvec3 LiveLoop::probe_at(const glm::dvec3& hand) const noexcept {
-    return settings_.clutch == 0 ? settings_.mapping.to_scene(hand) : settings_.mapping.to_scene(hand - slid_);
+    return settings_.clutch == 0 ? settings_.mapping.to_scene(hand) : settings_.mapping.to_scene(hand - clutch_offset_);
 }
 
-// A device that does not tell its buttons has none pressed: the dead man's is released, the clutch stays as it was.
+// If the device reports no buttons, none is pressed: the dead man's is released, the clutch keeps its state.
 void LiveLoop::look_at_buttons(Turn& turn, const Reading& reading) noexcept {
-    const bool told = reading.answer == Answer::fresh || reading.answer == Answer::repeated;
-    const std::uint32_t pressed = told ? reading.buttons : 0;
+    const bool known = reading.answer == Answer::fresh || reading.answer == Answer::repeated;
+    const std::uint32_t pressed = known ? reading.buttons : 0;
     turn.sample.buttons = pressed;
     if (settings_.dead_man != 0 && (pressed & button_bit(settings_.dead_man)) == 0)
         turn.now.held_back |= kDeadMan;
-    if (settings_.clutch != 0 && (told ? (pressed & button_bit(settings_.clutch)) != 0 : clutched_))
+    if (settings_.clutch != 0 && (known ? (pressed & button_bit(settings_.clutch)) != 0 : clutched_))
         turn.now.held_back |= kClutched;
 }
 
-// The force of the law, what safety leaves of it, and how the device accepts that. A sample that is later than it may
-// be, or of which the device has heard so late that it dropped the last force, has none, and the next force comes up
-// from zero.
+// The force of the law, limited by safety, written to the device. A sample that is too late, or whose force comes after
+// the device dropped the last one, has none, and the next force ramps up from zero.
 void LiveLoop::display_force(Turn& turn) noexcept {
     LiveSample& sample = turn.sample;
     const auto is_late = [&](std::int64_t time) {
@@ -232,13 +231,14 @@ void LiveLoop::display_force(Turn& turn) noexcept {
     const ProbeContact contact = law.reaches(probe_)
                                      ? law.at(probe_)
                                      : ProbeContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
-    sample.happened |= contact.finished ? 0u : kUnfinished;
+    sample.flags |= contact.finished ? 0u : kUnfinished;
     glm::dvec3 force = safety_.limit(turn.now, settings_.mapping.force_to_device(contact.force),
-                                     contact.facet != layout::kNoFacet, sample.happened);
+                                     contact.facet != layout::kNoFacet, sample.flags);
     const std::int64_t end = now();
-    const bool let_go = settings_.real_time && written_ != 0 && seconds(end - written_) > back_end_.facts().silence;
-    if (let_go || is_late(end)) {
-        sample.happened |= kTooLate;
+    const bool device_timed_out =
+        settings_.real_time && written_ != 0 && seconds(end - written_) > back_end_.facts().silence;
+    if (device_timed_out || is_late(end)) {
+        sample.flags |= kTooLate;
         safety_.drop_force();
         force = glm::dvec3(0);
     }
@@ -253,9 +253,9 @@ void LiveLoop::display_force(Turn& turn) noexcept {
     accepted_ = back_end_.write(force);
     turn.end = written_ = now();
     sample.commanded = accepted_ ? settings_.mapping.force_to_scene(force) : glm::dvec3(0);
-    sample.happened |= accepted_ ? 0u : kFailed;
+    sample.flags |= accepted_ ? 0u : kFailed;
     const bool late = is_late(turn.end);
-    sample.happened |= late ? kTooLate : 0u; // the watchdog has let the device rest meanwhile
+    sample.flags |= late ? kTooLate : 0u; // the watchdog has let the device rest meanwhile
     if (!accepted_ || late)
         safety_.drop_force();
     sample.writing = short_time(turn.end - end);
@@ -281,15 +281,15 @@ void LiveLoop::record(Turn& turn) noexcept {
         const std::int64_t computed = computed_so_far(), period = due(tick_ + 1) - turn.due;
         const bool too_long = computed - computed_ > period && turn.end - turn.begin > period;
         if (turn.end > due(tick_ + 1))
-            sample.happened |= too_long ? kOverrun | kOwnOverrun : kOverrun;
+            sample.flags |= too_long ? kOverrun | kOwnOverrun : kOverrun;
         computed_ = computed;
     }
     LoopCounts& counts = *counts_;
     ++counts.samples;
     counts.in_contact += sample.facet != layout::kNoFacet;
     counts.paths = path_ + 1u;
-    for (std::size_t i = 0; i < kHappenings.size(); ++i)
-        counts.happened[i] += sample.happened >> i & 1u;
+    for (std::size_t i = 0; i < kSampleFlagNames.size(); ++i)
+        counts.flags[i] += sample.flags >> i & 1u;
     raise_to(counts.largest_force, magnitude(sample.force));
     raise_to(counts.largest_commanded, magnitude(sample.commanded));
     raise_to(counts.largest_depth, sample.depth);
@@ -318,7 +318,7 @@ void LiveLoop::publish(const LiveSample& sample) noexcept {
     status_.own_overruns.store(counts_->with(kOwnOverrun), relaxed);
     status_.clamped.store(counts_->with(kClamped), relaxed);
     status_.lost.store(counts_->lost, relaxed);
-    status_.happened.store(sample.happened, relaxed);
+    status_.flags.store(sample.flags, relaxed);
     status_.buttons.store(sample.buttons, relaxed);
     status_.seconds.store(sample.time, relaxed);
     status_.force.store(magnitude(sample.commanded), relaxed);

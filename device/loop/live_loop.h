@@ -17,8 +17,8 @@
 
 namespace forceshade::device {
 
-/// A thread of its own, of higher priority than the loop's if the system allows it: lets the device rest while its loop
-/// is stuck.
+/// A thread of its own, of higher priority than the loop's if the system allows it: drops the device's force while the
+/// loop is stuck.
 class Watchdog {
 public:
     /// `patience`, ns: the longest time between two calls of feed().
@@ -51,22 +51,22 @@ struct LoopSettings {
 
 enum class LoopEnd { running, done, stopped, recording_over, device_gone };
 
-/// What the loop tells while it runs; each number is the newest, together they need not be of one sample.
+/// The loop's state while it runs; each number is the newest, but they need not be of one sample.
 struct LoopStatus {
     std::atomic<std::uint64_t> samples = 0, waiting = 0, overruns = 0, own_overruns = 0, clamped = 0, lost = 0;
-    std::atomic<std::uint32_t> happened = 0;           // to the last sample
+    std::atomic<std::uint32_t> flags = 0;              // SampleFlags of the last sample
     std::atomic<std::uint32_t> buttons = 0;            // pressed then
-    std::atomic<std::uint32_t> laws = 0, law_path = 0; // new ones that were used, and the path that the last one began
+    std::atomic<std::uint32_t> laws = 0, law_path = 0; // new laws in use so far, and the path that the last one began
     std::atomic<double> seconds = 0, force = 0, depth = 0, energy = 0; /* s, N commanded, m, J */
 };
 
-/// Its thread neither allocates, locks, throws nor logs from the first sample to the last. Whatever ends it, the last
+/// Its thread neither allocates, locks, throws nor logs from the first sample to the last. However it ends, the last
 /// force written is zero.
 class LiveLoop {
 public:
-    /// Everything must outlive it. `log`: where samples are put; null: nowhere. As fast as possible the loop waits for
-    /// room there; in real time a sample that finds none is lost, and counted. `others`: where they are put, too,
-    /// without ever waiting for room.
+    /// All arguments must outlive it. `log` receives the samples, if not null: as fast as possible the loop waits for
+    /// room there; in real time a sample that finds none is lost, and counted. `others` receive them too, and the loop
+    /// never waits for room there.
     LiveLoop(BackEnd& back_end, std::unique_ptr<ProbeLaw> law, const LoopSettings& settings, SampleRing* log,
              std::vector<SampleRing*> others = {});
     ~LiveLoop(); // stops it
@@ -74,10 +74,10 @@ public:
     void start();
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
     LoopEnd end() const noexcept { return end_.load(std::memory_order_acquire); }
-    /// Waits for the end, which somebody must have caused.
+    /// Waits for the end; call stop() first unless the loop ends by itself.
     void join();
 
-    /// Another law from the next sample on, which begins a path. From one thread.
+    /// Uses another law from the next sample on, which begins a path. From one thread.
     void offer(std::unique_ptr<ProbeLaw> law) { laws_.offer(std::move(law)); }
     bool withdraw() { return laws_.withdraw(); }
     /// No force while it is suspended; from a signal's handler, too.
@@ -85,7 +85,7 @@ public:
         at_rest_.store(false);
         suspended_.store(suspended);
     }
-    /// Whether zero has been written since it was suspended, or will not be followed by another force.
+    /// Whether zero has been written since it was suspended, or the loop has ended.
     bool is_at_rest() const noexcept { return at_rest_.load() || end() != LoopEnd::running; }
 
     const LoopStatus& status() const noexcept { return status_; }
@@ -127,18 +127,18 @@ private:
     std::atomic<LoopEnd> end_ = LoopEnd::running;
 
     // Of the loop's thread alone.
-    std::int64_t first_due_ = 0; /* ns: when sample 0 was due, and so much later as the process stood still */
+    std::int64_t first_due_ = 0; /* ns: when sample 0 was due, plus the pauses of the process */
     std::int64_t start_ = 0, woken_ = 0, computed_ = 0, written_ = 0; /* ns */
     std::uint64_t tick_ = 0;
-    double last_time_ = 0;     /* s: of the last sample */
-    double gone_ = 0;          /* s: since the device last answered as it should */
-    glm::dvec3 hand_{0};       /* m: the last valid position of the device, counted from the scene's origin */
-    glm::dvec3 probe_{0};      /* m: likewise, in the scene */
-    glm::dvec3 slid_{0};       /* m: how far the hand has moved alone, with the clutch held */
-    bool clutched_ = false;    // the clutch was held at the last sample that had a position
-    bool begun_ = false;       // there was one
-    bool path_begins_ = false; // one whose first position has not come yet
-    bool accepted_ = true;     // the device accepted the last force
+    double last_time_ = 0;        /* s: of the last sample */
+    double gone_ = 0;             /* s: since the device's last valid answer */
+    glm::dvec3 hand_{0};          /* m: the last valid position of the device, counted from the scene's origin */
+    glm::dvec3 probe_{0};         /* m: the same, in the scene */
+    glm::dvec3 clutch_offset_{0}; /* m: how far the hand has moved alone, with the clutch held */
+    bool clutched_ = false;       // the clutch was held at the last sample that had a position
+    bool begun_ = false;          // a position has come
+    bool path_begins_ = false;    // a path whose first position has not come yet
+    bool accepted_ = true;        // the device accepted the last force
     std::uint32_t path_ = 0;
 };
 

@@ -9,7 +9,7 @@ namespace forceshade::device {
 
 namespace {
 
-// "-y", or "(0.8660, 0.5000, 0.0000)" where it lies along no axis.
+// "-y", or "(0.8660, 0.5000, 0.0000)" if it is not along an axis.
 std::string direction_text(const glm::dvec3& direction) {
     for (int axis = 0; axis < 3; ++axis)
         if (std::abs(direction[axis]) == 1)

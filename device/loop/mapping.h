@@ -1,5 +1,5 @@
-// How the scene lies in the device's space. The hand's place is a point in the device's axes and metres, counted from
-// where the scene's origin lies; the probe is that point in the scene.
+// The scene's placement in the device's space. The hand's position is in the device's axes and metres, relative to the
+// scene's origin; the probe is that point in the scene.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace forceshade::device {
 
-/// Places are scaled, forces are not: a spring of the scene feels `scale` times as stiff. Turned back, a force does
-/// the same work on the hand as the law's force does on the probe, divided by the scale.
+/// Positions are scaled, forces are not: a spring of the scene feels `scale` times as stiff. A force that is turned
+/// back does the work on the hand that the law's force does on the probe, divided by the scale.
 struct Mapping {
     glm::dvec3 origin{0}; /* m: where the scene's origin lies in the device's space */
     glm::dmat3 turn{1};   // columns: the scene's x, y and z in the device's axes; a rotation
@@ -18,7 +18,7 @@ struct Mapping {
 
     bool is_plain() const noexcept { return scale == 1 && turn == glm::dmat3(1); }
 
-    // A scene that is neither turned nor scaled is felt bit for bit as without a mapping.
+    // A scene that is neither turned nor scaled gives the same bits as without a mapping.
     glm::dvec3 to_scene(const glm::dvec3& hand) const noexcept {
         return is_plain() ? hand : scale * (hand * turn); // v * M: by the transpose
     }
@@ -27,7 +27,7 @@ struct Mapping {
     glm::dvec3 force_to_scene(const glm::dvec3& force) const noexcept { return is_plain() ? force : force * turn; }
 };
 
-/// In words, one line: "origin at (0, -150, 200) mm, scene's x, y, z along the device's y, -x, z; 2 m of the scene in a
+/// One line: "origin at (0, -150, 200) mm, scene's x, y, z along the device's y, -x, z; 2 m of the scene in a
 /// metre of the device: springs feel 2 times as stiff".
 std::string mapping_text(const Mapping& mapping);
 

@@ -28,7 +28,7 @@ Permissions::One priority() {
                               "make samples late"};
 }
 
-// Pages that are touched later are locked, too, but only where they cannot run into a limit.
+// Also locks pages that are touched later, unless they could run into a limit.
 Permissions::One locked_memory() {
     if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
         void* const probe =
@@ -54,8 +54,7 @@ std::optional<int> last_allowed() {
 Permissions::One pinned(std::optional<int> cpu, bool first_come) {
     const std::optional<int> chosen = cpu ? cpu : first_come ? last_allowed() : std::nullopt;
     if (!chosen)
-        return {"CPU pinning", false,
-                "without SCHED_FIFO it would only wait for its CPU; --cpu N pins it all the same"};
+        return {"CPU pinning", false, "without SCHED_FIFO it would only wait for its CPU; --cpu N pins it anyway"};
     cpu_set_t one;
     CPU_ZERO(&one);
     if (*chosen >= 0 && *chosen < CPU_SETSIZE)

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kSpeedTime = 0.005; /* s: over which the speed is averaged, so that neither the jitter of a clock nor
                                         the resolution of positions looks fast */
-constexpr double kBearingTime = 0.5; /* s: ahead, so that the limit approaches the lasting force smoothly */
-const double kKept = std::exp(-kBearingTime / kLastingTime); // of a mean square, over that time
+constexpr double kThermalHorizon = 0.5; /* s: look-ahead, so that the limit approaches the continuous force smoothly */
+const double kKept = std::exp(-kThermalHorizon / kContinuousForceTime); // share of a mean square left after that time
 
 bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& high) noexcept {
     return v.x >= low.x && v.y >= low.y && v.z >= low.z && v.x <= high.x && v.y <= high.y && v.z <= high.z;
@@ -19,10 +19,11 @@ bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& hig
 } // namespace
 
 void Safety::follow(const Situation& now) noexcept {
-    const double passed = begun_ ? std::max(now.time - last_time_, 0.0) : period_; // the motors bear all of it
+    const double passed = begun_ ? std::max(now.time - last_time_, 0.0) : period_; // all of it warms the motors
     step_ = std::min(passed, period_);
     last_time_ = now.time;
-    heat_ += (1 - std::exp(-passed / kLastingTime)) * (reference::dot(displayed_, displayed_) - heat_);
+    mean_square_force_ +=
+        (1 - std::exp(-passed / kContinuousForceTime)) * (reference::dot(displayed_, displayed_) - mean_square_force_);
     if (!now.is_position || now.answer != Answer::fresh) {
         observer_.wait();
         return;
@@ -83,24 +84,26 @@ void Safety::drop_force() noexcept {
     observer_.display(displayed_);
 }
 
-// N: the force that, displayed for kBearingTime, brings the mean square to that of the lasting force.
-double Safety::bearable() const noexcept {
-    const double lasting = limits_.lasting_force;
-    return std::isinf(lasting) ? lasting : std::sqrt(std::max(0.0, lasting * lasting - kKept * heat_) / (1 - kKept));
+// N: the force that, displayed for kThermalHorizon, brings the mean square to that of the continuous force.
+double Safety::thermal_limit() const noexcept {
+    const double continuous = limits_.continuous_force;
+    return std::isinf(continuous)
+               ? continuous
+               : std::sqrt(std::max(0.0, continuous * continuous - kKept * mean_square_force_) / (1 - kKept));
 }
 
-glm::dvec3 Safety::clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept {
-    const double size = magnitude(force), bearable = this->bearable();
-    const double most = std::min(limits_.max_force, bearable);
+glm::dvec3 Safety::clamped(const glm::dvec3& force, std::uint32_t& flags) const noexcept {
+    const double size = magnitude(force), thermal_limit = this->thermal_limit();
+    const double most = std::min(limits_.max_force, thermal_limit);
     if (size <= most)
         return force;
-    happened |= bearable < limits_.max_force ? kLasting : kClamped;
+    flags |= thermal_limit < limits_.max_force ? kLasting : kClamped;
     return (most / size) * force;
 }
 
-// A force falls at once and rises slowly. What is kept of the displayed one is its share nearest to the wanted one;
-// from there it moves no further than it may. So it is never larger than the wanted one, nor against it.
-glm::dvec3 Safety::slewed(const glm::dvec3& wanted, std::uint32_t& happened) const noexcept {
+// A force falls at once and rises slowly. The displayed force is first scaled to its share nearest to the wanted one;
+// from there it moves at most by the slew limit. So it is never larger than the wanted one, nor against it.
+glm::dvec3 Safety::slewed(const glm::dvec3& wanted, std::uint32_t& flags) const noexcept {
     const double square = reference::dot(displayed_, displayed_);
     const double share = square > 0 ? std::clamp(reference::dot(displayed_, wanted) / square, 0.0, 1.0) : 0;
     const glm::dvec3 kept = share * displayed_;
@@ -108,35 +111,35 @@ glm::dvec3 Safety::slewed(const glm::dvec3& wanted, std::uint32_t& happened) con
     const double most = std::isinf(limits_.slew) ? kUnknown : limits_.slew * step_, size = magnitude(rise);
     if (size <= most)
         return wanted;
-    happened |= kSlewed;
+    flags |= kSlewed;
     return kept + (most / size) * rise;
 }
 
-glm::dvec3 Safety::limit(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& happened) noexcept {
+glm::dvec3 Safety::limit(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& flags) noexcept {
     follow(now);
-    happened |= find_faults(now);
+    flags |= find_faults(now);
     if (!is_finite(law))
-        happened |= kNoNumber;
-    if (happened & kForceless) {
+        flags |= kNoNumber;
+    if (flags & kZeroForceFlags) {
         drop_force();
         return displayed_;
     }
-    glm::dvec3 force = clamped(law, happened);
+    glm::dvec3 force = clamped(law, flags);
     const double share = gain(contact);
-    if (share < 1) { // of what may be displayed: a probe deep in the surface reaches it no sooner
+    if (share < 1) { // of the limited force: a probe deep in the surface does not reach the limit sooner
         force = share * force;
-        happened |= contact ? kRamping : 0u;
+        flags |= contact ? kRamping : 0u;
     }
     if (limits_.passivity) {
         const Damping damping = passive_damping(observer_, speed_, period_, limits_.damping);
         force += damping.force;
         damped_ += damping.energy;
-        happened |= damping.energy > 0 ? kDamped : 0u;
-        force = clamped(force, happened);
+        flags |= damping.energy > 0 ? kDamped : 0u;
+        force = clamped(force, flags);
     }
-    force = slewed(force, happened);
+    force = slewed(force, flags);
     if (!is_finite(force)) { // squares of the largest numbers overflow
-        happened |= kNoNumber;
+        flags |= kNoNumber;
         force = glm::dvec3(0);
         gain_ = 0;
     }

@@ -14,45 +14,45 @@
 
 namespace forceshade::device {
 
-/// On by default; an infinite limit is none. The defaults hold where the user and the device say nothing.
+/// On by default; an infinite limit is off. The defaults hold unless the user or the device states a limit.
 struct SafetyLimits {
-    double max_force = kUnknown;     /* N: larger forces keep their direction */
-    double lasting_force = kUnknown; /* N: likewise what is displayed for longer, as root mean square */
-    double slew = 2000;              /* N/s: how fast the force may rise; it falls at once */
-    double ramp = 0.2;               /* s: in which the force comes up after the start and after a fault */
-    double contact_ramp = 0.005;     /* s: likewise when contact is made again */
-    double free_time = 0.05;         /* s: without contact, after which the next is made again */
-    double max_speed = 2;            /* m/s: of the probe */
-    double stale = 0.02;             /* s: without a new position */
-    double late = 20;                // periods that a sample may be late
-    glm::dvec3 low{-kUnknown};       /* m: the workspace, of places of the hand */
-    glm::dvec3 high{kUnknown};       /* m */
-    bool passivity = false;          // whether the passivity controller is on
-    double damping = 10;             /* N s/m: the most that it may add */
+    double max_force = kUnknown;        /* N: larger forces keep their direction */
+    double continuous_force = kUnknown; /* N: RMS limit over kContinuousForceTime */
+    double slew = 2000;                 /* N/s: how fast the force may rise; it falls at once */
+    double ramp = 0.2;                  /* s: to the full force after the start and after a fault */
+    double contact_ramp = 0.005;        /* s: the same when contact is made again */
+    double free_time = 0.05;            /* s: without contact, after which the next is made again */
+    double max_speed = 2;               /* m/s: of the probe */
+    double stale = 0.02;                /* s: without a new position */
+    double late = 20;                   // periods that a sample may be late
+    glm::dvec3 low{-kUnknown};          /* m: the workspace, for the hand's position */
+    glm::dvec3 high{kUnknown};          /* m */
+    bool passivity = false;             // whether the passivity controller is on
+    double damping = 10;                /* N s/m: the most that it may add */
 };
 
-/// Where neither the device nor the user says how much it may display, N.
+/// N: the limit if neither the device nor the user states one.
 inline constexpr double kCautiousForce = 3;
 
-/// N: of a device without a watchdog of its own, which keeps the last force of a process that is killed.
+/// N: the limit for a device without a watchdog of its own, which keeps the last force of a killed process.
 inline constexpr double kUnwatchedForce = 0.5;
 
 /// s: over which the mean square of a force is taken. No vendor states it; motors warm up in minutes.
-inline constexpr double kLastingTime = 10;
+inline constexpr double kContinuousForceTime = 10;
 
-/// Computed as the oracle's hand does it (reference::commanded).
+/// Computed as in the oracle's hand (reference::commanded).
 inline double magnitude(const glm::dvec3& v) noexcept {
     return std::sqrt(reference::dot(v, v));
 }
 
-/// J: more than a device's largest force stores in a soft wall (8.5 N, 0.4 N/mm), which a hand may have back. What
-/// damping and friction took beyond that pays for no instability later.
+/// J: more than a device's largest force stores in a soft wall (8.5 N, 0.4 N/mm), which a hand may have back. Energy
+/// that damping and friction took beyond that cannot offset a later instability.
 inline constexpr double kReserve = 0.1;
 
 /// The energy that the hand is given, for time-domain passivity (Hannaford & Ryu 2002). A force acts from one sample to
-/// the next, so that its work over the displacement is known exactly, as far as positions are: nothing is estimated
-/// from speeds. A conservative law sampled at a rate gives energy, too. Between positions that come more seldom than
-/// samples the displacement counts with the mean of the forces.
+/// the next, so that its work over the displacement is as exact as the positions: no speed estimate is involved. A
+/// conservative law sampled at a rate gives energy, too. If positions come more seldom than samples, the displacement
+/// counts with the mean of the forces.
 class EnergyObserver {
 public:
     /// A sample has passed, and the probe is at this position, m.
@@ -65,7 +65,7 @@ public:
         samples_ = since_;
         start_at(probe);
     }
-    /// A sample has passed, and where the probe is now is not known.
+    /// A sample has passed without a new position.
     void wait() noexcept {
         sum_ += force_;
         ++since_;
@@ -81,7 +81,7 @@ public:
     void display(const glm::dvec3& force) noexcept { force_ = force; }
 
     double energy() const noexcept { return energy_; } /* J: given to the hand since the start */
-    /* J: likewise, but what the hand has put in counts only up to kReserve: no more of it can come back */
+    /* J: the same, but energy that the hand has put in counts only up to kReserve: no more can come back */
     double surplus() const noexcept { return surplus_; }
     std::uint64_t samples() const noexcept { return samples_; } // between the last two positions
     std::uint64_t since() const noexcept { return since_; }     // samples since the last position
@@ -94,16 +94,15 @@ private:
     bool begun_ = false;
 };
 
-/// What the controller adds to a force.
+/// The controller's addition to a force.
 struct Damping {
     glm::dvec3 force{0}; /* N */
     double energy = 0;   /* J: that it dissipates in a sample if the probe keeps its speed */
 };
 
-/// Against the motion, as much as dissipates within `period`, s, the energy given too much, but at most `most`, N s/m.
-/// `speed`, m/s, is to be a smooth one: of positions with a resolution the speed over a sample is a train of pulses,
-/// which damping would turn into a buzz. None once the probe's next position is overdue: then nothing is known of a
-/// motion.
+/// Against the motion: dissipates the surplus energy within `period`, s, with at most `most`, N s/m. `speed`, m/s, must
+/// be smooth: quantised positions make the speed over a sample a train of pulses, which damping would turn into a buzz.
+/// None once the probe's next position is overdue: the motion is unknown then.
 inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3& speed, double period,
                                double most) noexcept {
     const double square = glm::dot(speed, speed);
@@ -113,31 +112,31 @@ inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3&
     return {-damping * speed, damping * square * period};
 }
 
-/// What is known of a sample before its law is evaluated.
+/// The state of a sample before its law is evaluated.
 struct Situation {
     Answer answer = Answer::failed;
-    glm::dvec3 probe{0};      /* m: the hand's place (mapping.h), the last valid one, this sample's if there is one */
-    bool is_position = false; // the device gave one, finite and within the law's reach
-    bool begins_path = false; // the probe did not move here from the position before
-    bool withheld = false;    // the device displays no force
+    glm::dvec3 probe{0};         /* m: the hand's last valid position (mapping.h), this sample's if valid */
+    bool is_position = false;    // the device gave one, finite and within the law's reach
+    bool begins_path = false;    // the probe did not move here from the position before
+    bool withheld = false;       // the device displays no force
     std::uint32_t held_back = 0; // kDeadMan, kClutched
     double time = 0;             /* s: when it was read */
     double late = 0;             // periods
 };
 
-/// Keeps what safety needs from one sample to the next, all in the device's axes and metres, whatever the mapping of
-/// the scene: speed, workspace and energy are the hand's. Neither allocates nor throws.
+/// Keeps the state of safety between samples, in the device's axes and metres for any mapping of the scene: speed,
+/// workspace and energy are the hand's. Neither allocates nor throws.
 class Safety {
 public:
     /// `period`, s.
     Safety(const SafetyLimits& limits, double period) noexcept : limits_(limits), period_(period) {}
 
-    /// The force, N, to be displayed for the law's at a sample; what happened is added to `happened`.
-    glm::dvec3 limit(const Situation& now, const glm::dvec3& force, bool contact, std::uint32_t& happened) noexcept;
+    /// The force, N, to display for the law's force at a sample; its flags are added to `flags`.
+    glm::dvec3 limit(const Situation& now, const glm::dvec3& force, bool contact, std::uint32_t& flags) noexcept;
 
-    /// The force comes up as after the start.
+    /// The force ramps up as after the start.
     void restart_ramp() noexcept { gain_ = 0; }
-    /// Nothing is displayed of the last force, and the next one comes up as after the start.
+    /// The last force is dropped, and the next one ramps up as after the start.
     void drop_force() noexcept;
 
     double energy() const noexcept { return observer_.energy(); } /* J: given to the hand */
@@ -147,26 +146,26 @@ public:
 private:
     std::uint32_t find_faults(const Situation& now) const noexcept;
     void follow(const Situation& now) noexcept;
-    glm::dvec3 clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept;
-    glm::dvec3 slewed(const glm::dvec3& wanted, std::uint32_t& happened) const noexcept;
-    double bearable() const noexcept;
+    glm::dvec3 clamped(const glm::dvec3& force, std::uint32_t& flags) const noexcept;
+    glm::dvec3 slewed(const glm::dvec3& wanted, std::uint32_t& flags) const noexcept;
+    double thermal_limit() const noexcept;
     double gain(bool contact) noexcept;
 
     const SafetyLimits limits_;
     const double period_; /* s */
     EnergyObserver observer_;
-    glm::dvec3 displayed_{0};  /* N: last */
-    glm::dvec3 last_probe_{0}; /* m: the last fresh one */
-    glm::dvec3 speed_{0};      /* m/s */
-    double speed_size_ = 0;    /* m/s */
-    double last_fresh_ = 0;    /* s: when */
-    double last_time_ = 0;     /* s: of the last sample */
-    double step_ = 0;          /* s: since then, at most a period */
-    double gain_ = 0;          // 0 to 1, since the start or a fault
-    double contact_gain_ = 1;  // 0 to 1, since contact was made again
-    double free_ = 0;          /* s: without contact */
-    double damped_ = 0;        /* J */
-    double heat_ = 0;          /* N^2: mean square of what is displayed, over kLastingTime */
+    glm::dvec3 displayed_{0};      /* N: last */
+    glm::dvec3 last_probe_{0};     /* m: the last fresh one */
+    glm::dvec3 speed_{0};          /* m/s */
+    double speed_size_ = 0;        /* m/s */
+    double last_fresh_ = 0;        /* s: when */
+    double last_time_ = 0;         /* s: of the last sample */
+    double step_ = 0;              /* s: since then, at most a period */
+    double gain_ = 0;              // 0 to 1, since the start or a fault
+    double contact_gain_ = 1;      // 0 to 1, since contact was made again
+    double free_ = 0;              /* s: without contact */
+    double damped_ = 0;            /* J */
+    double mean_square_force_ = 0; /* N^2: of the displayed force, over kContinuousForceTime */
     bool begun_ = false;
 };
 

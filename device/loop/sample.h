@@ -1,5 +1,4 @@
-// One sample of the live loop: what is measured, what can happen to it, how it is counted, and the ring that carries it
-// to who wants it.
+// One sample of the live loop: its measurements, its flags, its counts, and the ring that carries it to its readers.
 #pragma once
 
 #include <algorithm>
@@ -27,18 +26,18 @@ inline std::int64_t computed_so_far() noexcept {
     return read_clock(CLOCK_THREAD_CPUTIME_ID);
 }
 
-/// Returns at a time of now(), or at once if it is over.
+/// Returns at a time of now(), or at once if it has passed.
 inline void sleep_until(std::int64_t time) noexcept {
     const timespec until{time / kSecond, static_cast<long>(time % kSecond)};
     while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
     }
 }
 
-/// How often which times occurred, in ns from 0 on, in bins at most a thirty-second of their own value wide. Adding
+/// Histogram of times, in ns from 0 on, in bins at most a thirty-second of their own value wide. Adding
 /// neither allocates nor fails; 15 KiB.
 class Histogram {
 public:
-    static constexpr unsigned kFine = 5; // bits below the leading one that a bin tells apart
+    static constexpr unsigned kFine = 5; // bits below the leading one that select a bin
     static constexpr std::size_t kBins = (64 - kFine + 1) << kFine;
 
     void add(std::int64_t time) noexcept {
@@ -91,43 +90,43 @@ private:
     double sum_ = 0;
 };
 
-/// What happened to a sample, as bits.
-enum Happening : std::uint32_t {
+/// Events and faults of a sample, as bits.
+enum SampleFlag : std::uint32_t {
     kClamped = 1u << 0,     // the force was larger than allowed
     kSlewed = 1u << 1,      // it changed faster than allowed
-    kRamping = 1u << 2,     // it is being brought up, after the start, a fault, or a while without contact
+    kRamping = 1u << 2,     // it ramps up after the start, a fault, or a while without contact
     kDamped = 1u << 3,      // the passivity controller took energy out
     kNoNumber = 1u << 4,    // the law's force was not finite: none was displayed
-    kBadPosition = 1u << 5, // there was no valid position: likewise
-    kStale = 1u << 6,       // there was no new one for too long: likewise
-    kOutside = 1u << 7,     // it lay outside of the workspace: likewise
-    kTooFast = 1u << 8,     // the probe moved faster than allowed: likewise
-    kTooLate = 1u << 9,     // the sample came later than the watchdog allows: likewise; or the pause was so
-                            // long that the device dropped the force; the next one starts from zero
+    kBadPosition = 1u << 5, // no valid position: no force was displayed
+    kStale = 1u << 6,       // no new position for too long: no force was displayed
+    kOutside = 1u << 7,     // the position lay outside of the workspace: no force was displayed
+    kTooFast = 1u << 8,     // the probe moved faster than allowed: no force was displayed
+    kTooLate = 1u << 9,     // the sample came later than the watchdog allows, or the pause was so long that the
+                            // device dropped the force: no force was displayed, the next one starts from zero
     kFailed = 1u << 10,     // the device gave no position or did not accept the force
     kUnfinished = 1u << 11, // the proxy could not come to rest
     kOverrun = 1u << 12,    // the sample ended after the next one was due
     kOwnOverrun = 1u << 13, // and would have, had it begun in time and never been interrupted
-    kWithheld = 1u << 14,   // the device displays no force: it is not calibrated, switched off, ...: likewise
-    kLasting = 1u << 15,    // the force was larger than the motors bear for so long
+    kWithheld = 1u << 14,   // the device is not calibrated, switched off, ...: no force was displayed
+    kLasting = 1u << 15,    // the force exceeded the limit of the continuous force
     kNewPath = 1u << 16,    // a path begins in mid-run: the force of the one before was dropped
     kDeadMan = 1u << 17,    // the dead-man switch was released: no force was displayed
-    kClutched = 1u << 18,   // the clutch was held: likewise, and the probe stayed where it was
+    kClutched = 1u << 18,   // the clutch was held: no force was displayed, and the probe stayed in place
 };
 
-inline constexpr std::array<std::string_view, 19> kHappenings{
+inline constexpr std::array<std::string_view, 19> kSampleFlagNames{
     "clamped",  "slewed",   "ramping",  "damped",   "no_number",  "bad_position", "stale",
     "outside",  "too_fast", "too_late", "failed",   "unfinished", "overrun",      "own_overrun",
     "withheld", "lasting",  "new_path", "dead_man", "clutched"};
 
-/// Those with which no force is displayed.
-inline constexpr std::uint32_t kForceless =
+/// Flags with which no force is displayed.
+inline constexpr std::uint32_t kZeroForceFlags =
     kNoNumber | kBadPosition | kStale | kOutside | kTooFast | kTooLate | kFailed | kWithheld | kDeadMan | kClutched;
 
 struct LiveSample {
     std::uint64_t tick = 0;     // from 0 on, none left out
     std::uint32_t path = 0;     // one more with each change of the scene or beginning of a recorded path
-    std::uint32_t happened = 0; // Happening
+    std::uint32_t flags = 0;    // SampleFlag
     double time = 0;            /* s since the start: when the position had been read */
     glm::dvec3 probe{0};        /* m: where the law was evaluated: the last valid position */
     glm::dvec3 proxy{0};        /* m */
@@ -135,7 +134,7 @@ struct LiveSample {
     glm::dvec3 commanded{0};    /* N: sent to the device, in the scene's axes; zero where it did not accept it */
     double depth = 0;           /* m */
     double energy = 0;          /* J: given to the hand since the start */
-    std::int64_t late = 0;      /* ns: the loop woke so long after the sample was due */
+    std::int64_t late = 0;      /* ns: from when the sample was due until the loop woke */
     std::int32_t reading = 0;   /* ns */
     std::int32_t computing = 0; /* ns: law and safety */
     std::int32_t writing = 0;   /* ns */
@@ -146,12 +145,12 @@ struct LiveSample {
 
 /// Counted by the loop as it runs.
 struct LoopCounts {
-    std::uint64_t samples = 0;                                // that the law was evaluated for
-    std::uint64_t waiting = 0;                                // before the device gave its first position; not logged
-    std::uint64_t in_contact = 0;                             // of the samples
-    std::uint64_t paths = 0;                                  // begun: scenes, and paths of a recording
-    std::array<std::uint64_t, kHappenings.size()> happened{}; // samples, by bit of Happening
-    std::uint64_t with(Happening what) const noexcept { return happened[unsigned(std::countr_zero(unsigned(what)))]; }
+    std::uint64_t samples = 0;                                  // at which the law was evaluated
+    std::uint64_t waiting = 0;                                  // before the device gave its first position; not logged
+    std::uint64_t in_contact = 0;                               // of the samples
+    std::uint64_t paths = 0;                                    // begun: scenes, and paths of a recording
+    std::array<std::uint64_t, kSampleFlagNames.size()> flags{}; // samples, by bit of SampleFlag
+    std::uint64_t with(SampleFlag what) const noexcept { return flags[unsigned(std::countr_zero(unsigned(what)))]; }
     std::uint64_t lost = 0;                // samples that the log had no room for
     double largest_force = 0;              /* N: the law's */
     double largest_commanded = 0;          /* N */
@@ -162,16 +161,16 @@ struct LoopCounts {
     double damped = 0;                     /* J: dissipated by the passivity controller */
     Histogram reading, computing, writing; /* ns */
     Histogram late;                        /* ns: after the sample was due; empty as fast as possible */
-    Histogram jitter;                      /* ns: how far the time between two samples was from the period; likewise */
-    double standstill = 0;                 /* s: of seconds, when the process stood still for so long
-                                              that samples did not become due */
-    double seconds = 0;                    /* s: by the clock */
+    Histogram jitter;      /* ns: deviation of the time between samples from the period; empty as fast as possible */
+    double standstill = 0; /* s: of `seconds`: pauses of the process so long that
+                              samples did not become due */
+    double seconds = 0;    /* s: by the clock */
 };
 
 /// Samples on their way from the live loop to one reader: one thread puts, another reads, neither waits.
 class SampleRing {
 public:
-    /// Room for so many samples at least; the memory is touched here, so that the loop never waits for a page.
+    /// Room for at least `samples`; the memory is touched here, so that the loop never waits for a page.
     explicit SampleRing(std::size_t samples) : slots_(std::bit_ceil(samples)), mask_(slots_.size() - 1) {}
 
     std::size_t capacity() const noexcept { return slots_.size(); }
@@ -204,13 +203,13 @@ private:
     alignas(64) std::atomic<std::size_t> read_ = 0;
 };
 
-/// What a reader's thread does: hands the samples to `take`, oldest first, some 1000 at a time, and none where there
-/// are none, with a pause after that; until a stop is asked for and nothing is left.
+/// For a reader's thread: calls `take` with batches of up to 1024 samples in order, and with an empty span before each
+/// pause; until a stop is requested and the ring is empty.
 template <typename Take>
 void drain(SampleRing& ring, const std::stop_token& stop, std::chrono::milliseconds pause, Take&& take) {
     constexpr std::size_t kAtOnce = 1024; // before their room is freed
     while (true) {
-        const bool last = stop.stop_requested(); // before the look: nothing is put after it
+        const bool last = stop.stop_requested(); // read first: no sample is put after it
         const std::span<const LiveSample> all = ring.look(), samples = all.first(std::min(all.size(), kAtOnce));
         take(samples);
         ring.release(samples.size());

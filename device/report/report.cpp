@@ -35,7 +35,7 @@ std::string device_text(const LiveOutcome& outcome) {
 void add_permissions(WrappedLines& lines, const LiveOutcome& outcome) {
     const char* label = "real time";
     if (outcome.permissions.all.empty())
-        lines.add(label, outcome.real_time ? "nothing was asked of the operating system" : "not asked for");
+        lines.add(label, outcome.real_time ? "no permissions requested" : "not requested");
     for (const Permissions::One& one : outcome.permissions.all) {
         lines.add(label, fmt::format("{}: {}{}{}", one.what, one.granted ? "granted" : "NOT granted",
                                      one.detail.empty() ? ""
@@ -120,7 +120,7 @@ Json device_json(const LiveOutcome& outcome) {
     const DeviceFacts& facts = outcome.facts;
     return {{"asked_for", text(outcome.device)},      {"name", text(facts.name)},
             {"software", text(facts.software)},       {"simulated", facts.simulated},
-            {"max_force_N", number(facts.max_force)}, {"lasting_force_N", number(facts.lasting_force)},
+            {"max_force_N", number(facts.max_force)}, {"lasting_force_N", number(facts.continuous_force)},
             {"has_watchdog", facts.has_watchdog},     {"workspace_low_m", point(facts.low)},
             {"workspace_high_m", point(facts.high)}};
 }
@@ -145,8 +145,8 @@ Json times_json(const Histogram& times) {
 
 Json happened_json(const LoopCounts& counts) {
     Json json = Json::object();
-    for (std::size_t i = 0; i < kHappenings.size(); ++i)
-        json[std::string(kHappenings[i])] = counts.happened[i];
+    for (std::size_t i = 0; i < kSampleFlagNames.size(); ++i)
+        json[std::string(kSampleFlagNames[i])] = counts.flags[i];
     return json;
 }
 
@@ -164,7 +164,7 @@ Json limits_json(const LiveOutcome& outcome) {
     return json;
 }
 
-constexpr std::size_t kMostBytes = 400; // of a text that others wrote
+constexpr std::size_t kMostBytes = 400; // of a text from outside the program
 
 std::string shortened(const std::string& text) {
     return text.size() <= kMostBytes ? text : text.substr(0, kMostBytes) + "…";
@@ -245,7 +245,7 @@ std::string pace_text(const LiveOutcome& outcome, std::string_view micro) {
 std::string lateness_text(const LiveOutcome& outcome) {
     const LoopCounts& counts = outcome.counts;
     if (!outcome.real_time)
-        return "as fast as possible no sample is due at any time, so none is late and nothing jitters";
+        return "as fast as possible no sample is due at any time, so none is late and there is no jitter";
     const std::uint64_t late = counts.with(kOverrun), own = counts.with(kOwnOverrun);
     if (late == 0)
         return "no sample late";
@@ -255,9 +255,9 @@ std::string lateness_text(const LiveOutcome& outcome) {
 
 std::string events_text(const LoopCounts& counts) {
     std::string text;
-    for (std::size_t i = 0; i < kHappenings.size(); ++i)
-        if (counts.happened[i] > 0 && ((1u << i) & (kOverrun | kOwnOverrun)) == 0)
-            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", kHappenings[i], counts.happened[i]);
+    for (std::size_t i = 0; i < kSampleFlagNames.size(); ++i)
+        if (counts.flags[i] > 0 && ((1u << i) & (kOverrun | kOwnOverrun)) == 0)
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", kSampleFlagNames[i], counts.flags[i]);
     return text.empty() ? "none" : text;
 }
 
@@ -284,7 +284,7 @@ std::string report_text(const LiveOutcome& outcome) {
                                    outcome.scenes.empty() ? "" : ", SHA-256 " + outcome.scenes.front().sha256));
     lines.add("device", device_text(outcome));
     if (!outcome.manner.empty())
-        lines.add("felt", outcome.manner);
+        lines.add("setup", outcome.manner);
     lines.add("run", pace_text(outcome));
     lines.add("ended", outcome.ended);
     add_permissions(lines, outcome);
@@ -368,7 +368,7 @@ std::string live_page(const LiveOutcome& outcome, const std::filesystem::path& l
         fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz")),
         {{"Program", "forceshade " + version()},
          {"Device", device},
-         {"Felt", outcome.manner.empty() ? "the device's space is the scene's" : outcome.manner},
+         {"Setup", outcome.manner.empty() ? "the device's space is the scene's" : outcome.manner},
          {"Run", pace_text(outcome, "µ")},
          {"Ended", shortened(outcome.ended)},
          {"Late", lateness_text(outcome)},

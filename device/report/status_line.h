@@ -1,4 +1,4 @@
-// How the live loop fares while it runs: a line on a terminal, rewritten in place; elsewhere a line now and then.
+// The status of the live loop while it runs: a line on a terminal, rewritten in place; elsewhere a line now and then.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ struct LiveStatus {
     std::uint64_t late = 0;    // samples: overruns
     std::uint64_t clamped = 0; // samples
     std::uint64_t lost = 0;    // samples that the log had no room for
-    std::string state;         // in a word or two: "waiting for the device"; empty: all is well
+    std::string state;         // in a word or two: "waiting for the device"; empty: no fault
 };
 
-/// "    12.3 s  1.00 kHz   1.23 N   520 um deep  3 late  12 clamped  ramping", what changes often in its place.
+/// "    12.3 s  1.00 kHz   1.23 N   520 um deep  3 late  12 clamped  ramping", with fixed columns.
 std::string status_text(const LiveStatus& status);
 
-/// Not for two threads at once. A stream that takes nothing stops no work.
+/// Not for two threads at once. A stream that fails does not stop the work.
 class StatusLine {
 public:
     /// Silent if `quiet`.
@@ -31,10 +31,10 @@ public:
     StatusLine(const StatusLine&) = delete;
     StatusLine& operator=(const StatusLine&) = delete;
 
-    /// Called as often as one likes: drawn at most 10 times a second of `seconds`, without a terminal once in 10 s.
+    /// May be called at any rate: drawn at most 10 times a second of `seconds`, without a terminal once in 10 s.
     void update(const LiveStatus& status);
 
-    /// A line of its own, above that of the status, which comes again with the next update.
+    /// Prints a line above that of the status, which comes again with the next update.
     void say(const std::string& line);
 
 private:

@@ -20,7 +20,7 @@ bool begins_character(char byte) {
     return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
 }
 
-// What goes on a line, at most `columns` > 0 wide; `rest` loses it and the space behind.
+// The part that fits on a line, at most `columns` > 0 wide; removed from `rest` with the space behind.
 std::string_view take_line(std::string_view& rest, std::size_t columns) {
     std::string_view line = cut_to_columns(rest, columns);
     if (line.size() < rest.size() && rest[line.size()] != ' ')

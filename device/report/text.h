@@ -1,4 +1,4 @@
-// Text for a person: numbers with units, lines that fit a terminal, and how often which times occurred.
+// Text for a person: numbers with units, lines that fit a terminal, and histograms of times.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,13 @@ struct NumberStyle {
 };
 
 /// `value` in the unit `base` to three significant digits: "412 ns", "-1.2 mJ", "3.4 kHz". Seconds and lengths have no
-/// prefix for thousands. No finite number is "unknown".
+/// prefix for thousands. Infinity and NaN are "unknown".
 std::string quantity(double value, std::string_view base, const NumberStyle& style = {});
 
 /// A time in ns.
 std::string time_text(double nanoseconds, const NumberStyle& style = {});
 
-/// " (0.5 %)", nothing of nothing. Never "0 %" of some, nor "100 %" of fewer than all.
+/// " (0.5 %)", empty for 0 of 0. "0 %" only of none, "100 %" only of all.
 std::string share_text(std::uint64_t part, std::uint64_t whole);
 
 /// "1 sample", "2 samples".
@@ -32,13 +32,13 @@ std::string counted(std::uint64_t count, std::string_view noun);
 
 inline constexpr std::size_t kColumns = 100;
 
-/// No more than so many columns of UTF-8 text, a character each.
+/// At most `columns` columns of UTF-8 text, a character each.
 std::string_view cut_to_columns(std::string_view text, std::size_t columns);
 
 class WrappedLines {
 public:
-    /// `label` in the first columns of the first line, the text beside it, broken at spaces, or anywhere if it must be.
-    /// What a terminal would not print is replaced.
+    /// `label` in the first columns of the first line, the text to its right, broken at spaces, or anywhere if
+    /// necessary. Unprintable characters are replaced.
     void add(std::string_view label, std::string_view text);
     /// A line as it is.
     void add_line(std::string_view line);
@@ -54,7 +54,7 @@ struct NamedTimes {
     const Histogram& times;
 };
 
-/// Times of [from, to) ns and how many there were.
+/// Times of [from, to) ns and their count.
 struct TimeBar {
     std::uint64_t from = 0, to = 0, count = 0;
 };
@@ -62,8 +62,8 @@ struct TimeBar {
 /// Neighbouring bins of a histogram put together, about `per_decade` of them to a power of ten; those with a count.
 std::vector<TimeBar> time_bars(const Histogram& times, unsigned per_decade);
 
-/// Lines of bars of '#' side by side, three rows to a power of ten, with counts; at least one '#' where there is any.
-/// Rows without any are left out. Within 100 columns for up to two; empty where there is nothing to count.
+/// Lines of bars of '#' side by side, three rows to a power of ten, with counts; at least one '#' for a count above 0.
+/// Rows of zeros are left out. Within 100 columns for up to two; empty without counts.
 std::vector<std::string> count_rows(std::span<const NamedTimes> columns);
 
 } // namespace forceshade::device

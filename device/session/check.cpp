@@ -29,21 +29,21 @@ constexpr double kPushTime = 0.4;    /* s */
 constexpr double kPauseTime = 0.25;  /* s: without force, before each push */
 constexpr double kMeanTime = 0.1;    /* s: of positions, at the end of both */
 constexpr double kRunaway = 0.3;     /* m/s: no force at more */
-constexpr double kFarthest = 0.03;   /* m: a probe that a push takes so far is let go of */
+constexpr double kFarthest = 0.03;   /* m: a push that moves the probe this far ends */
 constexpr double kYield = 3e-4;      /* m: the least that a push must move the probe */
-constexpr double kAlong = 0.7;       // of its way, at least so much along the push: 45 degrees
+constexpr double kAlong = 0.7;       // minimum share of the displacement along the push: 45 degrees
 constexpr double kRestTime = 1;      /* s */
 constexpr double kSteady = 5e-3;     /* m: a probe that is held still stays within */
 constexpr double kStall = 0.3;       /* s */
 constexpr double kCornersTime = 120; /* s: at most */
-constexpr double kButtonTime = 20;   /* s: likewise */
-constexpr double kPressing = 2e-3;   /* m: into the surface, of what a scene needs */
+constexpr double kButtonTime = 20;   /* s: at most */
+constexpr double kPressing = 2e-3;   /* m: into the surface, for the space that a scene needs */
 constexpr double kLifting = 10e-3;   /* m: above it */
 constexpr double kTolerance = 2e-3;  /* m: of the workspace */
 constexpr auto kCheckLook = std::chrono::milliseconds(2);
-constexpr const char* kNobody = "run it in a terminal, or say --yes when somebody holds the device";
+constexpr const char* kNotHeld = "run it in a terminal, or use --yes while a person holds the device";
 
-// The force that the check wants, for the loop's thread.
+// The force of the check, for the loop's thread.
 struct Push {
     std::array<std::atomic<double>, 3> force{}; /* N, in the scene's axes */
     std::atomic<double> stall = 0;              /* s: that the next sample takes */
@@ -62,7 +62,7 @@ public:
     bool reaches(const glm::dvec3& probe) const noexcept override { return is_finite(probe); }
     void begin_path() noexcept override {}
     ProbeContact at(const glm::dvec3& probe) noexcept override {
-        if (const double stall = push_.stall.exchange(0); stall > 0) // what the watchdog is there for
+        if (const double stall = push_.stall.exchange(0); stall > 0) // for the watchdog to detect
             sleep_until(now() + static_cast<std::int64_t>(stall * 1e9));
         const glm::dvec3 force(push_.force[0].load(), push_.force[1].load(), push_.force[2].load());
         return {probe, force, 0, force == glm::dvec3(0) ? layout::kNoFacet : 0, true};
@@ -83,7 +83,7 @@ PreparedCase held_still(PreparedCase scene) {
     return scene;
 }
 
-// m: from the lowest x, y, z to the highest of where a scene is felt, in its axes.
+// m: the box in which a scene has forces, in its axes.
 struct Box {
     glm::dvec3 low{kUnknown}, high{-kUnknown};
 
@@ -209,10 +209,10 @@ private:
     bool may_push() const { return ready_ && guide_.somebody; }
     CheckStep not_pushed() const {
         return guide_.somebody ? skipped("the device is not ready for forces", "see the steps that failed")
-                               : skipped("nobody holds the probe", kNobody);
+                               : skipped("the probe is not held", kNotHeld);
     }
 
-    // A moment; what the loop has seen since the last goes to the end of `seen_`.
+    // Waits a moment and appends the loop's new samples to `seen_`.
     void look() {
         std::this_thread::sleep_for(kCheckLook);
         check_interrupt();
@@ -221,13 +221,13 @@ private:
             ring_.release(some.size());
         }
         if (loop_.end() != LoopEnd::running) {
-            const char* const complaint = opened_.device->complaint();
+            const char* const error_text = opened_.device->error_text();
             throw DeviceAbsent(fmt::format("{} is gone{}", opened_.facts.name,
-                                           complaint != nullptr ? fmt::format(": {}", complaint) : ""));
+                                           error_text != nullptr ? fmt::format(": {}", error_text) : ""));
         }
     }
 
-    // What the loop sees for a while, or until `over` says so.
+    // The loop's samples for a while, or until `over` returns true.
     template <typename Over> std::vector<LiveSample> watch(double time, Over&& over) {
         look();
         seen_.clear();
@@ -241,7 +241,7 @@ private:
         return watch(time, [] { return false; });
     }
 
-    // m, in the scene's axes but of the device's size: where the hand was in the last moments.
+    // m, in the scene's axes but unscaled: the hand's recent position.
     glm::dvec3 mean_place(const std::vector<LiveSample>& samples) const {
         glm::dvec3 sum(0);
         double count = 0;
@@ -259,8 +259,9 @@ private:
         ready_ = withheld == nullptr;
         if (!ready_)
             return failed(fmt::format("the device displays no force: {}", withheld),
-                          "do what it asks for, then check again");
-        return passed(opened_.facts.simulated ? "simulated: nothing to calibrate" : "the device says that it is ready");
+                          "follow that message, then check again");
+        return passed(opened_.facts.simulated ? "simulated: nothing to calibrate"
+                                              : "the device reports that it is ready");
     }
 
     CheckStep rest() {
@@ -268,9 +269,9 @@ private:
         Box way;
         std::size_t bad = 0, outside = 0, stale = 0;
         for (const LiveSample& sample : samples) {
-            bad += (sample.happened & (kBadPosition | kFailed)) != 0;
-            stale += (sample.happened & kStale) != 0;
-            outside += (sample.happened & kOutside) != 0;
+            bad += (sample.flags & (kBadPosition | kFailed)) != 0;
+            stale += (sample.flags & kStale) != 0;
+            outside += (sample.flags & kOutside) != 0;
             way.add(sample.probe / opened_.settings.mapping.scale);
         }
         const auto fails = [&](const std::string& found, const char* advice) {
@@ -278,26 +279,26 @@ private:
             return failed(found, advice);
         };
         if (samples.empty())
-            return fails("the device tells no position", "see that it is on, and what the vendor's own program shows");
+            return fails("the device reports no position", "see that it is on, and look at the vendor's own program");
         if (bad > 0)
             return fails(fmt::format("{} of {} samples without a valid position", bad, samples.size()),
-                         "see what the vendor's own program shows, and the cable");
+                         "look at the vendor's own program, and check the cable");
         if (stale > 0)
             return fails(fmt::format("{} of {} samples with a position older than allowed", stale, samples.size()),
-                         "see how busy the machine and the device's connection are; --stale allows more");
+                         "check the load of the machine and of the device's connection; --stale allows more");
         const glm::dvec3 size = way.high - way.low, place = 1e3 * mean_place(samples);
         const double widest = std::max({size.x, size.y, size.z});
         const std::string found = fmt::format("at ({:.1f}, {:.1f}, {:.1f}) mm, within {:.2f} mm for {} s", place.x,
                                               place.y, place.z, 1e3 * widest, kRestTime);
         if (outside > 0)
             return fails(found + ", outside of the device's workspace",
-                         "hold it in the middle; --origin and --workspace say where that is");
+                         "hold it in the middle; --origin and --workspace set the workspace");
         if (widest > kSteady)
-            return fails(found, "hold it still; if it was, its sensors or its calibration are at fault");
+            return fails(found, "hold it still; if you did, its sensors or its calibration are faulty");
         return passed(found);
     }
 
-    // m, in the scene's axes: how far a push moves the hand; `runaway` if it had to be let go of.
+    // m, in the scene's axes: displacement of the hand by a push; `runaway` if the push had to end early.
     glm::dvec3 yield_to(const glm::dvec3& force, bool& runaway) {
         const glm::dvec3 before = mean_place(watch(kPauseTime));
         const double scale = opened_.settings.mapping.scale;
@@ -306,7 +307,7 @@ private:
         const std::vector<LiveSample> pushed = watch(kPushTime, [&] {
             for (; looked_at < seen_.size(); ++looked_at) {
                 const glm::dvec3 way = seen_[looked_at].probe / scale - before;
-                runaway = runaway || (seen_[looked_at].happened & kTooFast) != 0 || magnitude(way) > kFarthest;
+                runaway = runaway || (seen_[looked_at].flags & kTooFast) != 0 || magnitude(way) > kFarthest;
             }
             return runaway;
         });
@@ -315,7 +316,7 @@ private:
     }
 
     CheckStep axes() {
-        tell(fmt::format("It pushes with {} N along x, y and z, to and fro.", kPush));
+        tell(fmt::format("It pushes with {} N along x, y and z, in both directions.", kPush));
         std::string found, still, wrong, advice;
         for (int axis = 0; axis < 3; ++axis)
             for (const double sign : {1.0, -1.0}) {
@@ -327,10 +328,10 @@ private:
                 const std::string name = side_name(axis, sign);
                 found += fmt::format("{}{} {:.1f} mm", found.empty() ? "" : ", ", name, 1e3 * along);
                 if (runaway) {
-                    ready_ = false; // nothing is pushed any more
-                    return failed(
-                        fmt::format("pushed along {} with {} N the probe ran away, and was let go of", name, kPush),
-                        "hold it; if it was held, its forces are too large or feed back: do not use it");
+                    ready_ = false; // no further pushes
+                    return failed(fmt::format("pushed along {} with {} N the probe ran away, and the force was dropped",
+                                              name, kPush),
+                                  "hold it; if you did, its forces are too large or feed back: do not use it");
                 }
                 int largest = 0;
                 for (int i = 1; i < 3; ++i)
@@ -338,12 +339,12 @@ private:
                 if (size < kYield) {
                     still += (still.empty() ? "" : ", ") + name;
                 } else if (along < kAlong * size) {
-                    wrong += fmt::format("{}pushed along {} it went {:.1f} mm along {}", wrong.empty() ? "" : "; ",
+                    wrong += fmt::format("{}pushed along {} it moved {:.1f} mm along {}", wrong.empty() ? "" : "; ",
                                          name, 1e3 * size, side_name(largest, way[largest]));
                     advice = largest == axis
-                                 ? "an axis is inverted: the device's set-up (its mount, its basis) is not what "
-                                   "forceshade takes it for; do not use it like this"
-                                 : "the axes are others than taken for: turn the scene with --rotate, or mend the "
+                                 ? "an axis is inverted: the device's set-up (its mount, its basis) is not as "
+                                   "forceshade assumes; do not use it like this"
+                                 : "the axes are not as assumed: turn the scene with --rotate, or correct the "
                                    "device's set-up (its mount, its basis); do not use it like this";
                 }
             }
@@ -351,7 +352,7 @@ private:
             return failed(wrong, advice);
         if (!still.empty())
             return failed(fmt::format("it yielded by less than {:.1f} mm along {}", 1e3 * kYield, still),
-                          "hold it more lightly; if it was, its forces are off or too weak");
+                          "hold it more lightly; if you did, its forces are off or too weak");
         return passed(fmt::format("{} N moved it by {}", kPush, found));
     }
 
@@ -364,25 +365,25 @@ private:
         push_.stall = kStall;
         const std::vector<LiveSample> after = watch(2 * kStall);
         push_.set(glm::dvec3(0));
-        const auto late = std::ranges::find_if(after, [](const LiveSample& s) { return (s.happened & kTooLate) != 0; });
+        const auto late = std::ranges::find_if(after, [](const LiveSample& s) { return (s.flags & kTooLate) != 0; });
         if (late == after.end() || late->commanded != glm::dvec3(0))
             return failed(fmt::format("the loop stood still for {} s and pushed on", kStall),
                           "set a watchdog: --watchdog 20 periods");
         const auto woken = std::find_if(late, after.end(), [&](const LiveSample& s) { return s.tick > late->tick; });
         const double scale = opened_.settings.mapping.scale;
         const glm::dvec3 left = woken == after.end() ? yielded : woken->probe / scale - before;
-        std::string found = fmt::format("the loop stood still for {} s and then displayed nothing", kStall);
+        std::string found = fmt::format("the loop stood still for {} s and then displayed no force", kStall);
         if (opened_.facts.simulated)
             return passed(found + "; a simulated device has no watchdog of its own");
         if (!opened_.facts.has_watchdog)
             return failed(found + "; but the device refuses a watchdog of its own",
-                          "the last force of a program that is killed stays on: 0.5 N at most, or another driver");
-        found += fmt::format("; the probe went back from {:.1f} mm to {:.1f} mm meanwhile", 1e3 * magnitude(yielded),
+                          "the last force of a killed program stays on: 0.5 N at most, or use another driver");
+        found += fmt::format("; the probe moved back from {:.1f} mm to {:.1f} mm meanwhile", 1e3 * magnitude(yielded),
                              1e3 * magnitude(left));
         if (magnitude(yielded) < kYield)
-            return skipped("the probe did not yield, so that nothing can be seen", "see axes");
+            return skipped("the probe did not yield, so the force cannot be observed", "see axes");
         if (magnitude(left) > 0.5 * magnitude(yielded))
-            return failed(found, "the force stays on when the program is held up: do not use it with more than 0.5 N");
+            return failed(found, "the force stays on while the program is stopped: do not use it with more than 0.5 N");
         return passed(found);
     }
 
@@ -390,7 +391,7 @@ private:
         const Mapping& mapping = opened_.settings.mapping;
         const Box needed = needed_box(scene_);
         const std::string needs = "the scene needs " + box_text(needed.low, needed.high);
-        if (!guide_.entered) { // by the device's own word
+        if (!guide_.entered) { // as the device states it
             const SafetyLimits& limits = opened_.settings.limits;
             Box corners;
             for (unsigned corner = 0; corner < 8; ++corner)
@@ -410,7 +411,7 @@ private:
         std::size_t looked_at = 0;
         watch(kCornersTime, [&] {
             for (; looked_at < seen_.size(); ++looked_at)
-                if ((seen_[looked_at].happened & (kBadPosition | kFailed | kOutside)) == 0)
+                if ((seen_[looked_at].flags & (kBadPosition | kFailed | kOutside)) == 0)
                     reached.add(seen_[looked_at].probe);
             return guide_.entered();
         });
@@ -420,18 +421,18 @@ private:
         return fitting(fits, fmt::format("{}; it reached {}", needs, box_text(reached.low, reached.high)));
     }
 
-    // One of the device's, or the one that switches its forces off: pressed and let go of.
+    // One of the device's, or the one that switches its forces off: pressed and released.
     CheckStep button() {
         const unsigned dead_man = opened_.settings.dead_man;
         if (opened_.facts.buttons == 0)
-            return absent("the device tells of no buttons");
+            return absent("the device reports no buttons");
         if (!guide_.somebody)
             return not_pushed();
         const std::string which = dead_man != 0 ? fmt::format("the dead-man's button, {},", dead_man)
                                                 : std::string("a button of the device, or that which switches its "
                                                               "forces off,");
-        tell(fmt::format("Press {} and let it go, within {} s{}.", which, kButtonTime,
-                         guide_.entered && dead_man == 0 ? "; Enter if there is none" : ""));
+        tell(fmt::format("Press and release {} within {} s{}.", which, kButtonTime,
+                         guide_.entered && dead_man == 0 ? "; press Enter if the device has none" : ""));
         const char* const before = opened_.device->withheld();
         std::uint32_t pressed = 0;
         bool off = false, held = false, released = false, none = false;
@@ -447,18 +448,18 @@ private:
             return released || none;
         });
         if (none)
-            return absent("the device has none, says who holds it");
+            return absent("the device has none, says the person who holds it");
         if (!held)
             return failed(std::string("none was seen pressed"),
-                          "see that the grip is awake and paired, and what the vendor's own program shows");
+                          "see that the grip is awake and paired, and look at the vendor's own program");
         if (!released)
-            return failed("it was seen pressed and not let go of",
+            return failed("it was seen pressed but not released",
                           "see whether it sticks; the forces stay off while it is held");
         std::string seen = off ? "the device's force button" : "";
         for (unsigned number = 1; number <= 32; ++number)
             if ((pressed & button_bit(number)) != 0)
                 seen += fmt::format("{}button {}", seen.empty() ? "" : ", ", number);
-        return passed(seen + " was seen pressed and let go of");
+        return passed(seen + " was seen pressed and released");
     }
 
     const CheckGuide& guide_;
@@ -489,7 +490,7 @@ bool DeviceCheck::passed() const noexcept {
 
 DeviceCheck check_device(const SessionOptions& options, const PreparedCase& scene, const CheckGuide& guide) {
     if (options.device.starts_with("replay:"))
-        throw UsageError("a recording yields to no force: check sim, haply, dhd or hd");
+        throw UsageError("a recording cannot be pushed: check sim, haply, dhd or hd");
     return Check(options, scene, guide).run();
 }
 

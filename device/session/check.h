@@ -1,4 +1,4 @@
-// What is looked at before a device is felt: where it is, which way it pushes, how far it reaches, and that it lets go.
+// The check of a device before use: its position, the direction of its forces, its workspace and its watchdog.
 #pragma once
 
 #include <functional>
@@ -11,14 +11,14 @@
 
 namespace forceshade::device {
 
-/// absent: the device has nothing of the kind. skipped: it could not be done.
+/// absent: the device does not have it. skipped: it could not be done.
 enum class CheckResult { passed, failed, skipped, absent };
 
 struct CheckStep {
     std::string name; // "axes"
     CheckResult result = CheckResult::passed;
     std::string found;  // measured, with units
-    std::string advice; // what to do; empty: nothing
+    std::string advice; // what to do; empty: no action
 };
 
 struct DeviceCheck {
@@ -28,21 +28,21 @@ struct DeviceCheck {
     std::string manner; // manner_text
     std::vector<CheckStep> steps;
 
-    /// Every step was, or the device has nothing of the kind.
+    /// Every step passed, or the device does not have it.
     bool passed() const noexcept;
 };
 
-/// Who holds the device, and what is said to them.
+/// The person at the device, and messages to them.
 struct CheckGuide {
-    bool somebody = false;                             // holds it: without, nothing is pushed
-    std::function<void(const std::string& text)> tell; // one line
-    std::function<bool()> entered; // whether Enter was pressed since the last question; empty: nobody is at a terminal
+    bool somebody = false;                             // holds it: otherwise the check does not push
+    std::function<void(const std::string& text)> tell; // prints one line
+    std::function<bool()> entered; // whether Enter was pressed since the last question; empty: no terminal
 };
 
-/// calibration, rest, axes (0.5 N along each of the scene's, the probe must yield along it), workspace (against what
-/// the scene needs), watchdog (the loop stands still for a moment) and button, one after the other, by the live loop
+/// calibration, rest, axes (0.5 N along each of the scene's, the probe must yield along it), workspace (against the
+/// scene's needs), watchdog (the loop stands still for a moment) and button, one after the other, by the live loop
 /// with its safety: 0.5 N and 0.3 m/s at most. A simulated hand holds still where the path of the scene begins, above
-/// the surface. Whatever happens, the device is left without force. \throws as open_for_loop; UsageError for a
+/// the surface. The device is always left without force. \throws as open_for_loop; UsageError for a
 /// recording; Interrupted.
 DeviceCheck check_device(const SessionOptions& options, const PreparedCase& scene, const CheckGuide& guide);
 

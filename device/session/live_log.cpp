@@ -20,10 +20,10 @@ namespace forceshade::device {
 namespace {
 
 constexpr std::size_t kText = std::size_t(1) << 18;   // bytes gathered before they are written
-constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an empty ring
-constexpr auto kPatience = std::chrono::seconds(2);   // with a reader of a pipe that reads nothing, at the end
+constexpr auto kPause = std::chrono::milliseconds(5); // between checks of an empty ring
+constexpr auto kPatience = std::chrono::seconds(2);   // for a pipe's reader that does not read, at the end
 
-// Empty, and nobody else's until it is closed. File systems that know no locks are none of our business.
+// Empty, and locked until it is closed. File systems without locks are not supported.
 void make_ours(int descriptor, const std::filesystem::path& file) {
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         ::close(descriptor);
@@ -36,7 +36,7 @@ void make_ours(int descriptor, const std::filesystem::path& file) {
     }
 }
 
-// A device such as /dev/null or a pipe has nothing that could be replaced. Nobody waits for a pipe's reader.
+// A device such as /dev/null or a pipe has no content to replace. Does not wait for a pipe's reader.
 int create(const std::filesystem::path& file, bool replace) {
     std::error_code ignored;
     const std::filesystem::file_status status = std::filesystem::status(file, ignored);
@@ -49,10 +49,10 @@ int create(const std::filesystem::path& file, bool replace) {
         return descriptor;
     if (errno == EEXIST)
         throw UsageError(fmt::format("--log {}: is there already, and a recording is not replaced by accident; choose "
-                                     "another name, or say --overwrite, or --no-clobber to leave it and do nothing",
+                                     "another name, or use --overwrite, or --no-clobber to keep it and not run",
                                      file.string()));
     if (errno == ENXIO && special)
-        throw IoError(fmt::format("cannot write {}: nobody reads this pipe; start its reader first", file.string()));
+        throw IoError(fmt::format("cannot write {}: this pipe has no reader; start its reader first", file.string()));
     throw file_error("write", file, errno);
 }
 
@@ -127,11 +127,11 @@ void LiveLog::add(const LiveSample& sample) {
     add_numbers(sample.commanded.x, sample.commanded.y, sample.commanded.z, sample.energy, sample.tick, sample.late,
                 sample.reading, sample.computing, sample.writing);
     bool first = true;
-    for (std::size_t bit = 0; bit < kHappenings.size(); ++bit)
-        if (sample.happened >> bit & 1u) {
+    for (std::size_t bit = 0; bit < kSampleFlagNames.size(); ++bit)
+        if (sample.flags >> bit & 1u) {
             if (!first)
                 text_ += '+';
-            text_ += kHappenings[bit];
+            text_ += kSampleFlagNames[bit];
             first = false;
         }
     fmt::format_to(std::back_inserter(text_), ",{:016x}", sample.scene);
@@ -160,7 +160,7 @@ void LiveLog::write_out() {
     text_.clear();
 }
 
-// Of a pipe. While the loop runs it may be slow: the ring keeps what comes, as long as it has room.
+// Of a pipe. While the loop runs it may be slow: the ring keeps the samples as long as it has room.
 void LiveLog::await_reader() {
     pollfd pipe{descriptor_, POLLOUT, 0};
     constexpr int kLook = 20; /* ms */
@@ -172,10 +172,10 @@ void LiveLog::await_reader() {
         fail(ETIMEDOUT);
 }
 
-// Removes a line that was cut off: what stays is whole.
+// Removes a line that was cut off, so that only whole lines stay.
 void LiveLog::fail(int number) {
     failure_ = file_error("write", path_, number).what();
-    if (::lseek(descriptor_, 0, SEEK_CUR) <= 0) // nothing stays that could be cut off: a pipe, a device
+    if (::lseek(descriptor_, 0, SEEK_CUR) <= 0) // a pipe or device has no end to cut off
         return;
     if (::ftruncate(descriptor_, static_cast<::off_t>(bytes_)) != 0)
         failure_ += "; its last line is not whole";

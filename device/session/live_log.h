@@ -15,16 +15,16 @@ namespace forceshade::device {
 
 /// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet as PathWriter (host/paths/path_files.h) has them, so that
 /// `explore` gives the same numbers for the same positions; then cx,cy,cz (N: what was sent to the device), energy (J:
-/// given to the hand so far), tick, late_ns, read_ns, compute_ns, write_ns, happened: names of kHappenings, joined by
-/// '+', and scene: the first 16 digits of the SHA-256 of the scene; last, of a device that has some, buttons: the
-/// pressed ones, button N as 2^(N - 1), added up.
+/// given to the hand so far), tick, late_ns, read_ns, compute_ns, write_ns, happened: kSampleFlagNames joined by '+',
+/// and scene: the first 16 digits of the SHA-256 of the scene; last, of a device that has some, buttons: the pressed
+/// ones, button N as 2^(N - 1), added up.
 ///
-/// The file stands under its own name from the start, in whole lines, so that a process that dies leaves what it
-/// wrote. When the disk is full, what comes is dropped from the ring and counted as lost. A pipe whose reader is
-/// slow is waited for until the end and 2 s more.
+/// The file has its own name from the start, in whole lines, so that a process that dies leaves what it wrote. When the
+/// disk is full, further samples are dropped from the ring and counted as lost. A pipe with a slow reader is waited
+/// for until the end and 2 s more.
 class LiveLog {
 public:
-    /// Creates the file and starts a thread that writes until close(). \throws IoError; UsageError if it is there and
+    /// Creates the file and starts a thread that writes until close(). \throws IoError; UsageError if it exists and
     /// must not be replaced, or another run writes it.
     LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace,
             bool with_buttons = false);
@@ -32,11 +32,11 @@ public:
     LiveLog(const LiveLog&) = delete;
     LiveLog& operator=(const LiveLog&) = delete;
 
-    /// When no more is put on the ring: writes what is left, to the disk.
+    /// When no more is put on the ring: writes the rest to the disk.
     void close();
 
     std::uint64_t written() const noexcept { return written_.load(std::memory_order_relaxed); } // samples
-    std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }       // likewise
+    std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }       // samples
     /// Why the disk took no more; empty: it took all. After close().
     const std::string& failure() const noexcept { return failure_; }
 

@@ -32,9 +32,9 @@ std::optional<std::uint32_t> hand_over(LiveLoop& loop, std::unique_ptr<ProbeLaw>
 } // namespace
 
 SceneChanges::SceneChanges(const std::filesystem::path& file, const std::function<PreparedCase()>& read,
-                           const PreparedCase& first, std::filesystem::path beside, bool has_hand)
-    : file_(file), beside_(std::move(beside)), read_(read), first_(first.one.scene), has_hand_(has_hand),
-      last_(stamp()), asked_(last_), used_{{0, first.scene, sha256_of(first.scene)}} {}
+                           const PreparedCase& first, std::filesystem::path stem, bool has_hand)
+    : file_(file), stem_(std::move(stem)), read_(read), first_(first.one.scene), has_hand_(has_hand), last_(stamp()),
+      asked_(last_), used_{{0, first.scene, sha256_of(first.scene)}} {}
 
 SceneChanges::Stamp SceneChanges::stamp() const {
     std::error_code ignored; // a file that is being replaced may be gone for a moment
@@ -51,10 +51,10 @@ PreparedCase SceneChanges::read_again() const {
 }
 
 std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
-    constexpr int kLooks = 10; // between looks at the file
+    constexpr int kLooks = 10; // between checks of the file
     if (looks_++ % kLooks != 0)
         return std::nullopt;
-    // Changed since the last look, and no more since the last question: an editor may empty it before it writes.
+    // Changed since the last read, and stable since the last check: an editor may empty it before it writes.
     const Stamp present = stamp();
     if (std::exchange(asked_, present) != present || present == last_)
         return std::nullopt;
@@ -72,7 +72,7 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
         return Message{fmt::format("the scene stays as it was: {}", error.what()), true};
     }
     const std::optional<std::uint32_t> path = hand_over(loop, std::move(law));
-    if (!path) // the loop has ended, or does not come round
+    if (!path) // the loop has ended, or is stuck
         return std::nullopt;
     used_.push_back({*path, toml, sha256_of(toml)});
     std::string text = fmt::format("{} was read again, path {} from {:.3f} s on", file_.filename().string(), *path,
@@ -81,16 +81,16 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
         text += "; [paths] and [hand] stay as they were at the start";
     try {
         text += keep(used_.back());
-    } catch (const IoError& error) { // no reason to stop a loop
+    } catch (const IoError& error) { // not a reason to stop a loop
         text += fmt::format("; {}", error.what());
     }
     return Message{text, false};
 }
 
 std::string SceneChanges::keep(const UsedScene& scene) const {
-    if (beside_.empty())
+    if (stem_.empty())
         return "";
-    const std::filesystem::path file = fmt::format("{}.scene-{}.toml", beside_.string(), scene.path);
+    const std::filesystem::path file = fmt::format("{}.scene-{}.toml", stem_.string(), scene.path);
     write_file_atomically(file, scene.toml);
     return fmt::format("; kept as {}", file.filename().string());
 }

@@ -17,11 +17,11 @@ namespace forceshade::device {
 
 class SceneChanges {
 public:
-    /// `read` makes a case of the file, and throws what is wrong with it. `first`: the case of the start. `beside`:
-    /// scenes are kept as BESIDE.scene-N.toml, N the path that they begin, or nowhere if it is empty. `has_hand`: the
+    /// `read` makes a case of the file, and throws its errors. `first`: the case of the start. `stem`:
+    /// scenes are kept as STEM.scene-N.toml, N the path that they begin, or nowhere if it is empty. `has_hand`: the
     /// first scene's hand moves the probe, and stays.
     SceneChanges(const std::filesystem::path& file, const std::function<PreparedCase()>& read,
-                 const PreparedCase& first, std::filesystem::path beside, bool has_hand);
+                 const PreparedCase& first, std::filesystem::path stem, bool has_hand);
 
     /// Writes the scene of the start. \throws IoError.
     void keep_first() const { keep(used_.front()); }
@@ -31,7 +31,8 @@ public:
         bool refused = false;
     };
 
-    /// Now and then looks at the file, hands a change over to the loop and keeps it; what to say of it, if anything.
+    /// Checks the file now and then, hands a change over to the loop and keeps it; returns a message for the user, if
+    /// any.
     std::optional<Message> look(LiveLoop& loop);
 
     /// Scenes that the loop has used, the first included.
@@ -44,11 +45,11 @@ private:
     PreparedCase read_again() const;
     std::string keep(const UsedScene& scene) const;
 
-    const std::filesystem::path file_, beside_;
+    const std::filesystem::path file_, stem_;
     const std::function<PreparedCase()> read_;
     const Scene first_;
     const bool has_hand_;
-    Stamp last_, asked_; // of the last look at it, of the last question
+    Stamp last_, asked_; // of the last read, of the last check
     int looks_ = 0;
     std::vector<UsedScene> used_;
 };

@@ -32,7 +32,7 @@ std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimi
     };
     const auto side = [](double low, double high) { return fmt::format("{:.6g} to {:.6g} mm", 1e3 * low, 1e3 * high); };
     return {{"largest force", text(limits.max_force, "N")},
-            {"lasting force", text(limits.lasting_force, "N")},
+            {"lasting force", text(limits.continuous_force, "N")},
             {"slew", text(limits.slew, "N/s")},
             {"ramp", text(1000 * limits.ramp, "ms")},
             {"ramp at contact", text(1000 * limits.contact_ramp, "ms")},
@@ -49,12 +49,10 @@ std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimi
 double checked_rate(double rate) {
     if (rate >= kSlowestRate && rate <= kFastestRate)
         return rate;
-    throw UsageError(fmt::format("the live loop runs at 100 Hz to 10 kHz, and {:.6g} Hz is asked for; say --rate "
-                                 "\"1 kHz\"",
-                                 rate));
+    throw UsageError(fmt::format("the live loop runs at 100 Hz to 10 kHz, not {:.6g} Hz; use --rate \"1 kHz\"", rate));
 }
 
-// What is wrong whatever the device says, before one is opened.
+// Errors that do not depend on the device, before one is opened.
 const SessionOptions& checked(const SessionOptions& options) {
     if (options.rate)
         checked_rate(*options.rate);
@@ -62,11 +60,11 @@ const SessionOptions& checked(const SessionOptions& options) {
         return options;
     const bool sim = is_sim(options.device);
     if (!sim && !options.device.starts_with("replay:"))
-        throw UsageError(fmt::format("--fast is for sim and replay: {} goes by the clock", options.device));
+        throw UsageError(fmt::format("--fast is for sim and replay: {} runs by the clock", options.device));
     if (sim && !options.duration)
-        throw UsageError("--fast needs --duration: a simulated hand does not tire");
+        throw UsageError("--fast needs --duration: a simulated hand never stops");
     if (options.view_port)
-        throw UsageError("--fast is too fast to be looked at: leave it out, or --view");
+        throw UsageError("--fast is too fast to watch: leave out --fast or --view");
     return options;
 }
 
@@ -79,23 +77,23 @@ std::optional<std::uint64_t> samples_in(std::optional<double> duration, double r
     return static_cast<std::uint64_t>(std::llround(*duration * rate));
 }
 
-// The present trouble, in a few words; empty: none. `withheld`: why the device displays no force, or null.
+// The present fault, in a few words; empty: none. `withheld`: why the device displays no force, or null.
 std::string state_of(const LoopStatus& status, const char* withheld) {
     if (withheld != nullptr)
         return fmt::format("no force: {}", withheld);
     if (status.samples == 0)
         return "waiting for the device";
-    const std::uint32_t happened = status.happened;
-    for (std::size_t bit = 0; bit < kHappenings.size(); ++bit)
-        if ((happened & kForceless) >> bit & 1u)
-            return fmt::format("no force: {}", kHappenings[bit]);
-    return happened & kRamping ? "ramping" : "";
+    const std::uint32_t flags = status.flags;
+    for (std::size_t bit = 0; bit < kSampleFlagNames.size(); ++bit)
+        if ((flags & kZeroForceFlags) >> bit & 1u)
+            return fmt::format("no force: {}", kSampleFlagNames[bit]);
+    return flags & kRamping ? "ramping" : "";
 }
 
-// ": " and what the device complained of last, if it did.
-std::string complaint_of(const BackEnd& device) {
-    const char* const complaint = device.complaint();
-    return complaint != nullptr ? fmt::format(": {}", complaint) : "";
+// ": " and the device's last error, if any.
+std::string error_text_of(const BackEnd& device) {
+    const char* const error_text = device.error_text();
+    return error_text != nullptr ? fmt::format(": {}", error_text) : "";
 }
 
 // Where the probe is when the device is opened.
@@ -106,17 +104,17 @@ glm::dvec3 first_position(BackEnd& device, double patience) {
         const Reading reading = device.read();
         if (reading.answer == Answer::fresh && is_finite(reading.position) && device.withheld() == nullptr)
             return reading.position;
-        device.write(glm::dvec3(0)); // some devices answer only what they are told
+        device.write(glm::dvec3(0)); // some devices answer only to a command
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     } while (Clock::now() < end);
     if (const char* const withheld = device.withheld())
         throw DeviceAbsent(fmt::format("{} displays no force: {}", device.facts().name, withheld));
-    throw DeviceAbsent(fmt::format("{} tells no position{}", device.facts().name, complaint_of(device)));
+    throw DeviceAbsent(fmt::format("{} reports no position{}", device.facts().name, error_text_of(device)));
 }
 
-// A state of the device that is remarked on when it changes, for at most some 20 troubles.
+// A state of the device; changes are reported, at most some 20 of them.
 template <typename State> struct Watched {
-    State state{}; // as it should be
+    State state{}; // without a fault
     std::size_t troubles = 0;
 
     bool changes(State now) {
@@ -134,15 +132,15 @@ SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, 
     if (std::isinf(limits.max_force) && !options.max_force) {
         limits.max_force = kCautiousForce;
         if (!facts.simulated)
-            warnings.push_back(fmt::format("the device does not say how much force it displays: {} N at most; "
-                                           "--max-force says another limit",
+            warnings.push_back(fmt::format("the device does not state its largest force: {} N at most; "
+                                           "--max-force sets another limit",
                                            kCautiousForce));
     }
-    limits.lasting_force = options.lasting_force.value_or(facts.lasting_force);
+    limits.continuous_force = options.continuous_force.value_or(facts.continuous_force);
     if (!facts.has_watchdog && !options.without_watchdog && limits.max_force > kUnwatchedForce) {
         limits.max_force = kUnwatchedForce;
-        warnings.push_back(fmt::format("{} N at most without the device's watchdog; --without-device-watchdog displays "
-                                       "more all the same",
+        warnings.push_back(fmt::format("{} N at most without the device's watchdog; --without-device-watchdog allows "
+                                       "more",
                                        kUnwatchedForce));
     }
     limits.low = options.workspace ? options.workspace->first : facts.low;
@@ -152,8 +150,9 @@ SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, 
 
 void check_button(const char* flag, unsigned button, const DeviceFacts& facts) {
     if (button > facts.buttons)
-        throw UsageError(fmt::format("{} {}: {} tells of {}", flag, button, facts.name,
-                                     facts.buttons == 0 ? "no buttons" : fmt::format("{} at most", facts.buttons)));
+        throw UsageError(
+            fmt::format("{} {}: {} reports {}", flag, button, facts.name,
+                        facts.buttons == 0 ? "no buttons" : fmt::format("{} buttons at most", facts.buttons)));
 }
 
 class Session {
@@ -190,8 +189,8 @@ public:
     }
 
 private:
-    // Each with a ring and a thread of its own, so that a pipe that nobody empties holds up no page. Those beside the
-    // log are returned; the log comes last: where something is wrong with them, no log stays.
+    // Each with a ring and a thread of its own, so that a pipe without a reader does not delay the page. All but the
+    // log are returned; the log comes last: if one of them fails, no log is left.
     std::vector<SampleRing*> start_readers() {
         const QuietSignals quiet;
         const double rate = opened_.settings.rate;
@@ -202,7 +201,7 @@ private:
             const ViewedRun run{options_.scene.filename().string(), opened_.facts.name, rate,
                                 opened_.settings.limits.max_force};
             others.push_back(&view_.emplace(*options_.view_port, run).ring());
-            print_note("view: {}\n", view_->address()); // even if quiet: nobody could guess it
+            print_note("view: {}\n", view_->address()); // even if quiet: the address cannot be guessed
         }
         if (!options_.log.empty()) {
             ring_.emplace(static_cast<std::size_t>(kBuffered * rate));
@@ -219,7 +218,7 @@ private:
         loop_->start();
     }
 
-    // Empty: there is no log that scenes could be kept beside; /dev/null and pipes have no place beside them.
+    // Empty: scenes are not kept, because there is no log or it is /dev/null or a pipe.
     std::filesystem::path kept_stem() const {
         std::error_code ignored;
         if (options_.log.empty() || (std::filesystem::exists(options_.log, ignored) &&
@@ -242,12 +241,12 @@ private:
             say(message->text, message->refused ? "warning: " : "");
     }
 
-    // When it fails or displays no force, and why, and when that is over.
+    // Reports when the device fails or displays no force, why, and when that ends.
     void look_at_device() {
         const LoopStatus& now = loop_->status();
-        const bool fails = (now.happened & kFailed) != 0 && now.samples > 0;
+        const bool fails = (now.flags & kFailed) != 0 && now.samples > 0;
         if (fails_.changes(fails))
-            warn_now(fails ? "the device fails" + complaint_of(*opened_.device) : "the device answers again");
+            warn_now(fails ? "the device fails" + error_text_of(*opened_.device) : "the device answers again");
         const char* const withheld = opened_.device->withheld();
         if (withheld_.changes(withheld))
             warn_now(withheld != nullptr ? fmt::format("no force: {}", withheld) : "the device displays forces again");
@@ -271,7 +270,7 @@ private:
         status.lost = now.lost + (log_ ? log_->lost() : 0);
         status.state = state_of(now, withheld_.state);
         if (view_)
-            view_->tell(status);
+            view_->update(status);
         line_.update(status);
     }
 
@@ -279,15 +278,15 @@ private:
         SessionResult result;
         result.end = loop_->end();
         result.interrupted = is_interrupted() && result.end == LoopEnd::stopped;
-        result.complaint = complaint_of(*opened_.device);
+        result.error_text = error_text_of(*opened_.device);
         opened_.device.reset(); // the device is closed before anything that is slow
         LiveOutcome& outcome = result.outcome;
         outcome.facts = opened_.facts;
         outcome.counts = loop_->counts();
         outcome.permissions = loop_->permissions();
-        outcome.ended = result.end == LoopEnd::done             ? "after the time that was asked for"
+        outcome.ended = result.end == LoopEnd::done             ? "after the requested time"
                         : result.end == LoopEnd::recording_over ? "at the end of the recording"
-                        : result.end == LoopEnd::device_gone    ? "because the device was gone" + result.complaint
+                        : result.end == LoopEnd::device_gone    ? "because the device was gone" + result.error_text
                                                                 : "interrupted";
         if (view_)
             view_->close(outcome.ended);
@@ -323,8 +322,8 @@ private:
                                            "become due",
                                            outcome.counts.standstill));
         if (outcome.counts.lost > 0)
-            remarks_.push_back("samples are missing in the log; on a mesh the rest of their paths does not replay to "
-                               "the same forces");
+            remarks_.push_back("samples are missing in the log; on a mesh the rest of their paths will not replay "
+                               "to the same forces");
         outcome.remarks = remarks_;
         return result;
     }
@@ -339,7 +338,7 @@ private:
     std::optional<LiveLog> log_;
     std::optional<UdpSender> sender_;
     std::optional<LiveView> view_;
-    std::optional<LiveLoop> loop_; // before those go that it gives samples
+    std::optional<LiveLoop> loop_; // destroyed before its readers
     Watched<bool> fails_;
     Watched<const char*> withheld_; // why the device displays no force
     Clock::time_point begun_ = Clock::now();
@@ -352,7 +351,7 @@ private:
 OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prepared) {
     OpenDevice opened;
     {
-        // Every signal from outside is left to the main thread, not to threads that are started here.
+        // The main thread handles every signal from outside, not the threads that are started here.
         const QuietSignals quiet;
         opened.device = open_device(options.device, prepared, options.rate, options.limits.ramp);
     }

@@ -12,7 +12,7 @@ namespace forceshade::device {
 
 namespace {
 
-// A signal that is handled here, and what it did before.
+// A signal that is handled here, and its former action.
 struct Handled {
     int signal;
     struct sigaction before {};
@@ -50,9 +50,9 @@ template <typename... Signals> std::array<Handled, sizeof...(Signals)> unhandled
     return {Handled{signals}...};
 }
 
-constexpr std::size_t kFaults = 6;  // of the deadly ones, the first: handled whoever else wants them
+constexpr std::size_t kFaults = 6;  // of the deadly ones, the first: handled even if others handle them
 constexpr int kHaltTime = 50;       /* ms: that one thread's handler waits for another's */
-constexpr int kLoopPatience = 1000; /* ms: with a loop that does not come round */
+constexpr int kLoopPatience = 1000; /* ms: with a stuck loop */
 
 auto deadly = unhandled(SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGQUIT, SIGTRAP, SIGUSR1, SIGUSR2, SIGALRM,
                         SIGVTALRM, SIGPROF, SIGXCPU, SIGIO, SIGPWR, SIGSTKFLT);
@@ -65,8 +65,8 @@ std::atomic<pthread_t> halter{};
 std::atomic<LiveLoop*> running = nullptr;
 volatile std::sig_atomic_t asked = 0; // for an end, once
 
-// Several threads may fault one after the other: the second one leaves the first one time for the device, unless it is
-// the same one.
+// Several threads may fault one after the other: the second one gives the first one time to halt the device, unless it
+// is the same one.
 void halt_and_die(int signal) {
     if (halting.exchange(true)) {
         for (int waited = 0; guarded.load() != nullptr && halter.load() != ::pthread_self() && waited < kHaltTime;
@@ -147,7 +147,7 @@ LoopSignals::LoopSignals(LiveLoop& loop) noexcept {
 
 LoopSignals::~LoopSignals() {
     for (const Handled& one : asking)
-        if (asked != 0 && is_a_function(one.before)) // who asks again does not wait for the report
+        if (asked != 0 && is_a_function(one.before)) // a second signal does not wait for the report
             std::signal(one.signal, SIG_DFL);
         else if (one.ours)
             ::sigaction(one.signal, &one.before, nullptr);

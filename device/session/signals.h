@@ -5,9 +5,9 @@
 
 namespace forceshade::device {
 
-/// While it lives, abort() (and with it an exception that nobody catches), a fault of memory or arithmetic, SIGQUIT and
-/// every other signal that ends a process by default and that nobody else handles halt the device before the process
-/// ends as it would have. (SIGKILL cannot be caught.) One at a time.
+/// While it lives, abort() (and with it an uncaught exception), a fault of memory or arithmetic, SIGQUIT and every
+/// other unhandled signal that ends a process by default halt the device before the process ends as it would have.
+/// (SIGKILL cannot be caught.) One at a time.
 class Emergency {
 public:
     explicit Emergency(BackEnd& back_end) noexcept;
@@ -16,11 +16,11 @@ public:
     Emergency& operator=(const Emergency&) = delete;
 };
 
-/// What a person sends to a loop, while it lives. SIGINT, SIGTERM and SIGHUP do what they did (host/program.h) and stop
-/// the loop in the handler, so that the next sample is the last; a second one ends the process by the signal, after the
-/// device was halted. SIGTSTP, and SIGTTIN and SIGTTOU of a terminal that belongs to another job, stop the process once
-/// the loop has displayed zero; when it goes on, the force comes up as after the start. (SIGSTOP cannot be caught: the
-/// device's own watchdog decides.) One at a time, within an Emergency.
+/// Handles a person's signals to a loop, while it lives. SIGINT, SIGTERM and SIGHUP keep their action (host/program.h)
+/// and stop the loop in the handler, so that the next sample is the last; a second one ends the process by the signal,
+/// after the device was halted. SIGTSTP, and SIGTTIN and SIGTTOU of a terminal that belongs to another job, stop the
+/// process once the loop has displayed zero; when it goes on, the force ramps up as after the start. (SIGSTOP cannot be
+/// caught: the device's own watchdog decides.) One at a time, within an Emergency.
 class LoopSignals {
 public:
     explicit LoopSignals(LiveLoop& loop) noexcept;

@@ -23,11 +23,11 @@ namespace forceshade::device {
 namespace {
 
 constexpr double kSendBuffered = 2;                       /* s: of samples, while this machine is busy */
-constexpr auto kSendPause = std::chrono::milliseconds(1); // between looks at an empty ring
+constexpr auto kSendPause = std::chrono::milliseconds(1); // between checks of an empty ring
 
 static_assert(std::endian::native == std::endian::little, "doubles go out as they lie in memory");
 
-// The address as the system wants it; no length: it is none.
+// The address as the system expects it; no length: it is invalid.
 struct SocketAddress {
     sockaddr_storage storage{};
     ::socklen_t length = 0;
@@ -67,8 +67,8 @@ UdpAddress parse_udp_address(const std::string& text) {
         std::from_chars(text.data() + (colon == std::string::npos ? 0 : colon + 1), end, address.port);
     if (!is_right || error != std::errc() || read != end || address.port == 0 || SocketAddress(address).length == 0)
         throw UsageError(
-            fmt::format("--send {}: a port from 1 to 65535 of this machine is wanted, as in udp:5005, or one "
-                        "of a machine's address, as in udp:192.168.1.20:5005 or udp:[::1]:5005",
+            fmt::format("--send {}: must be a port from 1 to 65535 of this machine, as in udp:5005, or an address "
+                        "with a port, as in udp:192.168.1.20:5005 or udp:[::1]:5005",
                         text));
     return address;
 }
@@ -81,12 +81,12 @@ std::string udp_text(const UdpAddress& address) {
 UdpSender::UdpSender(const UdpAddress& address, double rate) : ring_(static_cast<std::size_t>(kSendBuffered * rate)) {
     const SocketAddress there(address);
     socket_ = ::socket(there.storage.ss_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    // Connected, so that the system tells when nobody listens there.
+    // Connected, so that the system reports a missing receiver.
     if (socket_ < 0 || ::connect(socket_, there.get(), there.length) != 0) {
         const std::string why = std::generic_category().message(errno);
         if (socket_ >= 0)
             ::close(socket_);
-        throw IoError(fmt::format("--send {}: nothing can be sent there: {}", udp_text(address), why));
+        throw IoError(fmt::format("--send {}: cannot send there: {}", udp_text(address), why));
     }
     thread_ = std::jthread([this](const std::stop_token& stop) {
         drain(ring_, stop, kSendPause, [this](std::span<const LiveSample> samples) { send(samples); });
@@ -112,7 +112,7 @@ void UdpSender::close() {
 std::string UdpSender::failure() const {
     if (error_ == 0)
         return {};
-    return std::generic_category().message(error_) + (error_ == ECONNREFUSED ? ": nobody listens there" : "");
+    return std::generic_category().message(error_) + (error_ == ECONNREFUSED ? ": no receiver listens there" : "");
 }
 
 void UdpSender::send(std::span<const LiveSample> samples) {
@@ -142,7 +142,7 @@ void UdpSender::send_records(std::size_t count) {
     }
 }
 
-// That nobody listened is told of the datagram before, whoever asks next; nothing has been done then.
+// The next call reports a missing receiver of the previous datagram, and then has no other effect.
 bool UdpSender::is_refused(int error) {
     error_ = error;
     if (error != ECONNREFUSED)

@@ -21,15 +21,15 @@ UdpAddress parse_udp_address(const std::string& text);
 /// "udp:127.0.0.1:5005"
 std::string udp_text(const UdpAddress& address);
 
-/// Each datagram holds one to nine samples, oldest first, and nothing else. A sample is 16 doubles, little-endian: t
+/// Each datagram holds one to nine samples, oldest first, without a header. A sample is 16 doubles, little-endian: t
 /// (s), x y z (m: probe), gx gy gz (m: proxy), fx fy fz (N: the law's force), cx cy cz (N: sent to the device), depth
 /// (m), facet (-1 out of contact), tick: the numbers of the columns of LiveLog of that name.
 ///
-/// Nothing is sent twice and nothing waits: what the network does not take, or a receiver that is not there refuses, is
-/// gone.
+/// No sample is sent twice or waited for: datagrams that the network does not take, or that a missing receiver refuses,
+/// are lost.
 class UdpSender {
 public:
-    /// Starts a thread that sends until close(). `rate`: Hz. \throws IoError if nothing can be sent there.
+    /// Starts a thread that sends until close(). `rate`: Hz. \throws IoError if it cannot send there.
     UdpSender(const UdpAddress& address, double rate);
     ~UdpSender();
     UdpSender(const UdpSender&) = delete;
@@ -38,12 +38,12 @@ public:
     /// For the loop. A sample that finds no room there is not sent.
     SampleRing& ring() noexcept { return ring_; }
 
-    /// When no more is put on the ring: sends what is left.
+    /// When no more is put on the ring: sends the rest.
     void close();
 
     /// After close(): samples that left this machine, unless their receiver is known to have been absent.
     std::uint64_t sent() const noexcept { return sent_; }
-    /// Likewise: why others did not; empty: the network refused none.
+    /// After close(): why others did not; empty: the network refused none.
     std::string failure() const;
 
 private:

@@ -18,10 +18,10 @@ using ViewJson = nlohmann::ordered_json;
 constexpr const char* kView = "view";
 constexpr double kViewBuffered = 2;                        /* s: of samples, while a browser is slow */
 constexpr double kShownRate = 1000;                        /* Hz: of pairs of samples */
-constexpr auto kViewPause = std::chrono::milliseconds(5);  // between looks at an empty ring
-constexpr auto kFrameEach = std::chrono::milliseconds(33); // what is shown
+constexpr auto kViewPause = std::chrono::milliseconds(5);  // between checks of an empty ring
+constexpr auto kFrameEach = std::chrono::milliseconds(33); // between frames
 
-// Words of devices need not be UTF-8; numbers that are none become null.
+// Texts of devices need not be UTF-8; NaN and infinity become null.
 std::string text_of(const ViewJson& json) {
     return json.dump(-1, ' ', false, ViewJson::error_handler_t::replace);
 }
@@ -42,7 +42,7 @@ std::string LiveView::address() const {
     return server_.address(kView);
 }
 
-void LiveView::tell(const LiveStatus& status) {
+void LiveView::update(const LiveStatus& status) {
     const std::lock_guard lock(mutex_);
     status_ = status;
 }
@@ -69,7 +69,7 @@ void LiveView::run(const std::stop_token& stop) {
     });
 }
 
-// By the sum of both forces: a peak of the law's stays, and so does a gap in what was sent to the device.
+// By the sum of both forces: keeps a peak of the law's force, and a gap in the force sent to the device.
 void LiveView::add(const LiveSample& sample) {
     const double sum = glm::length(sample.force) + glm::length(sample.commanded);
     const double force = std::isfinite(sum) ? sum : HUGE_VAL;
@@ -92,7 +92,7 @@ void LiveView::add(const LiveSample& sample) {
 void LiveView::show() {
     shown_ = std::chrono::steady_clock::now();
     const std::vector<LiveSample> points = std::exchange(points_, {});
-    while (server_.next_event()) { // what browsers do changes nothing
+    while (server_.next_event()) { // browsers' events have no effect
     }
     if (!server_.is_open(kView))
         return;

@@ -15,14 +15,14 @@
 
 namespace forceshade::device {
 
-/// What the page says of a run from beginning to end.
+/// Constant facts of a run on the page.
 struct ViewedRun {
     std::string scene, device; // its file's name; the device's own
     double rate = 0;           /* Hz: as asked for */
-    double max_force = 0;      /* N: that safety allows; infinite: any */
+    double max_force = 0;      /* N: safety's limit; may be infinite */
 };
 
-/// What is shown is thinned out to some 2000 samples a second, with the largest and the least forces among them.
+/// Shows some 2000 samples a second, the largest and the least forces among them.
 class LiveView {
 public:
     /// Serves the page at `port`, 0 for any that is free, and starts a thread that shows samples until close(). \throws
@@ -37,10 +37,10 @@ public:
     /// For the loop. A sample that finds no room there is not shown.
     SampleRing& ring() noexcept { return ring_; }
 
-    /// How the run fares, as often as one likes.
-    void tell(const LiveStatus& status);
+    /// The status of the run; may be called at any rate.
+    void update(const LiveStatus& status);
 
-    /// When no more is put on the ring: shows what is left, and why the run ended.
+    /// When no more is put on the ring: shows the rest, and why the run ended.
     void close(const std::string& ended);
 
 private:

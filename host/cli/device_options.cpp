@@ -173,7 +173,7 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
     options.heading("Safety (\"none\" switches a limit off)");
     add(options, "--max-force FORCE", session.max_force, Dimension::force, Accepted::positive_or_none,
         "largest force; larger ones keep their direction (default: the device's, or \"3 N\")");
-    add(options, "--lasting-force FORCE", session.lasting_force, Dimension::force, Accepted::positive_or_none,
+    add(options, "--lasting-force FORCE", session.continuous_force, Dimension::force, Accepted::positive_or_none,
         "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)");
     options.flag("--without-device-watchdog", session.without_watchdog,
                  "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "

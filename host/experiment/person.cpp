@@ -310,7 +310,7 @@ private:
     void require_device() const {
         if (loop_.end() == device::LoopEnd::running)
             return;
-        const char* const complaint = opened_.device->complaint();
+        const char* const complaint = opened_.device->error_text();
         throw device::DeviceAbsent(fmt::format("{} is gone{}; the same command goes on with the next trial",
                                                opened_.facts.name,
                                                complaint != nullptr ? fmt::format(": {}", complaint) : ""));
@@ -343,7 +343,7 @@ private:
             if (paused_)
                 return false;
             if (loop_.status().depth > 0 || loop_.status().samples == 0 || opened_.device->withheld() != nullptr ||
-                (loop_.status().happened & kHeldBack) != 0)
+                (loop_.status().flags & kHeldBack) != 0)
                 touched = Clock::now();
         }
         return true;
@@ -400,10 +400,10 @@ private:
             outcome.answered_by = answered_by_;
         outcome.reaction = std::chrono::duration<double>((answer_ ? answered_ : Clock::now()) - begin).count();
         const bool clamped = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
-            return (sample.happened & (device::kClamped | device::kLasting)) != 0;
+            return (sample.flags & (device::kClamped | device::kLasting)) != 0;
         });
         const bool let_go = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
-            return (sample.happened & kHeldBack) != 0 && sample.facet != layout::kNoFacet;
+            return (sample.flags & kHeldBack) != 0 && sample.facet != layout::kNoFacet;
         });
         if (loop_.end() != device::LoopEnd::running)
             outcome.status = "device lost";
@@ -482,9 +482,9 @@ private:
         const device::LoopStatus& status = loop_.status();
         const char* const withheld = opened_.device->withheld();
         std::string happened;
-        for (std::size_t bit = 0; bit < device::kHappenings.size(); ++bit)
-            if (status.happened.load() >> bit & 1u)
-                happened += (happened.empty() ? "" : ", ") + std::string(device::kHappenings[bit]);
+        for (std::size_t bit = 0; bit < device::kSampleFlagNames.size(); ++bit)
+            if (status.flags.load() >> bit & 1u)
+                happened += (happened.empty() ? "" : ", ") + std::string(device::kSampleFlagNames[bit]);
         Json json{{"type", "state"},
                   {"phase", phase_},
                   {"title", experiment_.spec.title},

@@ -97,7 +97,7 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
         sample.tick = static_cast<std::uint64_t>(&sample - samples.data());
         sample.time = static_cast<double>(sample.tick) / manner.rate;
         sample.path = static_cast<std::uint32_t>(path);
-        sample.happened = found.finished ? 0U : std::uint32_t(device::kUnfinished);
+        sample.flags = found.finished ? 0U : std::uint32_t(device::kUnfinished);
         sample.probe = reading.position;
         sample.proxy = probe->law().in_world(found.contact.proxy);
         sample.force = sample.commanded = glm::dvec3(found.contact.force);

@@ -111,8 +111,8 @@ void by_the_clock(const std::filesystem::path& scene, CasePreparation& preparati
     fmt::print(
         "{:<13} {:g} Hz, {} samples, {} in the log, {} lost; late {}, of these by own computing {}\n  compute  {}\n  "
         "woken    {}\n",
-        scene.stem().string(), rate, counts.samples, result.outcome.logged, counts.lost, counts.happened[12],
-        counts.happened[13], times(counts.computing), times(counts.late));
+        scene.stem().string(), rate, counts.samples, result.outcome.logged, counts.lost, counts.flags[12],
+        counts.flags[13], times(counts.computing), times(counts.late));
     for (const auto& one : result.outcome.permissions.all)
         fmt::print("  {}: {} ({})\n", one.what, one.granted ? "yes" : "no", one.detail);
 }

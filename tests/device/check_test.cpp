@@ -90,7 +90,7 @@ TEST_F(DeviceChecks, FailAnInvertedAxisAndTheRefusalOfAWatchdog) {
     expect_step(checked, "axes", CheckResult::failed, {"pushed along +z it went 1.0 mm along -z", "inverted"});
     expect_step(checked, "watchdog", CheckResult::failed, {"refuses a watchdog"});
     expect_step(checked, "workspace", CheckResult::failed, {"the scene needs x -15 to 15", "--origin"});
-    expect_step(checked, "button", CheckResult::absent, {"says who holds it"});
+    expect_step(checked, "button", CheckResult::absent, {"says the person who holds it"});
     EXPECT_EQ(check_json(checked)["passed"], false);
 }
 

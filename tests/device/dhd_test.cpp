@@ -24,7 +24,7 @@ TEST_F(Dhd, tells_what_it_is) {
     EXPECT_EQ(device->facts().software, "DHD SDK 3.17.6.1");
     EXPECT_EQ(device->facts().max_force, 8);
     EXPECT_FALSE(device->facts().simulated);
-    EXPECT_EQ(device->complaint(), nullptr);
+    EXPECT_EQ(device->error_text(), nullptr);
     stub_.most_force(-1); // no limit is set: the maker's own for an omega
     EXPECT_EQ(open_dhd("")->facts().max_force, 12);
     EXPECT_EQ(find_dhd().devices.size(), 1u);
@@ -84,7 +84,7 @@ TEST_F(Dhd, is_chosen_by_its_index) {
     EXPECT_NO_THROW(open_dhd("1"));
     EXPECT_EQ(stub_.calls("dhdOpenID"), 1);
     EXPECT_NO_THROW(open_dhd("0"));
-    expect_words(refusal("2"), {"no Force Dimension device 2", "are 2"});
+    expect_words(refusal("2"), {"no Force Dimension device 2", "2 connected"});
     for (const char* index : {"x", "-1", "1x", "1.0", " 1", "128", "99999999999"})
         EXPECT_THROW(open_dhd(index), UsageError) << index;
     stub_.devices(0);
@@ -131,7 +131,7 @@ TEST_F(Dhd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
     stub_.fail("dhdGetPosition", 1, 3);
     for (int i = 0; i < 3; ++i)
         EXPECT_EQ(device->read().answer, Answer::failed);
-    EXPECT_STREQ(device->complaint(), "communication error");
+    EXPECT_STREQ(device->error_text(), "communication error");
     EXPECT_EQ(device->read().answer, Answer::fresh);
     stub_.fail("dhdSetForce", 1, 3);
     for (int i = 0; i < 3; ++i)
@@ -145,7 +145,7 @@ TEST_F(Dhd, takes_no_force_until_forces_can_be_enabled) {
     stub_.fail("dhdEnableForce", 1, 2);
     EXPECT_FALSE(device->write({0, 0, 1}));
     EXPECT_FALSE(device->write({0, 0, 1}));
-    EXPECT_STREQ(device->complaint(), "force cannot be enabled");
+    EXPECT_STREQ(device->error_text(), "force cannot be enabled");
     EXPECT_EQ(stub_.force(), dvec3(0));
     EXPECT_TRUE(device->write({0, 0, 1}));
 }
@@ -305,7 +305,7 @@ TEST_F(Dhd, displays_no_force_while_its_status_is_not_told) {
     EXPECT_FALSE(device->write({0, 0, 1}));
     EXPECT_EQ(stub_.force(), dvec3(0));
     EXPECT_FALSE(device->write({0, 0, 0}));
-    EXPECT_STREQ(device->complaint(), "communication error");
+    EXPECT_STREQ(device->error_text(), "communication error");
     EXPECT_EQ(device->read().answer, Answer::fresh);
     EXPECT_TRUE(device->write({0, 0, 1}));
 }

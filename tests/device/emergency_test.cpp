@@ -20,7 +20,7 @@ public:
         if (::write(STDERR_FILENO, "halted\n", 7) != 7)
             ::_exit(9);
     }
-    const char* complaint() const noexcept override { return nullptr; }
+    const char* error_text() const noexcept override { return nullptr; }
 
 private:
     DeviceFacts facts_;

@@ -58,7 +58,7 @@ TEST(HaplyFaults, AServerOfSomethingElse) {
     ServiceScript script;
     script.fault = Fault::no_http;
     SimulatedService service(script);
-    expect_said(refusal(options_of(service)), {"no WebSocket"});
+    expect_said(refusal(options_of(service)), {"not from a WebSocket"});
 }
 
 TEST(HaplyFaults, AnEmptyInventory) {
@@ -76,11 +76,11 @@ TEST(HaplyFaults, AxesThatAreNone) {
 }
 
 bool complains(const BackEnd& device, const std::string& part) {
-    return device.complaint() != nullptr && std::string(device.complaint()).find(part) != std::string::npos;
+    return device.error_text() != nullptr && std::string(device.error_text()).find(part) != std::string::npos;
 }
 
 /// Positions turn into none, not into others; forces stay what they were; once the service is well, all goes on.
-void survive(Fault fault, const char* complaint) {
+void survive(Fault fault, const char* error_text) {
     SimulatedService service({});
     const auto device = open_haply(options_of(service));
     ASSERT_TRUE(runs_well(*device, service));
@@ -98,7 +98,8 @@ void survive(Fault fault, const char* complaint) {
             failed(reading, taken);
             return true;
         });
-    EXPECT_TRUE(loop_until(*device, [&](const Reading&, bool) { return complains(*device, complaint); })); // in the end
+    EXPECT_TRUE(
+        loop_until(*device, [&](const Reading&, bool) { return complains(*device, error_text); })); // in the end
     EXPECT_TRUE(wait_until([&] {
         loop_until(*device, [](const Reading&, bool) { return true; });
         return ends_without_force(service);
@@ -109,7 +110,7 @@ void survive(Fault fault, const char* complaint) {
 }
 
 TEST(HaplyFaults, AnswersWithWhatIsNoJson) {
-    survive(Fault::not_json, "no JSON");
+    survive(Fault::not_json, "not JSON");
 }
 TEST(HaplyFaults, AnswersWithWrongTypes) {
     survive(Fault::wrong_types, "list of devices");
@@ -118,10 +119,10 @@ TEST(HaplyFaults, AnswersTooMuch) {
     survive(Fault::huge, "connecti");
 }
 TEST(HaplyFaults, AnswersWithDepth) {
-    survive(Fault::deep, "no JSON");
+    survive(Fault::deep, "not JSON");
 }
 TEST(HaplyFaults, AnswersNan) {
-    survive(Fault::nan, "no JSON");
+    survive(Fault::nan, "not JSON");
 }
 TEST(HaplyFaults, AnswersNull) {
     survive(Fault::null, "without a position");
@@ -133,7 +134,7 @@ TEST(HaplyFaults, AnswersWithoutACoordinate) {
     survive(Fault::missing, "without a position");
 }
 TEST(HaplyFaults, AnswersInfinity) {
-    survive(Fault::infinite, "no JSON");
+    survive(Fault::infinite, "not JSON");
 }
 TEST(HaplyFaults, AnswersAPlaceFarOff) {
     survive(Fault::far, "without a position");

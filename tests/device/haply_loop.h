@@ -62,8 +62,8 @@ inline ::testing::AssertionResult runs_well(BackEnd& device, const SimulatedServ
     });
     if (enough)
         return ::testing::AssertionSuccess();
-    return ::testing::AssertionFailure() << fresh << " positions; complaint: "
-                                         << (device.complaint() != nullptr ? device.complaint() : "none");
+    return ::testing::AssertionFailure() << fresh << " positions; error_text: "
+                                         << (device.error_text() != nullptr ? device.error_text() : "none");
 }
 
 /// Every force that was received is none or the push, and of the device.

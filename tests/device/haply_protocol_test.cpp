@@ -121,15 +121,15 @@ TEST(HaplyProtocol, ReadsWhetherTheDeviceIsReadyForAForce) {
     const Readiness all = of(R"({"calibrated":true,"in_use":false,"power_supply":true,"ready":true,"started":true})");
     EXPECT_EQ(all.unmet, 0u);
     EXPECT_EQ(objection(all.unmet), nullptr);
-    EXPECT_EQ(std::popcount(all.told), 4);
+    EXPECT_EQ(std::popcount(all.known), 4);
     EXPECT_NE(why(R"({"calibrated":false})").find("not calibrated"), std::string::npos);
     EXPECT_NE(why(R"({"power_supply":false})").find("no power supply"), std::string::npos);
     EXPECT_NE(why(R"({"ready":false})").find("not ready"), std::string::npos);
     EXPECT_NE(why(R"({"started":false})").find("not started"), std::string::npos);
     EXPECT_NE(why(R"({"calibrated":"yes"})").find("not calibrated"), std::string::npos) << "only true is true";
     EXPECT_NE(why(R"({"calibrated":null})").find("not calibrated"), std::string::npos);
-    EXPECT_EQ(of("{}").told, 0u) << "what is not told stays as it was";
-    EXPECT_EQ(of("[]").told, 0u);
+    EXPECT_EQ(of("{}").known, 0u) << "an absent condition keeps its state";
+    EXPECT_EQ(of("[]").known, 0u);
     EXPECT_NE(objection((*read_inventory(R"({"inverse3":[{"device_id":"04BA","status":{"ready":false}}]})"))[0].unmet),
               nullptr);
 }

@@ -66,7 +66,7 @@ TEST(Haply, TheDialectCanBeStated) {
     HaplyOptions options = options_of(service);
     options.dialect = HaplyOptions::Dialect::values;
     const auto device = open_haply(options);
-    EXPECT_EQ(device->facts().software, "Inverse Service (version not told)");
+    EXPECT_EQ(device->facts().software, "Inverse Service (version unknown)");
     EXPECT_TRUE(runs_well(*device, service));
     EXPECT_TRUE(received_only_what_was_commanded(service));
 }

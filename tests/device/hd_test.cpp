@@ -47,10 +47,10 @@ TEST_F(Hd, tells_what_it_is) {
     EXPECT_EQ(facts.name, "Touch (serial number 8042)");
     EXPECT_EQ(facts.software, "OpenHaptics HDAPI 3.40.0, driver 2022.4");
     EXPECT_EQ(facts.max_force, 3.3);
-    EXPECT_EQ(facts.lasting_force, 0.88);
+    EXPECT_EQ(facts.continuous_force, 0.88);
     EXPECT_LT(glm::length(facts.low - dvec3(-0.21, -0.13, -0.11)), 1e-12);
     EXPECT_LT(glm::length(facts.high - dvec3(0.21, 0.085, 0.205)), 1e-12);
-    EXPECT_EQ(device->complaint(), nullptr);
+    EXPECT_EQ(device->error_text(), nullptr);
 }
 
 TEST_F(Hd, is_found_without_moving_it) {
@@ -73,7 +73,7 @@ TEST_F(Hd, tells_its_buttons) {
     EXPECT_TRUE(comes_true([&] { return device->read().buttons == 0; })) << "none that it does not tell";
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << "which is no failure of the rest";
     EXPECT_NE(device->read().answer, Answer::failed);
-    EXPECT_EQ(device->complaint(), nullptr);
+    EXPECT_EQ(device->error_text(), nullptr);
 }
 
 TEST_F(Hd, without_buttons_it_is_a_device_all_the_same) {
@@ -121,12 +121,12 @@ TEST_F(Hd, is_refused_where_units_cannot_be_millimetres_and_newtons) {
     stub_.most_force(1000);
     expect_words(refusal(), {"1000 N"});
     stub_.most_force(3.3);
-    const auto lasting_force = stub_.call<void(double)>("stub_lasting_force");
-    lasting_force(4);
+    const auto continuous_force = stub_.call<void(double)>("stub_continuous_force");
+    continuous_force(4);
     expect_words(refusal(), {"continuous force of 4 N", "3.3 N"});
-    lasting_force(std::nan(""));
+    continuous_force(std::nan(""));
     expect_words(refusal(), {"nan"});
-    lasting_force(0.88);
+    continuous_force(0.88);
     stub_.place(10, 5000, 10);
     expect_words(refusal(), {"(10, 5000, 10) mm", "3 m"});
     stub_.place(5000, 10, 10);
@@ -184,7 +184,7 @@ TEST_F(Hd, displays_no_force_before_its_calibration_is_confirmed) {
     expect_refused(0x5001, 2, "hdGetIntegerv", "Communication error");
     expect_refused(0x5001, 2, "hdUpdateCalibration", "Communication error");
     expect_refused(0x5000, 2, "hdCheckCalibration", "Communication error");
-    expect_refused(0, 2, nullptr, "says so");
+    expect_refused(0, 2, nullptr, "after an update");
 }
 
 TEST_F(Hd, is_absent_when_what_it_needs_fails_at_opening) {
@@ -204,7 +204,7 @@ TEST_F(Hd, is_absent_when_what_it_needs_fails_at_opening) {
 }
 
 TEST_F(Hd, does_without_what_it_can_do_without) {
-    for (const char* call : {"hdMakeCurrentDevice", "hdGetString", "largest force", "lasting force", "workspace",
+    for (const char* call : {"hdMakeCurrentDevice", "hdGetString", "largest force", "continuous force", "workspace",
                              "hdGetIntegerv", "hdUnschedule", "hdStopScheduler", "hdDisableDevice", "hdDisable"}) {
         stub_.call<void()>("stub_reset")();
         stub_.fail(call);
@@ -231,7 +231,7 @@ TEST_F(Hd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
         for (int i = 0; i < 20; ++i) // between frames too
             EXPECT_EQ(device->read().answer, Answer::failed) << call;
         EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 0, 0})) << call << ": no position, no force";
-        EXPECT_NE(device->complaint(), nullptr);
+        EXPECT_NE(device->error_text(), nullptr);
         stub_.fail(call, 1, 0);
         EXPECT_TRUE(read(Answer::fresh)) << call;
     }
@@ -242,7 +242,7 @@ TEST_F(Hd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
         stub_.fail(call, 1, 0);
         EXPECT_TRUE(written(true)) << call;
     }
-    EXPECT_STREQ(device->complaint(), "Maximum force exceeded") << "the cause, not what came of it";
+    EXPECT_STREQ(device->error_text(), "Maximum force exceeded") << "the cause, not what came of it";
 }
 
 TEST_F(Hd, displays_no_force_when_none_was_written_for_a_while) {
@@ -258,7 +258,7 @@ TEST_F(Hd, tells_of_a_scheduler_that_stands_still) {
     stub_.call<void(int)>("stub_freeze")(1);
     EXPECT_TRUE(comes_true([&] { return !device->write({0, 0, 1}); }));
     EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::failed; }));
-    expect_words(device->complaint(), {"scheduler"});
+    expect_words(device->error_text(), {"scheduler"});
     stub_.call<void(int)>("stub_freeze")(0);
     EXPECT_TRUE(comes_true([&] { return device->write({0, 0, 1}); }));
 }

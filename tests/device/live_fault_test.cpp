@@ -66,7 +66,7 @@ TEST(LiveLoop, FaultsOfADeviceAreWithoutForceAtOnce) {
         const LoopRun run = run_fast(device, prepared_scene(kPlane), 400, limits);
         EXPECT_GT(device.forces[99].z, 0.4);
         EXPECT_EQ(device.forces[100], glm::dvec3(0)) << expected;
-        EXPECT_EQ(run.samples[100].happened & kForceless, expected);
+        EXPECT_EQ(run.samples[100].flags & kZeroForceFlags, expected);
         EXPECT_LT(device.forces[120].z, 0.11) << "it comes up slowly";
         EXPECT_GT(device.forces[399].z, 0.9);
         for (const LiveSample& sample : run.samples)
@@ -86,7 +86,7 @@ TEST(LiveLoop, AStalePositionIsWithoutForce) {
     EXPECT_NEAR(device.forces[109].z, 1, 1e-12) << "10 ms old";
     for (std::size_t i = 110; i < 200; ++i)
         ASSERT_EQ(device.forces[i], glm::dvec3(0)) << i;
-    EXPECT_EQ(run.counts.happened[6], 90u);
+    EXPECT_EQ(run.counts.flags[6], 90u);
 }
 
 TEST(LiveLoop, AForceThatTheDeviceRefusedComesUpAnew) {
@@ -109,7 +109,7 @@ TEST(LiveLoop, AForceThatTheDeviceRefusedComesUpAnew) {
     LiveLoop loop(deaf_once, make_probe_law(prepared_scene(kPlane)), settings, &ring);
     loop.start();
     loop.join();
-    EXPECT_EQ(ring.look()[200].happened & kForceless, kFailed);
+    EXPECT_EQ(ring.look()[200].flags & kZeroForceFlags, kFailed);
     EXPECT_EQ(ring.look()[200].commanded, glm::dvec3(0)) << "what was not taken was not displayed";
     EXPECT_NEAR(deaf_once.forces[199].z, 1, 1e-9);
     EXPECT_LT(deaf_once.forces[201].z, 0.011);
@@ -131,11 +131,11 @@ TEST(LiveLoop, AForceThatIsWithheldIsNoneAndTheDeviceIsNotGone) {
     EXPECT_NEAR(device.forces[299].z, 1, 1e-9);
     for (std::size_t i = 300; i < 9000; ++i) {
         ASSERT_EQ(device.forces[i], glm::dvec3(0)) << i;
-        ASSERT_EQ(run.samples[i].happened & kForceless, kWithheld) << i;
+        ASSERT_EQ(run.samples[i].flags & kZeroForceFlags, kWithheld) << i;
     }
     EXPECT_LT(device.forces[9000].z, 0.011) << "it comes up slowly";
     EXPECT_NEAR(device.forces[9999].z, 1, 1e-9);
-    EXPECT_EQ(run.counts.happened[14], 8700u);
+    EXPECT_EQ(run.counts.flags[14], 8700u);
 }
 
 TEST(LiveLoop, ASampleThatTheDeviceTookTooLateSaysSo) {
@@ -146,7 +146,7 @@ TEST(LiveLoop, ASampleThatTheDeviceTookTooLateSaysSo) {
     settings.limits.ramp = 0.1;
     const LoopRun run = run_through(device, settings);
     const LiveSample& late = run.samples[100];
-    EXPECT_NE(late.happened & kTooLate, 0u);
+    EXPECT_NE(late.flags & kTooLate, 0u);
     EXPECT_GT(late.commanded.z, 0.5) << "what was sent";
     EXPECT_LT(run.samples[101].commanded.z, 0.02) << "and what follows comes up anew";
 }
@@ -162,7 +162,7 @@ TEST(LiveLoop, APathThatBeginsWithoutAPositionBeginsWithTheNext) {
     const LoopRun run = run_fast(device, prepared_scene(kPlane), 100, no_limits());
     EXPECT_EQ(run.samples[50].path, 0u);
     EXPECT_EQ(run.samples[51].path, 1u);
-    EXPECT_NE(run.samples[51].happened & kNewPath, 0u);
+    EXPECT_NE(run.samples[51].flags & kNewPath, 0u);
     EXPECT_EQ(run.samples[99].path, 1u);
 }
 
@@ -180,7 +180,7 @@ TEST(LiveLoop, AForceThatTheDeviceLetGoOfComesUpFromZero) {
     settings.limits.late = 20;
     settings.limits.ramp = 0.5;
     const LoopRun run = run_through(device, settings);
-    EXPECT_NE(run.samples[100].happened & kTooLate, 0u);
+    EXPECT_NE(run.samples[100].flags & kTooLate, 0u);
     EXPECT_EQ(run.samples[100].commanded, glm::dvec3(0));
     EXPECT_LT(run.samples[101].commanded.z, 0.1 * run.samples[101].force.z);
 }
@@ -226,10 +226,10 @@ TEST(LiveLoop, TheWatchdogTakesTheForceOfALoopThatIsStuck) {
     const LoopRun run = run_through(device, settings);
     EXPECT_GE(rests_meanwhile, 1);
     ASSERT_EQ(run.samples.size(), 800u) << "none is skipped";
-    EXPECT_NE(run.samples[100].happened & kOverrun, 0u);
-    EXPECT_EQ(run.samples[100].happened & kOwnOverrun, 0u) << "it did not compute";
+    EXPECT_NE(run.samples[100].flags & kOverrun, 0u);
+    EXPECT_EQ(run.samples[100].flags & kOwnOverrun, 0u) << "it did not compute";
     for (std::size_t i = 100; i < 500; ++i) { // the one that was held up between its position and its force, too
-        ASSERT_NE(run.samples[i].happened & kTooLate, 0u) << i;
+        ASSERT_NE(run.samples[i].flags & kTooLate, 0u) << i;
         ASSERT_EQ(run.samples[i].commanded, glm::dvec3(0)) << i;
     }
 }
@@ -251,7 +251,7 @@ TEST(LiveLoop, AProcessThatStoodStillTakesUpItsTimeWhereItWakes) {
     EXPECT_GT(run.counts.standstill, 0.9);
     EXPECT_GT(run.samples[101].time - run.samples[99].time, 0.9) << "times leap";
     EXPECT_GT(run.samples[299].time - run.samples[102].time, 0.19) << "and go on at the rate";
-    EXPECT_NE(run.samples[101].happened & kTooLate, 0u);
+    EXPECT_NE(run.samples[101].flags & kTooLate, 0u);
 }
 
 } // namespace

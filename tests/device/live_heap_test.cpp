@@ -93,7 +93,7 @@ public:
     }
     bool write(const glm::dvec3& force) noexcept override { return behind_.write(force); }
     void halt() noexcept override { behind_.halt(); }
-    const char* complaint() const noexcept override { return nullptr; }
+    const char* error_text() const noexcept override { return nullptr; }
 
 private:
     BackEnd& behind_;

@@ -71,10 +71,10 @@ TEST(LiveLoop, APathThatBeginsMarksThatTheForceIsDropped) {
     EXPECT_NEAR(device.forces[399].z, 1, 1e-9);
     EXPECT_LT(device.forces[400].z, 0.01);
     for (std::size_t i = 0; i < 800; ++i) {
-        ASSERT_EQ((run.samples[i].happened & kNewPath) != 0, i == 400) << i;
+        ASSERT_EQ((run.samples[i].flags & kNewPath) != 0, i == 400) << i;
         ASSERT_EQ(run.samples[i].path, i < 400 ? 0u : 1u) << i;
     }
-    EXPECT_EQ(kHappenings[16], "new_path");
+    EXPECT_EQ(kSampleFlagNames[16], "new_path");
 }
 
 TEST(LiveLoop, WaitsForTheFirstPosition) {
@@ -103,9 +103,9 @@ TEST(LiveLoop, ComputingForTooLongIsItsOwnFault) {
         },
         1000, false);
     const LoopRun run = run_through(device, real_time(1000, 100));
-    EXPECT_NE(run.samples[50].happened & kOwnOverrun, 0u);
-    EXPECT_EQ(run.samples[49].happened & kOwnOverrun, 0u);
-    EXPECT_EQ(run.counts.happened[13], 1u);
+    EXPECT_NE(run.samples[50].flags & kOwnOverrun, 0u);
+    EXPECT_EQ(run.samples[49].flags & kOwnOverrun, 0u);
+    EXPECT_EQ(run.counts.flags[13], 1u);
 }
 
 // A page or a network that is slow is not waited for, not even as fast as possible, and takes nothing from the log.

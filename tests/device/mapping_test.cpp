@@ -168,15 +168,15 @@ TEST(Buttons, WithoutTheDeadMansThereIsNoForce) {
     const LoopRun run = run_mapped(device, prepared_scene(kPlane), settings);
     for (std::size_t i = 0; i < 800; ++i) {
         const bool held = i >= 100 && (i < 400 || i >= 450) && i != 600;
-        ASSERT_EQ((run.samples[i].happened & kDeadMan) != 0, !held) << i;
+        ASSERT_EQ((run.samples[i].flags & kDeadMan) != 0, !held) << i;
         ASSERT_TRUE(held || device.forces[i] == dvec3(0)) << i;
     }
     EXPECT_NEAR(device.forces[399].z, 1, 1e-9);
     EXPECT_LT(device.forces[450].z, 0.011) << "it comes up as after a fault";
     EXPECT_GT(device.forces[450].z, 0);
     EXPECT_LT(device.forces[601].z, 0.011);
-    EXPECT_EQ(kHappenings[17], "dead_man");
-    EXPECT_EQ(kHappenings[18], "clutched");
+    EXPECT_EQ(kSampleFlagNames[17], "dead_man");
+    EXPECT_EQ(kSampleFlagNames[18], "clutched");
 }
 
 // With the clutch held the probe stays and nothing is displayed; then the hand's place is where the probe is.
@@ -200,7 +200,7 @@ TEST(Buttons, TheClutchLetsTheHandMoveAlone) {
     EXPECT_NEAR(run.samples[600].probe.z - after.probe.z, -2 * 0.5e-3, 1e-15);
     for (std::size_t i = 200; i < 400; ++i) {
         ASSERT_EQ(device.forces[i], dvec3(0)) << i;
-        ASSERT_EQ(run.samples[i].happened & kForceless, kClutched) << i;
+        ASSERT_EQ(run.samples[i].flags & kZeroForceFlags, kClutched) << i;
     }
     EXPECT_GT(device.forces[400].z, 0);
     EXPECT_LT(device.forces[400].z, 0.02) << "it comes up as after a fault";

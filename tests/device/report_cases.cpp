@@ -22,8 +22,8 @@ private:
     std::mt19937_64 random_{1};
 };
 
-void count(LoopCounts& counts, Happening what, std::uint64_t samples) {
-    counts.happened[static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(what)))] = samples;
+void count(LoopCounts& counts, SampleFlag what, std::uint64_t samples) {
+    counts.flags[static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(what)))] = samples;
 }
 
 void fill(LiveOutcome& outcome, int samples) {
@@ -128,8 +128,8 @@ LiveOutcome talkative() {
     outcome.facts.name = "Inverse3 \xff\x1b[31m 04BA";
     outcome.facts.software = "Inverse Service 3.5.1";
     outcome.ended = "the device is gone: connection reset by peer while " + std::string(700, 'w') + " was sent";
-    for (std::size_t i = 0; i < kHappenings.size(); ++i)
-        outcome.counts.happened[i] = 1000 * i + 7;
+    for (std::size_t i = 0; i < kSampleFlagNames.size(); ++i)
+        outcome.counts.flags[i] = 1000 * i + 7;
     outcome.counts.damped = 2e-3;
     outcome.counts.lost = 17;
     outcome.sent_to = "udp:127.0.0.1:5005";

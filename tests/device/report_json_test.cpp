@@ -62,7 +62,7 @@ TEST(ReportJson, holds_what_the_run_came_to) {
     EXPECT_EQ(json["permissions"][0]["what"], "SCHED_FIFO");
     EXPECT_EQ(json["permissions"][0]["granted"], false);
     EXPECT_EQ(json["permissions"][1]["detail"], "all pages");
-    EXPECT_EQ(json["happened"].size(), kHappenings.size());
+    EXPECT_EQ(json["happened"].size(), kSampleFlagNames.size());
     EXPECT_EQ(json["happened"]["clamped"], 12);
     EXPECT_EQ(json["happened"]["overrun"], 3);
     EXPECT_EQ(json["happened"]["own_overrun"], 0);

@@ -119,7 +119,7 @@ TEST(ReportText, says_what_was_lost_and_remarked) {
     EXPECT_TRUE(says(text, "sent          udp:127.0.0.1:5005: 59900 samples, 100 samples DROPPED: Connection refused"));
     EXPECT_TRUE(says(text, "note          the scene bump2.toml was refused"));
     EXPECT_TRUE(says(text, "2 mJ taken out by the passivity controller") || says(text, "passivity"));
-    for (const std::string_view name : kHappenings)
+    for (const std::string_view name : kSampleFlagNames)
         EXPECT_NE(says(text, std::string(name)), name.ends_with("overrun")) << name;
 }
 

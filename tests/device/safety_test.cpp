@@ -35,14 +35,14 @@ public:
     }
     glm::dvec3 show(const Situation& now, const glm::dvec3& force, bool contact = true) {
         time += kPeriod;
-        happened = 0;
-        return safety.limit(now, force, contact, happened);
+        flags = 0;
+        return safety.limit(now, force, contact, flags);
     }
     glm::dvec3 show(const glm::dvec3& force, bool contact = true) { return show(fine(), force, contact); }
 
     Safety safety;
     double time = 0;
-    std::uint32_t happened = 0;
+    std::uint32_t flags = 0;
 };
 
 double size_of(const glm::dvec3& v) {
@@ -53,7 +53,7 @@ TEST(Safety, LetsAForceThroughThatIsNone) {
     Touch touch(quick());
     const glm::dvec3 force{0.1, -0.2, 2.0 / 3};
     EXPECT_EQ(touch.show(force), force);
-    EXPECT_EQ(touch.happened, 0u);
+    EXPECT_EQ(touch.flags, 0u);
 }
 
 TEST(Safety, ClampsAndKeepsTheDirection) {
@@ -61,7 +61,7 @@ TEST(Safety, ClampsAndKeepsTheDirection) {
     const glm::dvec3 shown = touch.show({30, 0, 40});
     EXPECT_NEAR(shown.x, 1.8, 1e-12);
     EXPECT_NEAR(shown.z, 2.4, 1e-12);
-    EXPECT_EQ(touch.happened, kClamped);
+    EXPECT_EQ(touch.flags, kClamped);
     EXPECT_LE(size_of(touch.show({1e200, 1e200, -1e200})), 3 * (1 + 1e-15)) << "whose square is no number";
 }
 
@@ -70,10 +70,10 @@ TEST(Safety, ForcesChangeNoFasterThanTheyMay) {
     limits.slew = 1000; // N/s: a newton a sample
     Touch touch(limits);
     EXPECT_NEAR(touch.show({0, 0, 2.5}).z, 1, 1e-12);
-    EXPECT_EQ(touch.happened, kSlewed);
+    EXPECT_EQ(touch.flags, kSlewed);
     EXPECT_NEAR(touch.show({0, 0, 2.5}).z, 2, 1e-12);
     EXPECT_NEAR(touch.show({0, 0, 2.5}).z, 2.5, 1e-12);
-    EXPECT_EQ(touch.happened, 0u);
+    EXPECT_EQ(touch.flags, 0u);
     EXPECT_NEAR(touch.show({0, 0, -2.5}).z, -1, 1e-12) << "what opposes goes at once";
 }
 
@@ -84,11 +84,11 @@ TEST(Safety, AForceFallsAtOnce) {
     for (int i = 0; i < 5; ++i)
         touch.show({0, 0, 2.5});
     EXPECT_EQ(touch.show({0, 0, 0.25}).z, 0.25);
-    EXPECT_EQ(touch.happened, 0u) << "not delayed";
+    EXPECT_EQ(touch.flags, 0u) << "not delayed";
     for (int i = 0; i < 5; ++i)
         touch.show({0, 0, 2.5});
     EXPECT_EQ(touch.show({0, 0, 0}), glm::dvec3(0));
-    EXPECT_EQ(touch.happened, 0u);
+    EXPECT_EQ(touch.flags, 0u);
 }
 
 // What is kept of a force whose direction turns is its share nearest to the wanted one.
@@ -132,7 +132,7 @@ TEST(Safety, NoForceWhileTheDeviceDisplaysNone) {
     Situation now = touch.fine();
     now.withheld = true;
     EXPECT_EQ(touch.show(now, {0, 0, 1}), glm::dvec3(0));
-    EXPECT_EQ(touch.happened, kWithheld);
+    EXPECT_EQ(touch.flags, kWithheld);
     EXPECT_NEAR(touch.show({0, 0, 1}).z, 0.01, 1e-9);
 }
 
@@ -140,10 +140,10 @@ TEST(Safety, NoForceWhileTheDeviceDisplaysNone) {
 TEST(Safety, AForceThatLastsComesDownToWhatTheMotorsBear) {
     SafetyLimits limits = quick();
     limits.max_force = 3.3;
-    limits.lasting_force = 0.88;
+    limits.continuous_force = 0.88;
     Touch touch(limits);
     EXPECT_EQ(touch.show({0, 0, 9}).z, 3.3) << "at first";
-    EXPECT_EQ(touch.happened, kClamped);
+    EXPECT_EQ(touch.flags, kClamped);
     double square = 0, before = 3.3; /* N^2 s */
     for (int i = 0; i < 60'000; ++i) {
         const double shown = touch.show({0, 0, 9}).z;
@@ -152,10 +152,10 @@ TEST(Safety, AForceThatLastsComesDownToWhatTheMotorsBear) {
         square += shown * shown * kPeriod;
     }
     EXPECT_NEAR(before, 0.88, 0.01);
-    EXPECT_EQ(touch.happened, kLasting);
-    EXPECT_LT(square, 0.88 * 0.88 * (60 + 1.01 * kLastingTime));
+    EXPECT_EQ(touch.flags, kLasting);
+    EXPECT_LT(square, 0.88 * 0.88 * (60 + 1.01 * kContinuousForceTime));
     EXPECT_EQ(touch.show({0, 0, 0.5}).z, 0.5) << "a force that may last stays";
-    EXPECT_EQ(touch.happened, 0u);
+    EXPECT_EQ(touch.flags, 0u);
     for (int i = 0; i < 60'000; ++i)
         touch.show({0, 0, 0}, false);
     EXPECT_EQ(touch.show({0, 0, 3.3}).z, 3.3) << "it has cooled down";
@@ -164,7 +164,7 @@ TEST(Safety, AForceThatLastsComesDownToWhatTheMotorsBear) {
 TEST(Safety, AForceLastsWhileTheLoopIsHeldUp) {
     SafetyLimits limits = quick();
     limits.max_force = 3.3;
-    limits.lasting_force = 0.88;
+    limits.continuous_force = 0.88;
     Touch touch(limits);
     double square = 0; /* N^2 s */
     for (int burst = 0; burst < 6000; ++burst)
@@ -173,7 +173,7 @@ TEST(Safety, AForceLastsWhileTheLoopIsHeldUp) {
             touch.time += pause - kPeriod;
             square += shown * shown * pause;
         }
-    EXPECT_LT(square, 0.88 * 0.88 * (60 + 1.05 * kLastingTime));
+    EXPECT_LT(square, 0.88 * 0.88 * (60 + 1.05 * kContinuousForceTime));
 }
 
 TEST(Safety, TwoSamplesAtOneTimeAreNoFault) {
@@ -181,7 +181,7 @@ TEST(Safety, TwoSamplesAtOneTimeAreNoFault) {
     touch.show({0, 0, 1});
     touch.time -= kPeriod;
     EXPECT_EQ(touch.show({0, 0, 2}).z, 2);
-    EXPECT_EQ(touch.happened, 0u);
+    EXPECT_EQ(touch.flags, 0u);
 }
 
 TEST(Safety, AForceComesUpAfterTheStartAndAfterAFault) {
@@ -196,14 +196,14 @@ TEST(Safety, AForceComesUpAfterTheStartAndAfterAFault) {
         before = now;
     }
     EXPECT_EQ(touch.show({0, 0, 1}).z, 1);
-    EXPECT_EQ(touch.happened, 0u);
+    EXPECT_EQ(touch.flags, 0u);
     Situation failed = touch.fine();
     failed.answer = Answer::failed;
     failed.is_position = false;
     EXPECT_EQ(touch.show(failed, {0, 0, 1}), glm::dvec3(0));
-    EXPECT_EQ(touch.happened, kFailed);
+    EXPECT_EQ(touch.flags, kFailed);
     EXPECT_NEAR(touch.show({0, 0, 1}).z, 0.01, 1e-9);
-    EXPECT_EQ(touch.happened, kRamping);
+    EXPECT_EQ(touch.flags, kRamping);
 }
 
 TEST(Safety, AForceThatIsTooLargeComesUpNoSooner) {
@@ -212,7 +212,7 @@ TEST(Safety, AForceThatIsTooLargeComesUpNoSooner) {
     Touch touch(limits);
     for (int i = 1; i <= 100; ++i) {
         EXPECT_NEAR(touch.show({0, 0, 200}).z, 3 * i / 100.0, 1e-9);
-        EXPECT_NE(touch.happened & kClamped, 0u);
+        EXPECT_NE(touch.flags & kClamped, 0u);
     }
 }
 
@@ -242,7 +242,7 @@ TEST(Safety, NoForceWithoutASoundPosition) {
         glm::dvec3 force{0, 0, 1};
         spoil(now, force);
         EXPECT_EQ(touch.show(now, force), glm::dvec3(0));
-        EXPECT_EQ(touch.happened & kForceless, expected);
+        EXPECT_EQ(touch.flags & kZeroForceFlags, expected);
     };
     zero([](Situation&, glm::dvec3& force) { force.x = kNan; }, kNoNumber);
     zero([](Situation&, glm::dvec3& force) { force.y = kUnknown; }, kNoNumber);
@@ -322,7 +322,7 @@ TEST(Safety, WhateverComesTheForceIsWithinItsLimits) {
             now.late = *rc::gen::element(0.0, 0.0, 0.0, 1.0, 30.0, kNan);
             const glm::dvec3 shown = touch.show(now, {*wild, *wild, *wild}, *rc::gen::arbitrary<bool>());
             RC_ASSERT(size_of(shown) <= 3 * (1 + 1e-12));
-            RC_ASSERT((touch.happened & kForceless) == 0 || shown == glm::dvec3(0));
+            RC_ASSERT((touch.flags & kZeroForceFlags) == 0 || shown == glm::dvec3(0));
             RC_ASSERT(size_of(shown) <= size_of(before) + 0.5 * (1 + 1e-9));
             before = shown;
         }

@@ -52,7 +52,7 @@ public:
     const char* withheld() const noexcept override { return reason; }
     void halt() noexcept override { halted = true; }
     void rest() noexcept override { ++rests; }
-    const char* complaint() const noexcept override { return nullptr; }
+    const char* error_text() const noexcept override { return nullptr; }
     /// s: lets go of a force after such a pause.
     void lets_go_after(double silence) { facts_.silence = silence; }
 

@@ -43,11 +43,11 @@ struct State {
     std::atomic<long> devices = 1;
     std::atomic<double> most_force = 8, scale = 1; // N; of the workspace
     std::atomic<long> calibration = 0x5000;
-    std::atomic<long> styles = 2;             // of calibration
-    std::atomic<double> lasting_force = 0.88; // N
-    std::atomic<long> buttons = 0;            // pressed, as the vendor's mask
-    std::atomic<long> hand = 0;               // how one that holds the device yields: see stub_hand
-    std::array<double, 3> rest{};             // where it does, in the vendor's units
+    std::atomic<long> styles = 2;                // of calibration
+    std::atomic<double> continuous_force = 0.88; // N
+    std::atomic<long> buttons = 0;               // pressed, as the vendor's mask
+    std::atomic<long> hand = 0;                  // how one that holds the device yields: see stub_hand
+    std::array<double, 3> rest{};                // where it does, in the vendor's units
     std::mutex order_mutex;
     std::string order; // of the calls that matter to the hand
     std::atomic<int> record = -1;
@@ -218,8 +218,8 @@ void stub_hand(long hand) {
 void stub_buttons(long mask) {
     stub::state.buttons = mask;
 }
-void stub_lasting_force(double force) {
-    stub::state.lasting_force = force;
+void stub_continuous_force(double force) {
+    stub::state.continuous_force = force;
 }
 
 /// The calls since the last question, each followed by a semicolon: "force 0 0 1;enable 1;".

@@ -78,7 +78,7 @@ void stub_reset() {
     stub_scale(1);
     stub_calibration(0x5000);
     stub_styles(2);
-    stub_lasting_force(0.88);
+    stub_continuous_force(0.88);
     stub_order();
     stub_record(nullptr);
     frozen = enabled = false;
@@ -131,8 +131,8 @@ void hdGetDoublev(unsigned what, double* values) {
             values[i] = stub::state.position[i];
     if (what == 0x2603 && !failed("largest force"))
         values[0] = stub::state.most_force;
-    if (what == 0x2604 && !failed("lasting force"))
-        values[0] = stub::state.lasting_force;
+    if (what == 0x2604 && !failed("continuous force"))
+        values[0] = stub::state.continuous_force;
     const double box[6]{-210, -110, -85, 210, 205, 130};
     if (what == 0x2550 && !failed("workspace"))
         for (std::size_t i = 0; i < 6; ++i)

@@ -173,7 +173,7 @@ TEST_F(LivePipe, that_is_read_gets_everything) {
 }
 
 TEST_F(LivePipe, that_nobody_reads_is_refused) {
-    expect_failure(4, by_the_clock("pipe"), {"pipe", "nobody reads this pipe", "start its reader first"});
+    expect_failure(4, by_the_clock("pipe"), {"pipe", "this pipe has no reader", "start its reader first"});
 }
 
 TEST_F(LivePipe, whose_reader_stalls_does_not_hold_up_the_loop_nor_its_end) {

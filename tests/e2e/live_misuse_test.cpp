@@ -128,7 +128,7 @@ TEST_F(LiveMisuse, of_ways_to_run) {
     for (const char* const device : {"dhd", "hd", "haply"})
         expect_refused(fast({"--device", device}), {"--fast is for sim and replay"});
     expect_refused(fast({"--gpu", "0"}), {"--gpu", "CPU"});
-    expect_refused(fast({"--view"}), {"--fast is too fast to be looked at"});
+    expect_refused(fast({"--view"}), {"--fast is too fast to watch"});
     expect_refused(fast({"--port", "8080"}), {"--port", "say --view, too"});
     const std::vector<std::string> viewed = live("bump.toml", {"--duration", "1 s", "--log", "log.csv", "--view"});
     for (const auto& [port, words] :
@@ -139,7 +139,7 @@ TEST_F(LiveMisuse, of_ways_to_run) {
     }
     for (const char* const to : {"5005", "udp", "udp:0", "udp:65536", "udp:localhost:5005", "udp:::1:5005", "tcp:5005"})
         expect_refused(fast({"--send", to}), {"--send ", to, "udp:192.168.1.20:5005", "udp:[::1]:5005"});
-    expect_refused(fast({"--send", "udp:255.255.255.255:5005"}), {"--send", "nothing can be sent there"}, 4);
+    expect_refused(fast({"--send", "udp:255.255.255.255:5005"}), {"--send", "cannot send there"}, 4);
     expect_refused({"live", "nosuch.toml"}, {"nosuch.toml", "No such file"}, 4);
     write("axis.toml", "[surface]\nfacets = [1, 2]\n");
     expect_refused({"live", "axis.toml", "--log", "log.csv"}, {"axis.toml:2"});

@@ -130,7 +130,7 @@ TEST_F(LiveDevice, is_checked_before_it_is_felt) {
     EXPECT_EQ(simulated.error, "");
     EXPECT_EQ(nlohmann::json::parse(simulated.out), read_json("check.json"));
     EXPECT_EQ(read_json("check.json")["passed"], true);
-    expect_failure(2, {"device", "check", "--device", "replay:x.csv"}, {"yields to no force"});
+    expect_failure(2, {"device", "check", "--device", "replay:x.csv"}, {"cannot be pushed"});
     expect_failure(2, {"device", "chek"}, {"did you mean forceshade device check?"});
 }
 
