@@ -87,7 +87,7 @@ std::string complaint_about(const std::string& text) {
 TEST(StudyFiles, DamageIsTold) {
     const std::string text = data_json(written_sample());
     EXPECT_NE(complaint_about(text.substr(0, text.size() / 2)).find("damaged"), std::string::npos);
-    EXPECT_NE(complaint_about("[]").find("no account of a study"), std::string::npos);
+    EXPECT_NE(complaint_about("[]").find("not a study file"), std::string::npos);
     for (const char* cores : {"1e30", "-1", "4294967296", "1.5", "\"4\""})
         EXPECT_NE(complaint_about(
                       std::regex_replace(text, std::regex("\"cores\":[0-9]+"), fmt::format("\"cores\":{}", cores)))

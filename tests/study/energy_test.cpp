@@ -137,7 +137,7 @@ TEST(EnergyResults, CompareTheSameLoops) {
         results.loops.push_back({&laws[0], false, i, 1e-3 * double(i), 2e-3});
         results.loops.push_back({&laws[1], false, i, 1e-3 * double(i) + 5e-3, 4e-3});
     }
-    results.laws = summed_up(results.loops);
+    results.laws = summarise_by_law(results.loops);
     ASSERT_EQ(results.laws.size(), 2u);
     EXPECT_NEAR(results.laws[0].gain.median, 4e-3, 1e-12);
     EXPECT_FALSE(results.laws[0].more);

@@ -153,7 +153,7 @@ TEST(Volume, TrilinearIsExactForProductsTricubicForSquares) {
     }
 }
 
-// Rounds that a machine slows down and speeds up at random, all ways alike.
+// Rounds that a machine slows down and speeds up at random, all methods alike.
 Times times_of(const std::vector<double>& seconds, std::size_t rounds = 31) {
     Draw draw(3);
     std::vector<Round> all;
@@ -181,8 +181,8 @@ TEST(PairedRounds, TellApartWhatTheMachinesLoadWouldHide) {
 
 TEST(PairedRounds, NameTiesOfTheCheapest) {
     const Cheapest cheapest = cheapest_of(times_of({1, 1.1, 1.0005, 2}), {0, 1, 2, 3});
-    EXPECT_TRUE(cheapest.way == 0 || cheapest.way == 2);
-    EXPECT_EQ(cheapest.ties, std::vector<std::size_t>{2 - cheapest.way});
+    EXPECT_TRUE(cheapest.method == 0 || cheapest.method == 2);
+    EXPECT_EQ(cheapest.ties, std::vector<std::size_t>{2 - cheapest.method});
     EXPECT_EQ(cheapest_of(times_of({1, 1.1}), {1}).ties.size(), 0u);
 }
 
@@ -196,27 +196,27 @@ TEST(PairedRounds, FrontHasWhatIsCheaperForSure) {
 // Where facets are few the field has errors that shading over many does not have; a stroke has what is true beside it.
 TEST(Sections, ShowWhereAWayErrsAndWhatAStrokeFeels) {
     const std::vector<Subject> subjects = own_subjects(few());
-    const auto way_of = [&](const std::string& name) {
-        Way way;
-        way.name = name;
-        way.subject = &subjects.front();
-        way.variant = &variant_named(subjects.front(), name);
-        way.forces = [&, variant = way.variant](std::span<const Place> at) {
+    const auto method_of = [&](const std::string& name) {
+        Method method;
+        method.name = name;
+        method.subject = &subjects.front();
+        method.variant = &variant_named(subjects.front(), name);
+        method.forces = [&, variant = method.variant](std::span<const Place> at) {
             return forces_by(DirectLaw<double>(*variant->prepared), at);
         };
-        return way;
+        return method;
     };
-    const Way coarse = way_of("4 facets, none"), fine = way_of("64 facets, reference");
-    const Way* const ways[] = {&coarse, &fine};
-    const std::vector<Table> tables = section_tables(ways);
+    const Method coarse = method_of("4 facets, none"), fine = method_of("64 facets, reference");
+    const Method* const methods[] = {&coarse, &fine};
+    const std::vector<Table> tables = section_tables(methods);
     std::map<std::string, double> largest, deep;
     for (std::size_t row = 0; row < tables[0].rows.size(); ++row) {
-        const std::string way = tables[0].word(row, "way");
+        const std::string method = tables[0].word(row, "way");
         const double error = tables[0].needed(row, "local_max_1");
         EXPECT_GE(error, 1e-4);
-        largest[way] = std::max(largest[way], error);
+        largest[method] = std::max(largest[method], error);
         if (tables[0].needed(row, "height_mm") == -2)
-            deep[way] = std::max(deep[way], error);
+            deep[method] = std::max(deep[method], error);
     }
     EXPECT_GT(deep[coarse.name], 0.2) << "the direction is wrong however deep";
     EXPECT_LT(deep[fine.name], 0.01);

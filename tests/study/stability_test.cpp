@@ -163,9 +163,9 @@ TEST(LargestKick, IsLessBesideAJump) {
     LeastLimit inside = worst_of(least_limits(bump, places_on(bump.name), true)), beside = inside;
     for (const RestPlace& place : places_on(bump.name))
         if (place.kind == PlaceKind::slope && place.depth == bump.deepest)
-            (place.beside ? beside : inside).place = place;
-    ASSERT_TRUE(beside.place.beside);
-    EXPECT_LT(largest_kick(bump, beside).value(), 2 * *beside.place.beside);
+            (place.edge_distance ? beside : inside).place = place;
+    ASSERT_TRUE(beside.place.edge_distance);
+    EXPECT_LT(largest_kick(bump, beside).value(), 2 * *beside.place.edge_distance);
     EXPECT_EQ(largest_kick(bump, inside).value(), 100e-6);
 }
 
@@ -232,8 +232,8 @@ TEST(Loops, StatesOfThePlane) {
     cells[1].hand.coulomb = 0.98 * 0.05;
     const auto rounded = run_cells(engine(), plane, place, cells, run);
     EXPECT_EQ(rounded[0].state, LoopState::stable);
-    EXPECT_EQ(rounded[1].state, LoopState::chatter);
-    EXPECT_EQ(rounded[2].state, LoopState::chatter);
+    EXPECT_EQ(rounded[1].state, LoopState::quantisation_cycle);
+    EXPECT_EQ(rounded[2].state, LoopState::quantisation_cycle);
 }
 
 PreparedCase prepared(const std::string& text) {

@@ -13,7 +13,7 @@
 #include "host/picture/chart.h"
 
 /// A struct as an object of its members, in this order; read by FORCESHADE_FROM, or NLOHMANN_JSON_FROM_WITH_DEFAULT
-/// where files of the same format may lack some.
+/// if files of the same format may lack some.
 #define FORCESHADE_FIELDS_READ_BY(READ, Struct, ...)                                                                   \
     void to_json(Json& nlohmann_json_j, const Struct& nlohmann_json_t) {                                               \
         NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(NLOHMANN_JSON_TO, __VA_ARGS__))                                       \
@@ -56,7 +56,7 @@ void from_json(const Json& json, Cell& cell) {
 
 FORCESHADE_FIELDS(Column, name, unit, meaning)
 
-// Tables go by columns; a column of few different cells as these and whereabouts they are.
+// Tables are stored by columns; a column of few different cells as these and their indices.
 Json column_json(const Table& table, std::size_t column) {
     Json cells = Json::array(), different = Json::array(), at = Json::array();
     std::map<Cell, std::size_t> numbers;
@@ -103,7 +103,7 @@ void to_json(Json& json, const FigureKind& kind) {
 void from_json(const Json& json, FigureKind& kind) {
     const auto found = std::ranges::find(kKinds, json.get<std::string>());
     if (found == std::end(kKinds))
-        throw DataError(fmt::format("no figure is of kind {}", json.dump()));
+        throw DataError(fmt::format("unknown figure kind {}", json.dump()));
     kind = static_cast<FigureKind>(found - std::begin(kKinds));
 }
 
@@ -128,7 +128,7 @@ StudyData parse_data(const Json& json) {
         throw DataError("it is damaged");
     try {
         if (!json.is_object() || !json.contains("format") || !json.contains("study"))
-            throw DataError("it is no account of a study");
+            throw DataError("it is not a study file");
         if (json.at("format") != kDataFormat)
             throw DataError(fmt::format("its format is {}, this program reads {}; run the study again",
                                         json.at("format").dump(), kDataFormat));
@@ -149,8 +149,8 @@ namespace {
 
 const char* const kAccount = "study.json";
 
-// What the account of the run before, of whatever format, names as written beside it: tables, figures and volumes;
-// nothing if there is none that could be read, or it is of another study.
+// The files that the account of the run before names, in any format: tables, figures and volumes; none if it cannot be
+// read, or is of another study.
 std::vector<FileRecord> files_of_former(const std::filesystem::path& folder, const std::string& study) {
     std::vector<FileRecord> all;
     for (const char* key : {"files", "volumes"})
@@ -171,7 +171,7 @@ FileRecord written(const std::filesystem::path& folder, const TextFile& file) {
     return {file.name, sha256_of(file.text), file.text.size()};
 }
 
-// Those of `former` that `data` does not name, if they are there.
+// Those of `former` that `data` does not name, if they exist.
 std::vector<FileRecord> left_over(const std::filesystem::path& folder, const std::vector<FileRecord>& former,
                                   const StudyData& data) {
     std::set<std::string> named{kAccount};
@@ -187,7 +187,7 @@ std::vector<FileRecord> left_over(const std::filesystem::path& folder, const std
     return left;
 }
 
-// Returns the names of those that are no longer what was written, which stay.
+// Returns the names of those that were changed since, which stay.
 std::vector<std::string> remove_intact(const std::filesystem::path& folder, const std::vector<FileRecord>& files) {
     std::vector<std::string> changed;
     for (const FileRecord& file : files) {
@@ -266,7 +266,7 @@ std::vector<std::string> write_data(const std::filesystem::path& folder, StudyDa
         data.files.push_back(written(folder, {table.name + ".csv", table_csv(table)}));
     for (const TextFile& picture : pictures)
         data.files.push_back(written(folder, picture));
-    // As long as the former account stands, an interrupted run can be told what it left.
+    // While the former account exists, the files of an interrupted run can be found.
     TemporaryFile account(folder / kAccount);
     account.write(data_json(data));
     account.flush_to_disk();
@@ -290,7 +290,7 @@ StudyData read_data(const std::filesystem::path& folder) {
 // Figures as pictures.
 namespace {
 
-constexpr std::size_t kMostMarks = 100; // of a joined series; of more the line alone
+constexpr std::size_t kMostMarks = 100; // of a joined series; longer ones are drawn as a line only
 
 bool shows(const Table& table, std::size_t row, const Where& where) {
     return std::ranges::all_of(
@@ -355,7 +355,7 @@ picture::Chart chart_of(const Figure& figure, const StudyData& data) {
     chart.title = figure.title;
     chart.x = {figure.x.label, figure.x.logarithmic};
     chart.y = {figure.y.label, figure.y.logarithmic};
-    if (figure.kind == FigureKind::bars) { // they lie: what is measured runs to the right
+    if (figure.kind == FigureKind::bars) { // horizontal bars
         chart.x = chart.y;
         chart.y = {};
     }

@@ -1,5 +1,5 @@
-// What a study found: tables of numbers with units, figures that show them, findings in a sentence each. Every study
-// speaks in these; files, plots and the report know nothing else of it.
+// Results of a study: tables of numbers with units, figures that show them, findings in a sentence each. Every study
+// uses these; files, plots and the report depend on them alone.
 #pragma once
 
 #include <cmath>
@@ -19,13 +19,13 @@
 
 namespace forceshade::study {
 
-/// Data that do not hold what they should: "points has no column error_rms_deg; it has ...".
+/// Incomplete data: "points has no column error_rms_deg; it has ...".
 class DataError : public Error {
 public:
     explicit DataError(const std::string& message) : Error(ExitCode::failed, message) {}
 };
 
-/// Nothing (no meaning there, no number), a finite number, or a word. A number that is not finite becomes nothing.
+/// Empty (not applicable, not finite), a finite number, or a word. A number that is not finite becomes empty.
 struct Cell : std::variant<std::monostate, double, std::string> {
     Cell() = default;
     Cell(double value) {
@@ -37,7 +37,7 @@ struct Cell : std::variant<std::monostate, double, std::string> {
     Cell(std::string word) : variant(std::move(word)) {}
     Cell(const char* word) : variant(std::string(word)) {}
 
-    /// As in CSV: the word, the number, or nothing.
+    /// As in CSV: the word, the number, or empty.
     std::string text() const;
 };
 
@@ -53,13 +53,13 @@ struct Table {
     std::vector<Column> columns;
     std::vector<std::vector<Cell>> rows; /* as long as columns */
 
-    /// \throws DataError if there is no such column.
+    /// \throws DataError without such a column.
     std::size_t index(std::string_view column) const;
-    /// The number in a row; nothing where there is none. \throws DataError if there is no such column.
+    /// The number in a row; empty: none. \throws DataError without such a column.
     std::optional<double> number(std::size_t row, std::string_view column) const;
-    /// The number in a row. \throws DataError if there is none, or no such column.
+    /// The number in a row. \throws DataError without one, or without such a column.
     double needed(std::size_t row, std::string_view column) const;
-    /// The word in a row, empty where there is none. \throws DataError if there is no such column.
+    /// The word in a row, or empty. \throws DataError without such a column.
     std::string word(std::size_t row, std::string_view column) const;
 };
 
@@ -67,7 +67,7 @@ inline Cell cell(double value) {
     return value;
 }
 
-/// A column, and what stands in it of a row: a function, or a member.
+/// A column, and its cell of a row: a function, or a member.
 template <typename Row> struct ColumnOf {
     Column column;
     std::function<Cell(const Row&)> value;
@@ -112,16 +112,16 @@ struct Curve {
 
 struct Figure {
     std::string name;    /* the SVG's stem */
-    std::string title;   /* what is seen, in a line */
-    std::string caption; /* how to read it, and what is to be seen */
+    std::string title;   /* one line */
+    std::string caption; /* how to read it, and its result */
     FigureKind kind = FigureKind::scatter;
     std::string table{};
     Where where{};
     FigureAxis x{}, y{};
-    std::string series{};          /* scatter, bars: column whose words tell series apart; empty: one */
+    std::string series{};          /* scatter, bars: column whose words name the series; empty: one */
     std::string label{};           /* scatter: column with the words to stand at points; empty: none */
     std::string low{}, high{};     /* columns with the ends of a spread about y; empty: none */
-    std::string x_low{}, x_high{}; /* likewise about x */
+    std::string x_low{}, x_high{}; /* the same about x */
     bool joined = false;           /* scatter: points of a series are joined in the order of rows */
     std::string value{};           /* map: column of the colour, numbers or words */
     std::string value_label{};
@@ -134,7 +134,7 @@ struct Figure {
     std::vector<std::string> linked{}; /* names of figures whose `where` has that column, with a word to begin with */
 };
 
-/// A figure with what all have; the rest is set after.
+/// A figure with the common members; the rest is set after.
 inline Figure make_figure(std::string name, std::string title, std::string caption, FigureKind kind, std::string table,
                           Where where, FigureAxis x, FigureAxis y, std::string series = {}, std::string label = {}) {
     return {std::move(name),   std::move(title), std::move(caption), kind,
@@ -144,12 +144,12 @@ inline Figure make_figure(std::string name, std::string title, std::string capti
 
 /// A claim that follows from the tables: fixed words with the numbers in their slots.
 struct Finding {
-    std::string name;        /* stays the same whatever the numbers are: "cheapest_1deg" */
+    std::string name;        /* does not depend on the numbers: "cheapest_1deg" */
     std::string text;        /* the claim, a sentence */
     std::string figure{};    /* that shows it; empty: none */
     std::string place{};     /* where it holds: "flat, crest and slope of the bump" */
     std::string condition{}; /* when: "default hand, 1 kHz" */
-    std::string interval{};  /* how sure: "95 % of 2000 bootstrap samples: 1.9 to 2.3 times"; empty: no measurement */
+    std::string interval{}; /* uncertainty: "95 % of 2000 bootstrap samples: 1.9 to 2.3 times"; empty: no measurement */
 };
 
 struct RunFacts {
@@ -157,7 +157,7 @@ struct RunFacts {
     unsigned cores = 0;
     bool software = true; /* device */
     bool quick = false;
-    std::string fingerprint; /* of program, device, scene and form: equal where a run would do the same again */
+    std::string fingerprint; /* of program, device, scene and form: equal if a run would do the same */
     double seconds = 0;      /* that the run took */
 };
 
@@ -165,14 +165,14 @@ struct StudyData : RunFacts {
     std::string study;              /* "error-time", "stability", "energy", "omission" */
     std::string program;            /* version */
     std::string scene;              /* resolved TOML; empty: the study's own */
-    std::vector<std::string> notes; /* what a reader must know to read the numbers, a sentence each */
+    std::vector<std::string> notes; /* needed to read the numbers, a sentence each */
     std::vector<Table> tables;
     std::vector<Figure> figures;
     std::vector<Finding> findings;
-    std::vector<FileRecord> files;   /* CSV and SVG files beside, by name in the study's folder */
-    std::vector<FileRecord> volumes; /* EXR files beside, likewise */
+    std::vector<FileRecord> files;   /* CSV and SVG files, by name in the study's folder */
+    std::vector<FileRecord> volumes; /* EXR files, by name in the study's folder */
 
-    /// \throws DataError if there is none.
+    /// \throws DataError without it.
     const Table& table(std::string_view name) const;
 };
 

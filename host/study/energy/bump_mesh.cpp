@@ -52,8 +52,8 @@ void add_walls(PolygonSoup& block, const Lattice& lattice, double x, double y, d
 std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift) {
     const double a = bump.half_width, step = 2 * a / bump.cells, row = 2 * a / bump.rows; /* m */
     const double foot = reference::circle_rise(bump.radius, a);                           /* m */
-    const auto beside = static_cast<std::uint32_t>(std::max(1.0, std::round((kBeyond - 1) * a / step)));
-    const Lattice lattice{bump.cells + 2 * beside, bump.rows};
+    const auto margin = static_cast<std::uint32_t>(std::max(1.0, std::round((kBeyond - 1) * a / step)));
+    const Lattice lattice{bump.cells + 2 * margin, bump.rows};
     const auto along = [&](std::uint32_t i) { // symmetric to the last bit
         return step * (static_cast<double>(i) - static_cast<double>(lattice.columns) / 2);
     };

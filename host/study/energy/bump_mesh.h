@@ -15,7 +15,7 @@ struct BumpMesh {
 };
 
 /// A block of triangles whose top, over |x| <= 1.5 a and |y| <= a, lies on the circle of G1 (z = 0 at |x| = a);
-/// diagonals from (i, j) to (i + 1, j + 1). Deeper than wide, so that the top is what a probe below it is nearest to.
+/// diagonals from (i, j) to (i + 1, j + 1). Deeper than wide, so that a probe below the top is nearest to it.
 /// Moved by `shift`, m.
 std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift = glm::dvec3(0));
 

@@ -21,8 +21,8 @@ struct SectionField {
 };
 
 /// curl_y F = dF_x/dz - dF_z/dx, N/m, of each cell between four samples, x fastest: the work round it, by the mean of
-/// two samples' forces along each side, over its area; NaN where a corner is out of contact. So the work round cells
-/// together is their sum, forces that jump along slanted lines included.
+/// two samples' forces along each side, over its area; NaN where a corner is out of contact. So the work round several
+/// cells is their sum, also where forces jump along slanted lines.
 std::vector<double> cell_curls(const SectionField& field);
 
 /// A cell of a map of curl.

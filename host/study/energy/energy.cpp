@@ -108,7 +108,7 @@ void add_loops_of(const EnergyLaw& law, const std::vector<Stroke>& strokes, cons
     }
 }
 
-// Of the study's own those of the bump with 8 facets; of a scene its own surface without shading and with that it has.
+// Of the study's own the bump with 8 facets; of a scene its own surface without and with its shading.
 bool is_mapped(const EnergyLaw& law, const std::optional<PreparedCase>& scene) {
     const Shading shading = law.prepared->one.scene.force.shading;
     if (scene)
@@ -172,9 +172,9 @@ StudyData study_energy(StudyRun& run) {
     run.run(parts);
     if (results.loops.empty())
         throw UsageError(
-            "no loop drawn over the scene's region stays in contact with its surface: name a place over the "
-            "middle of it with paths.centre, or a shorter way with paths.length");
-    results.laws = summed_up(results.loops);
+            "no loop over the scene's region stays in contact with its surface: set paths.centre to the middle of it, "
+            "or a shorter paths.length");
+    results.laws = summarise_by_law(results.loops);
     StudyData data = run.data();
     data.volumes = volumes;
     add_energy(data, results);

@@ -15,11 +15,11 @@ struct LoopRow {
     const EnergyLaw* law = nullptr;
     bool history = false;   /* of a mesh: followed by the god-object */
     std::size_t number = 0; /* of the stroke: the same for all laws of a surface */
-    double gain = 0;        /* J: to the hand, by the way round that gives more */
+    double gain = 0;        /* J: to the hand, in the worse direction of travel */
     double effort = 0;      /* J */
 };
 
-/// The loops of a law, one way of feeling it.
+/// The loops of a law, by the static field or by the god-object.
 struct LawRow {
     const EnergyLaw* law = nullptr;
     bool history = false;
@@ -30,7 +30,7 @@ struct LawRow {
     std::optional<Interval> more; /* J: median of the gain less that of the same surface unshaded, on the same loop */
 };
 
-std::vector<LawRow> summed_up(const std::vector<LoopRow>& loops);
+std::vector<LawRow> summarise_by_law(const std::vector<LoopRow>& loops);
 
 struct EnergyResults {
     std::vector<EnergySurface> surfaces;

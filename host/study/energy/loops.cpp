@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kCasts = 64; // along a stroke over a mesh; heights are straight in between
 
-// Where a probe that comes from above at (x, y) is first inside a mesh, m; nothing where it never is.
+// m: the height at which a probe that comes from above at (x, y) enters a mesh; empty: it never does.
 std::optional<double> cast(const EnergyLaw& law, const CaseLaw<double>& direct, double x, double y) {
     constexpr int kDown = 256, kHalvings = 50;
     const auto box = bounding_box(law.prepared->images.mesh->mesh.polygons);
@@ -122,7 +122,7 @@ std::optional<std::vector<glm::dvec3>> places_of_loop(const EnergyLaw& law, cons
 }
 
 std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<glm::dvec3>& places) {
-    constexpr int kHalvings = 24; // of a step: what a jump leaves is a ten-millionth of its force times the step
+    constexpr int kHalvings = 24; // of a step: the error of a jump is a ten-millionth of its force times the step
     const CaseLaw<double> direct(*law.prepared);
     layout::uint hint = 0;
     bool touches = true;

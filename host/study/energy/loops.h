@@ -1,4 +1,4 @@
-// Surfaces and laws whose energy is asked for, loops below them, and the work of a force round a loop.
+// Surfaces and laws of the energy study, loops below them, and the work of a force round a loop.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace forceshade::study {
 
-/// A law whose energy is asked for.
+/// A law of the energy study.
 struct EnergyLaw {
     std::string surface;            /* "bump", "mesh", "scene" */
     std::string scheme;             /* "shaded", of a mesh "mean_value" */
@@ -43,24 +43,24 @@ struct EnergySurface {
     std::vector<EnergyLaw> laws{}; /* those without shading before those with */
 };
 
-/// Strokes anywhere in the region, at least a quarter of its longer side long, depths log-uniform.
+/// Random strokes in the region, at least a quarter of its longer side long, depths log-uniform.
 std::vector<Stroke> drawn_strokes(const StrokeRegion& region, std::size_t count);
 
 /// The places of a loop, m, the first again at the end: `steps` for each of out and back, an eighth up and down.
-/// Nothing where the way leaves the surface.
+/// Empty if the loop leaves the surface.
 std::optional<std::vector<glm::dvec3>> places_of_loop(const EnergyLaw& law, const Stroke& stroke, std::size_t steps);
 
-/// What the force does on the probe round a loop, J.
+/// Work of the force on the probe round a loop, J.
 struct LoopWork {
     double work = 0;
     double effort = 0; /* the integral of |F dl| */
 };
 
-/// By the place alone, of a mesh the static field: between places by the mean of both forces, halved where they differ
-/// until nothing but rounding is left of a jump. Nothing where the loop leaves contact.
+/// From the position alone, of a mesh the static field: between places by the mean of both forces; steps are halved at
+/// jumps down to rounding error. Empty if the loop leaves contact.
 std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
 
-/// Of a mesh, followed by the god-object from place to place; the second time round, when it knows its side.
+/// Of a mesh, followed by the god-object from place to place; the second loop, when it knows its side.
 std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
 
 } // namespace forceshade::study

@@ -1,4 +1,4 @@
-// What loops gave, as tables, figures and findings.
+// Results of the loops as tables, figures and findings.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,14 +9,14 @@
 namespace forceshade::study {
 namespace {
 
-constexpr double kLeastShown = 1e-6; // mJ: less is shown there on logarithmic axes
+constexpr double kLeastShown = 1e-6; // mJ: smaller values are drawn there on logarithmic axes
 
 bool same_surface(const EnergyLaw& one, const EnergyLaw& other) {
     return one.surface == other.surface && one.elements == other.elements &&
            one.prepared->one.scene.force.depth == other.prepared->one.scene.force.depth;
 }
 
-// The same loop on the same surface unshaded; null if there is none.
+// The same loop on the same surface unshaded; null: none.
 const LoopRow* unshaded_of(const std::vector<LoopRow>& loops, const LoopRow& row) {
     for (const LoopRow& one : loops)
         if (one.law->unshaded && one.history == row.history && one.number == row.number &&
@@ -25,16 +25,16 @@ const LoopRow* unshaded_of(const std::vector<LoopRow>& loops, const LoopRow& row
     return nullptr;
 }
 
-// What a row is of, then `more`.
+// The columns that identify a row's law, then `more`.
 template <typename Row> std::vector<ColumnOf<Row>> law_columns(std::initializer_list<ColumnOf<Row>> more) {
     std::vector<ColumnOf<Row>> columns{
         {"surface", "", "bump: R = W = 1000 mil; mesh: its cylinder as triangles; scene: the scene's",
          [](const Row& row) { return row.law->surface; }},
         {"elements", "1", "facets of the bump, cells of the mesh over its width",
          [](const Row& row) { return row.law->elements; }},
-        {"scheme", "", "shading, and how depth is read where not vertically",
+        {"scheme", "", "shading, and the depth reading if not vertical",
          [](const Row& row) { return row.law->scheme; }},
-        {"felt", "", "by the place: the force follows from the place alone; god-object: with its history",
+        {"felt", "", "by the place: the force depends on the position only; god-object: with its history",
          [](const Row& row) { return row.history ? "god-object" : "by the place"; }}};
     columns.insert(columns.end(), more);
     return columns;
@@ -46,27 +46,29 @@ Table law_table(const std::vector<LawRow>& laws) {
         return [end](const R& r) { return r.more ? 1e3 * (*r.more).*end : NAN; };
     };
     return table_of<R>(
-        "energy", "What a round gives the hand",
+        "energy", "Energy gained per loop",
         law_columns<R>(
-            {{"series", "", "scheme, and how it is felt",
+            {{"series", "", "scheme, and god-object if with its history",
               [](const R& r) { return r.law->scheme + (r.history ? ", god-object" : ""); }},
              {"loops", "1", "that stay in contact", &R::loops},
-             {"gain_mJ", "mJ", "what a round gives the hand by the way round that gives more: median of the loops",
+             {"gain_mJ", "mJ", "energy gained per loop in the worse direction of travel: median of the loops",
               [](const R& r) { return 1e3 * r.gain.median; }},
              {"gain_from_mJ", "mJ", "95 % interval of the median (bootstrap)",
               [](const R& r) { return 1e3 * r.gain.low; }},
-             {"gain_to_mJ", "mJ", "likewise", [](const R& r) { return 1e3 * r.gain.high; }},
+             {"gain_to_mJ", "mJ", "the other end", [](const R& r) { return 1e3 * r.gain.high; }},
              {"gain_5_mJ", "mJ", "5 % of the loops give less", [](const R& r) { return 1e3 * r.low; }},
              {"gain_95_mJ", "mJ", "5 % of the loops give more", [](const R& r) { return 1e3 * r.high; }},
              {"effort_mJ", "mJ", "the integral of |F dl|: median of the loops",
               [](const R& r) { return 1e3 * r.effort; }},
              {"more_mJ", "mJ", "gain less that of the same loop unshaded: median", more(&Interval::median)},
              {"more_from_mJ", "mJ", "95 % interval of that (bootstrap)", more(&Interval::low)},
-             {"more_to_mJ", "mJ", "likewise", more(&Interval::high)},
-             {"shown_mJ", "mJ", "gain_mJ, for logarithmic axes no less than 1e-6",
+             {"more_to_mJ", "mJ", "the other end", more(&Interval::high)},
+             {"shown_mJ", "mJ", "gain_mJ, at least 1e-6 for logarithmic axes",
               [](const R& r) { return std::max(1e3 * r.gain.median, kLeastShown); }},
-             {"shown_5_mJ", "mJ", "likewise", [](const R& r) { return std::max(1e3 * r.low, kLeastShown); }},
-             {"shown_95_mJ", "mJ", "likewise", [](const R& r) { return std::max(1e3 * r.high, kLeastShown); }}}),
+             {"shown_5_mJ", "mJ", "gain_5_mJ, at least 1e-6",
+              [](const R& r) { return std::max(1e3 * r.low, kLeastShown); }},
+             {"shown_95_mJ", "mJ", "gain_95_mJ, at least 1e-6",
+              [](const R& r) { return std::max(1e3 * r.high, kLeastShown); }}}),
         laws);
 }
 
@@ -75,7 +77,7 @@ Table loop_table(const std::vector<LoopRow>& loops) {
     return table_of<R>(
         "loops", "Every loop",
         law_columns<R>({{"loop", "1", "which stroke", &R::number},
-                        {"gain_mJ", "mJ", "what the round gives the hand by the way round that gives more",
+                        {"gain_mJ", "mJ", "energy gained in the worse direction of travel",
                          [](const R& r) { return 1e3 * r.gain; }},
                         {"effort_mJ", "mJ", "the integral of |F dl|", [](const R& r) { return 1e3 * r.effort; }}}),
         loops);
@@ -94,8 +96,8 @@ Table pair_table(const std::vector<LoopRow>& loops) {
                 rows.push_back({&row, unshaded});
     }
     return table_of<R>(
-        "pairs", "Shaded beside unshaded, loop by loop",
-        {{"scheme", "", "shading, and how depth is read where not vertically",
+        "pairs", "Shaded against unshaded, loop by loop",
+        {{"scheme", "", "shading, and the depth reading if not vertical",
           [](const R& r) { return r.row->law->scheme; }},
          {"loop", "1", "which stroke", [](const R& r) { return r.row->number; }},
          {"unshaded_mJ", "mJ", "gain of this loop unshaded", [](const R& r) { return 1e3 * r.unshaded->gain; }},
@@ -117,9 +119,9 @@ Table stroke_table(const EnergyResults& results) {
                        {{"surface", "", "below which", &R::surface},
                         {"loop", "1", "which stroke", &R::number},
                         {"from_x_mm", "mm", "where it begins", [](const R& r) { return 1e3 * r.stroke.from.x; }},
-                        {"from_y_mm", "mm", "likewise", [](const R& r) { return 1e3 * r.stroke.from.y; }},
+                        {"from_y_mm", "mm", "where it begins", [](const R& r) { return 1e3 * r.stroke.from.y; }},
                         {"to_x_mm", "mm", "where it turns", [](const R& r) { return 1e3 * r.stroke.to.x; }},
-                        {"to_y_mm", "mm", "likewise", [](const R& r) { return 1e3 * r.stroke.to.y; }},
+                        {"to_y_mm", "mm", "where it turns", [](const R& r) { return 1e3 * r.stroke.to.y; }},
                         {"out_mm", "mm", "depth on the way out, vertically below the facets",
                          [](const R& r) { return 1e3 * r.stroke.out; }},
                         {"back_mm", "mm", "depth on the way back", [](const R& r) { return 1e3 * r.stroke.back; }}},
@@ -131,19 +133,18 @@ Table curl_table(const std::vector<CurlCell>& cells) {
     return table_of<R>("curl", "Curl of the force in a section, over the stiffness",
                        {{"map", "", "surface and scheme", &R::map},
                         {"x_mm", "mm", "middle of the cell", [](const R& r) { return 1e3 * r.x; }},
-                        {"z_mm", "mm", "likewise", [](const R& r) { return 1e3 * r.z; }},
+                        {"z_mm", "mm", "middle of the cell", [](const R& r) { return 1e3 * r.z; }},
                         {"curl_per_K", "1", "work round it over its area and K: the mean of 8 x 8 cells of samples",
                          &R::curl_per_stiffness}},
                        cells);
 }
 
 Figure law_figure(const EnergySurface& surface) {
-    Figure figure =
-        make_figure("energy-" + surface.name, fmt::format("What a round on the {} gives the hand", surface.name),
-                    "Median of the loops, with whiskers from 5 to 95 % of them, by the way round that gives more.",
-                    FigureKind::scatter, "energy", {{"surface", surface.name}, {"felt", "by the place"}},
-                    {"elements", fmt::format("{} over the width", surface.elements), true},
-                    {"shown_mJ", "gain / mJ", true}, "series");
+    Figure figure = make_figure("energy-" + surface.name, fmt::format("Energy gained per loop on the {}", surface.name),
+                                "Median of the loops, with whiskers from 5 to 95 % of them, worse direction of travel.",
+                                FigureKind::scatter, "energy", {{"surface", surface.name}, {"felt", "by the place"}},
+                                {"elements", fmt::format("{} over the width", surface.elements), true},
+                                {"shown_mJ", "gain / mJ", true}, "series");
     figure.low = "shown_5_mJ";
     figure.high = "shown_95_mJ";
     figure.joined = true;
@@ -160,16 +161,16 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
         if (!surface.elements.empty())
             figures.push_back(law_figure(surface));
     if (any_shaded(results))
-        figures.push_back(make_figure("energy-pairs", "Shaded beside unshaded, loop by loop",
-                                      "Each point is a loop; on the diagonal shading changes nothing.",
+        figures.push_back(make_figure("energy-pairs", "Shaded against unshaded, loop by loop",
+                                      "Each point is a loop; on the diagonal shading has no effect.",
                                       FigureKind::scatter, "pairs", {}, {"unshaded_mJ", "gain unshaded / mJ"},
                                       {"gain_mJ", "gain shaded / mJ"}, "scheme"));
     if (!results.curl.empty()) {
-        Figure& figure = figures.emplace_back(make_figure(
-            "curl", "Where loops give energy, in a section",
-            "Work round a cell over its area and K; what a loop gives is the sum of the cells inside it. Along a "
-            "jump of the force, colours that alternate cancel.",
-            FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}));
+        Figure& figure = figures.emplace_back(
+            make_figure("curl", "Where loops give energy, in a section",
+                        "Work round a cell over its area and K; a loop gives the sum of the cells inside it. Along a "
+                        "jump of the force, alternating colours cancel.",
+                        FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}));
         figure.panels = "map";
         figure.value = "curl_per_K";
         figure.value_label = "curl_y F / K";
@@ -178,10 +179,10 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
     return figures;
 }
 
-// "0.10 mJ", what rounding leaves as nothing.
+// "0.10 mJ"; rounding errors as a bound.
 std::string milli(double joules) {
-    constexpr double kNothing = 1e-9; // J
-    return std::abs(joules) < kNothing ? "less than 1e-6 mJ" : fmt::format("{:.2g} mJ", 1e3 * joules);
+    constexpr double kRounding = 1e-9; // J
+    return std::abs(joules) < kRounding ? "less than 1e-6 mJ" : fmt::format("{:.2g} mJ", 1e3 * joules);
 }
 
 std::string interval_of(const LawRow& row) {
@@ -201,7 +202,7 @@ const LawRow* row_of_law(const EnergyResults& results, const std::string& surfac
 
 const char* const kWhere = "strokes anywhere on the surface, 0.2 to 2 mm deep out and back, K = 1000 N/m";
 
-// What is left with the most facets, where only the reading of depth keeps the force from being that of a spring.
+// The gain with the most facets, where only the depth reading makes the force differ from that of a spring.
 void add_depth_finding(std::vector<Finding>& findings, const EnergyResults& results) {
     constexpr double kFacets = 512;
     const LawRow *vertical = row_of_law(results, "bump", kFacets, "unshaded"),
@@ -211,14 +212,14 @@ void add_depth_finding(std::vector<Finding>& findings, const EnergyResults& resu
     findings.push_back(
         {"energy_depth",
          fmt::format(
-             "More facets do not take the gain away: {} is left with {} facets, unshaded; with depth read along "
-             "the normal it is {}.",
-             milli(vertical->gain.median), kFacets, milli(normal->gain.median)),
+             "More facets do not remove the gain: with {} facets, unshaded, it is {}; with depth read along the "
+             "normal, {}.",
+             kFacets, milli(vertical->gain.median), milli(normal->gain.median)),
          "energy-bump", "the bump of 512 facets, R = 1000 mil", kWhere,
          fmt::format("vertical: {}; normal: {}", interval_of(*vertical), interval_of(*normal))});
 }
 
-// Gains of a mesh, from the least to the most, and which neighbours the same loops do not tell apart.
+// Gains of a mesh in ascending order, and neighbours without a significant difference on the same loops.
 void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& results) {
     constexpr double kCells = 16;
     std::vector<const LawRow*> rows;
@@ -228,7 +229,7 @@ void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& resul
     if (rows.empty())
         return;
     std::ranges::stable_sort(rows, {}, [](const LawRow* row) { return row->gain.median; });
-    const auto told_apart = [&](const LawRow& one, const LawRow& other) {
+    const auto significantly_different = [&](const LawRow& one, const LawRow& other) {
         std::vector<double> more;
         for (const LoopRow& a : results.loops)
             for (const LoopRow& b : results.loops)
@@ -242,14 +243,14 @@ void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& resul
         parts.push_back(fmt::format("{} {}", rows[i]->law->scheme, milli(rows[i]->gain.median)));
         intervals.push_back(fmt::format("{} {:.2g} to {:.2g} mJ", rows[i]->law->scheme, 1e3 * rows[i]->gain.low,
                                         1e3 * rows[i]->gain.high));
-        if (i > 0 && !told_apart(*rows[i - 1], *rows[i]))
+        if (i > 0 && !significantly_different(*rows[i - 1], *rows[i]))
             ties.push_back(fmt::format("{} and {}", rows[i - 1]->law->scheme, rows[i]->law->scheme));
     }
     findings.push_back(
         {"energy_mesh",
-         fmt::format("On a mesh of {} cells over the bump, a round gives in the median: {}{}.", kCells,
+         fmt::format("Median energy gained per loop on a mesh of {} cells over the bump: {}{}.", kCells,
                      fmt::join(parts, ", "),
-                     ties.empty() ? "" : fmt::format("; the same loops do not tell {} apart", fmt::join(ties, ", "))),
+                     ties.empty() ? "" : fmt::format("; no significant difference between {}", fmt::join(ties, ", "))),
          "energy-mesh", "triangles of the cylinder R = 1000 mil", kWhere,
          fmt::format("95 % of bootstrap medians: {}", fmt::join(intervals, ", "))});
 }
@@ -259,11 +260,8 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
     if (bare && shaded && shaded->more)
         findings.push_back(
             {"energy_shading",
-             fmt::format("Stroked round in the direction that gives more, a loop over the bump of 8 facets gives the "
-                         "hand {} more "
-                         "with force shading than without (median of the differences, loop by loop; the gains' own "
-                         "medians are {} "
-                         "and {}).",
+             fmt::format("Force shading adds {} per loop on the 8-facet bump (median of the paired differences, worse "
+                         "direction of travel; median gains with and without shading: {} and {}).",
                          milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
              "energy-bump", "the bump of 8 facets, R = 1000 mil", kWhere,
              fmt::format(
@@ -271,25 +269,24 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
                  shaded->loops, 1e3 * shaded->more->low, 1e3 * shaded->more->high, milli(shaded->effort),
                  milli(bare->effort))});
     std::vector<std::string> parts;
-    std::optional<double> told; // facets: the most whose difference is not nothing for sure
+    std::optional<double> significant; // facets: the most with a significant difference
     const LawRow* last = nullptr;
     for (const LawRow& row : results.laws) {
         if (row.law->surface != "bump" || row.law->scheme != "shaded" || !row.more)
             continue;
         last = &row;
         if (row.more->low > 0 || row.more->high < 0)
-            told = row.law->elements;
+            significant = row.law->elements;
         if (*row.law->elements == 1 || *row.law->elements == 2 || *row.law->elements == 8)
             parts.push_back(fmt::format("{:.2g} mJ with {}", 1e3 * row.more->median, *row.law->elements));
     }
     if (last && !parts.empty())
         findings.push_back(
             {"energy_facets",
-             fmt::format("Compared on the same loops, what shading adds to the gain shrinks with the facets: "
-                         "{}{}.",
+             fmt::format("On the same loops, the gain that shading adds falls with the number of facets: {}{}.",
                          fmt::join(parts, ", "),
-                         told && *told < *last->law->elements
-                             ? fmt::format("; beyond {} facets it is not told from nothing", *told)
+                         significant && *significant < *last->law->elements
+                             ? fmt::format("; beyond {} facets it is not significant", *significant)
                              : ""),
              "energy-bump", "the bump of 1 to 512 facets, R = 1000 mil", kWhere,
              fmt::format("with {} facets 95 % of bootstrap medians: {:.1g} to {:.1g} mJ", *last->law->elements,
@@ -308,17 +305,16 @@ void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& res
         }
     if (!most)
         return;
-    findings.push_back(
-        {"energy_scene",
-         fmt::format("A round over the scene's surface gives the hand in the median: {}; the effort is {}.",
-                     fmt::join(parts, ", "), milli(most->effort)),
-         any_shaded(results) ? "energy-pairs" : "", "strokes anywhere in the scene's region",
-         fmt::format("{:.2g} to {:.2g} mm deep out and back", 1e2 * results.surfaces[0].region.deepest,
-                     1e3 * results.surfaces[0].region.deepest),
-         fmt::format("{}: {}", most->law->scheme, interval_of(*most))});
+    findings.push_back({"energy_scene",
+                        fmt::format("Median energy gained per loop over the scene's surface: {}; the effort is {}.",
+                                    fmt::join(parts, ", "), milli(most->effort)),
+                        any_shaded(results) ? "energy-pairs" : "", "strokes anywhere in the scene's region",
+                        fmt::format("{:.2g} to {:.2g} mm deep out and back", 1e2 * results.surfaces[0].region.deepest,
+                                    1e3 * results.surfaces[0].region.deepest),
+                        fmt::format("{}: {}", most->law->scheme, interval_of(*most))});
 }
 
-// What a round gives with the god-object's history, by the cells of the mesh.
+// Energy gained per loop with the god-object's history, by the cells of the mesh.
 void add_history_finding(std::vector<Finding>& findings, const EnergyResults& results) {
     std::vector<std::string> unshaded, shaded;
     const LawRow *first = nullptr, *most = nullptr; // shaded: the scheme that gives most on the first mesh
@@ -336,18 +332,17 @@ void add_history_finding(std::vector<Finding>& findings, const EnergyResults& re
     }
     if (unshaded.empty() || shaded.empty())
         return;
-    findings.push_back(
-        {"energy_history",
-         fmt::format("Followed by the god-object, a round gives the hand in the median, unshaded: {}; with {}: {}.",
-                     fmt::join(unshaded, ", "), most->law->scheme, fmt::join(shaded, ", ")),
-         "", first->law->elements ? "meshes of the cylinder R = 1000 mil" : "the scene's mesh",
-         "the second time round, by the way round that gives more",
-         fmt::format("{}: {}", first->law->scheme, interval_of(*first))});
+    findings.push_back({"energy_history",
+                        fmt::format("Median energy gained per loop with the god-object, unshaded: {}; with {}: {}.",
+                                    fmt::join(unshaded, ", "), most->law->scheme, fmt::join(shaded, ", ")),
+                        "", first->law->elements ? "meshes of the cylinder R = 1000 mil" : "the scene's mesh",
+                        "the second loop, worse direction of travel",
+                        fmt::format("{}: {}", first->law->scheme, interval_of(*first))});
 }
 
 } // namespace
 
-std::vector<LawRow> summed_up(const std::vector<LoopRow>& loops) {
+std::vector<LawRow> summarise_by_law(const std::vector<LoopRow>& loops) {
     std::vector<LawRow> laws;
     for (const LoopRow& first : loops) {
         if (std::ranges::any_of(
@@ -376,14 +371,12 @@ void add_energy(StudyData& data, const EnergyResults& results) {
     data.notes = {
         "A loop is a stroke out between two places anywhere in the region, up or down to another depth, back below the "
         "same line, and to where it began; depths are log-uniform over a decade and vertical below the facets. The "
-        "same "
-        "strokes go over all laws of a surface.",
-        "What a round gives the hand is told for the way round that gives more. Where the force follows from the place "
-        "alone the other way takes as much; with the god-object's history both ways were gone, twice each, and the "
-        "second round counts.",
+        "same strokes go over all laws of a surface.",
+        "The energy gained per loop is that of the worse direction of travel. Where the force depends on the position "
+        "only, the other direction loses as much; with the god-object's history both directions were travelled twice, "
+        "and the second loop counts.",
         "Work is the mean of neighbouring forces times the step, in double precision by the CPU oracle; steps are "
-        "halved "
-        "where forces differ, down to what rounding leaves of a jump."};
+        "halved where forces differ, down to rounding error at a jump."};
     if (data.scene.empty())
         add_own_findings(data.findings, results);
     else

@@ -27,9 +27,9 @@ Forces true_forces(const Subject& subject, std::span<const Place> at) {
     return forces;
 }
 
-WayErrors errors_of(const Way& way, const KindPlaces& places, const Forces& truth, double typical) {
-    const Forces forces = way.forces(places.at);
-    WayErrors errors;
+MethodErrors errors_of(const Method& method, const KindPlaces& places, const Forces& truth, double typical) {
+    const Forces forces = method.forces(places.at);
+    MethodErrors errors;
     errors.shared =
         force_errors(std::span(forces).first(places.shared), std::span(truth).first(places.shared), typical);
     for (const Kind kind : kKinds) {
@@ -42,7 +42,7 @@ WayErrors errors_of(const Way& way, const KindPlaces& places, const Forces& trut
         if (!some.empty())
             errors.by_kind[static_cast<std::size_t>(kind)] = force_errors(some, true_ones, typical);
     }
-    errors.precision = force_errors(forces, way.exact(places.at), typical).typical;
+    errors.precision = force_errors(forces, method.exact(places.at), typical).typical;
     return errors;
 }
 
@@ -81,77 +81,78 @@ ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm
     return errors;
 }
 
-void add_errors(std::vector<std::optional<WayErrors>>& errors, const std::vector<Way>& ways, const Subject& subject,
-                const Variant& variant, const Extents& extents) {
+void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
+                const Subject& subject, const Variant& variant, const Extents& extents) {
     const KindPlaces places = places_of(subject, variant, extents);
     const Forces truth = true_forces(subject, places.at);
     const double typical = rms_of(true_forces(subject, subject.places));
     KindOf kind_of(subject, variant);
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-        const Way& way = ways[i];
-        if (way.variant != &variant || !way.forces)
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+        const Method& method = methods[i];
+        if (method.variant != &variant || !method.forces)
             continue;
-        if (!way.places) {
-            errors[i] = errors_of(way, places, truth, typical);
+        if (!method.places) {
+            errors[i] = errors_of(method, places, truth, typical);
             continue;
         }
-        KindPlaces own{way.places(), {}, 0};
+        KindPlaces own{method.places(), {}, 0};
         own.shared = own.at.size();
         for (const Place& place : own.at)
             own.kinds.push_back(kind_of(place));
-        errors[i] = errors_of(way, own, true_forces(subject, own.at), typical);
+        errors[i] = errors_of(method, own, true_forces(subject, own.at), typical);
     }
 }
 
-Round measure_round(std::span<const Way> ways, std::size_t number) {
-    std::vector<std::size_t> order(ways.size());
+Round measure_round(std::span<const Method> methods, std::size_t number) {
+    std::vector<std::size_t> order(methods.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     Draw draw(1000 + number);
     for (std::size_t i = order.size(); i > 1; --i) // Fisher & Yates
         std::swap(order[i - 1], order[static_cast<std::size_t>(draw(0, static_cast<double>(i)))]);
-    Round round(ways.size());
+    Round round(methods.size());
     for (const std::size_t i : order)
-        round[i] = ways[i].seconds();
+        round[i] = methods[i].seconds();
     return round;
 }
 
-Interval Times::ratio(std::size_t way, std::size_t other) const {
+Interval Times::ratio(std::size_t method, std::size_t other) const {
     std::vector<double> ratios;
     for (const Round& round : rounds_)
-        ratios.push_back(round[way] / round[other]);
+        ratios.push_back(round[method] / round[other]);
     return bootstrap_median(ratios);
 }
 
-Interval Times::seconds(std::size_t way) const {
+Interval Times::seconds(std::size_t method) const {
     std::vector<double> units;
     for (const Round& round : rounds_)
         units.push_back(round[unit_]);
     const double unit = quantile(units, 0.5);
-    const Interval of_unit = ratio(way, unit_);
+    const Interval of_unit = ratio(method, unit_);
     return {of_unit.low * unit, of_unit.median * unit, of_unit.high * unit};
 }
 
-std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& ways,
+std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& methods,
                                   const std::vector<double>& errors) {
     std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < ways.size(); ++i)
+    for (std::size_t i = 0; i < methods.size(); ++i)
         if (std::isfinite(errors[i]))
             order.push_back(i);
     std::ranges::stable_sort(order, {},
-                             [&](std::size_t i) { return std::pair(errors[i], times.seconds(ways[i]).median); });
+                             [&](std::size_t i) { return std::pair(errors[i], times.seconds(methods[i]).median); });
     std::vector<std::size_t> front;
     for (const std::size_t i : order)
-        if (std::ranges::all_of(front, [&](std::size_t closer) { return times.is_cheaper(ways[i], closer); }))
-            front.push_back(ways[i]);
+        if (std::ranges::all_of(front, [&](std::size_t closer) { return times.is_cheaper(methods[i], closer); }))
+            front.push_back(methods[i]);
     return front;
 }
 
-Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& ways) {
+Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& methods) {
     Cheapest cheapest;
-    cheapest.way = *std::ranges::min_element(ways, {}, [&](std::size_t way) { return times.seconds(way).median; });
-    for (const std::size_t way : ways)
-        if (way != cheapest.way && !times.is_cheaper(cheapest.way, way))
-            cheapest.ties.push_back(way);
+    cheapest.method =
+        *std::ranges::min_element(methods, {}, [&](std::size_t method) { return times.seconds(method).median; });
+    for (const std::size_t method : methods)
+        if (method != cheapest.method && !times.is_cheaper(cheapest.method, method))
+            cheapest.ties.push_back(method);
     return cheapest;
 }
 
@@ -160,7 +161,7 @@ Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& ways) {
 using namespace error_time;
 namespace {
 
-std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Way& unit, const EngineReport& engine,
+std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Method& unit, const EngineReport& engine,
                                   unsigned cores) {
     std::vector<std::string> notes;
     for (const Subject& subject : subjects) {
@@ -177,7 +178,7 @@ std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Wa
         "Times are of paired rounds, each in an order of its own; intervals are 95 % of 1000 bootstrap samples of the "
         "median ratio to \"{}\" in the same round. Direct evaluation, god-object and look-up are one thread, one place "
         "after the other; a field's time is that of all voxels over their number, on {} ({} cores{}), without reading "
-        "back, of a mesh with the plan of where it is touched.",
+        "back, of a mesh with the plan of its contact regions.",
         unit.name, engine.device, cores, engine.software ? ", a software device" : ""));
     return notes;
 }
@@ -191,31 +192,31 @@ StudyData study_error_time(StudyRun& run) {
     EngineOptions one_thread;
     one_thread.cpu = true;
     one_thread.threads = 1;
-    const std::unique_ptr<Engine> alone = make_engine(one_thread);
-    std::vector<Way> ways;
+    const std::unique_ptr<Engine> single_thread = make_engine(one_thread);
+    std::vector<Method> methods;
     for (const Subject& subject : subjects)
-        add_ways(ways, subject, run.engine(), *alone);
-    std::vector<std::optional<WayErrors>> errors(ways.size());
+        add_methods(methods, subject, run.engine(), *single_thread);
+    std::vector<std::optional<MethodErrors>> errors(methods.size());
     std::vector<Round> rounds;
     std::vector<Part> parts;
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
-                             [&] { add_errors(errors, ways, subject, variant, extents); }});
-    parts.push_back({"compiling", [&] { measure_round(ways, 0); }}); // and making volumes: not within a round
+                             [&] { add_errors(errors, methods, subject, variant, extents); }});
+    parts.push_back({"compiling", [&] { measure_round(methods, 0); }}); // and making volumes: not within a round
     for (std::size_t round = 1; round <= extents.rounds; ++round)
-        parts.push_back({"times", [&, round] { rounds.push_back(measure_round(ways, round)); }});
+        parts.push_back({"times", [&, round] { rounds.push_back(measure_round(methods, round)); }});
     run.run(parts);
     // The unit of time: the first subject's thorough law, shaded, in double.
     std::size_t unit = 0;
-    for (std::size_t i = 0; i < ways.size(); ++i)
-        if (ways[i].subject == &subjects.front() && ways[i].variant->thorough && ways[i].family == "direct" &&
-            ways[i].precision == "f64")
+    for (std::size_t i = 0; i < methods.size(); ++i)
+        if (methods[i].subject == &subjects.front() && methods[i].variant->thorough && methods[i].family == "direct" &&
+            methods[i].precision == "f64")
             unit = i;
     const Times times(std::move(rounds), unit);
-    const Measured measured{subjects, ways, errors, times};
+    const Measured measured{subjects, methods, errors, times};
     StudyData data = run.data();
-    data.notes = notes_of(subjects, ways[unit], run.engine().report(), data.cores);
+    data.notes = notes_of(subjects, methods[unit], run.engine().report(), data.cores);
     data.tables = tables_of(measured);
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);

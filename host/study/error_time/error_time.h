@@ -1,12 +1,11 @@
-// The study of error against run time. What is measured of ways: how far their forces are from what they should be, by
-// kinds of places, and their times in paired rounds. Each round measures every way once, in an order of its own, so
-// that what disturbs the machine disturbs all alike.
+// The study of error against run time: the errors of methods by kinds of places, and their times in paired rounds. Each
+// round measures every method once, in an order of its own, so that disturbances of the machine affect all alike.
 #pragma once
 
 #include <cmath>
 
+#include "host/study/error_time/methods.h"
 #include "host/study/error_time/places.h"
-#include "host/study/error_time/ways.h"
 #include "host/study/run/study_run.h"
 
 namespace forceshade::study {
@@ -17,20 +16,20 @@ struct Summary {
     double rms = 0, median = 0, p95 = 0, largest = 0;
 };
 
-/// Of values that are not negative; their order does not matter. Nothing of none.
+/// Of values that are not negative; their order does not matter. Empty for no values.
 std::optional<Summary> summary_of(std::vector<double> values);
 
-/// Where there should be a force and none is, the local error is 1; out of contact a force has no direction.
+/// The local error of a missing force is 1; out of contact a force has no direction.
 struct ForceErrors {
     std::size_t places = 0;
-    std::size_t missed = 0;           /* places where there should be a force, and none is */
-    std::size_t phantom = 0;          /* places where there is a force, and none should be */
+    std::size_t missed = 0;           /* places without a force that should have one */
+    std::size_t phantom = 0;          /* places with a force that should have none */
     std::optional<Summary> direction; /* deg */
     std::optional<Summary> local;     /* 1: |F - truth| / |truth|, where there should be a force */
     std::optional<Summary> typical;   /* 1: |F - truth| over the root mean square of the true force */
 
-    /// What fronts and bounds are about: RMS of the direction's error in deg, and what 95 % of the local errors do not
-    /// exceed; NaN where there is none, or where a force is missing at more than 1 % of the places.
+    /// The criteria of fronts and bounds: RMS error of the direction in deg, and 95th percentile of the local error;
+    /// NaN without errors, or if a force is missing at more than 1 % of the places.
     double bounded_direction() const { return whole() && direction ? direction->rms : NAN; }
     double bounded_local() const { return whole() && local ? local->p95 : NAN; }
 
@@ -41,10 +40,10 @@ private:
 /// `forces` and `truth`, N, place by place; `typical`, N.
 ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth, double typical);
 
-/// All that is told of a way's errors.
-struct WayErrors {
+/// The errors of a method.
+struct MethodErrors {
     ForceErrors shared;                                            /* over the places that all laws share */
-    std::array<std::optional<ForceErrors>, kKinds.size()> by_kind; /* nothing where there is no such place */
+    std::array<std::optional<ForceErrors>, kKinds.size()> by_kind; /* empty: no such place */
     std::optional<Summary> precision; /* 1: |F - same law in double| over the root mean square true force; all places */
 
     const ForceErrors* of(Kind kind) const {
@@ -53,60 +52,60 @@ struct WayErrors {
     }
 };
 
-/// Those of every way of a law that has errors, into `errors`, way by way.
-void add_errors(std::vector<std::optional<WayErrors>>& errors, const std::vector<Way>& ways, const Subject& subject,
-                const Variant& variant, const Extents& extents);
+/// Writes the errors of every method of a law that has errors into `errors`, method by method.
+void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
+                const Subject& subject, const Variant& variant, const Extents& extents);
 
-/// Seconds of an evaluation, way by way.
+/// Seconds of an evaluation, method by method.
 using Round = std::vector<double>;
 
-/// Measures every way once, in an order that follows from the number of the round.
-Round measure_round(std::span<const Way> ways, std::size_t number);
+/// Measures every method once, in an order that follows from the number of the round.
+Round measure_round(std::span<const Method> methods, std::size_t number);
 
-/// Comparisons of ways by what they took in the same rounds.
+/// Comparisons of methods by their times in the same rounds.
 class Times {
 public:
     Times(std::vector<Round> rounds, std::size_t unit) : rounds_(std::move(rounds)), unit_(unit) {}
 
-    /// s of an evaluation; its spread is that of the ratio to the unit in the same round, so that what slows all ways
-    /// alike does not count.
-    Interval seconds(std::size_t way) const;
-    /// Time of one way over that of another, in the same rounds.
-    Interval ratio(std::size_t way, std::size_t other) const;
-    /// Whether a way is cheaper than another for sure: the interval of their ratio lies below 1.
-    bool is_cheaper(std::size_t way, std::size_t other) const { return ratio(way, other).high < 1; }
+    /// s of an evaluation; its spread is that of the ratio to the unit in the same round, so that a slow-down of all
+    /// methods does not count.
+    Interval seconds(std::size_t method) const;
+    /// Time of one method over that of another, in the same rounds.
+    Interval ratio(std::size_t method, std::size_t other) const;
+    /// Whether a method is significantly cheaper than another: the interval of their ratio lies below 1.
+    bool is_cheaper(std::size_t method, std::size_t other) const { return ratio(method, other).high < 1; }
 
     const std::vector<Round>& rounds() const { return rounds_; }
     std::size_t unit() const { return unit_; }
 
 private:
     std::vector<Round> rounds_;
-    std::size_t unit_; /* way */
+    std::size_t unit_; /* method */
 };
 
-/// Of ways with errors, by rising error: each that is cheaper for sure than all on the front before it. Errors that are
-/// no numbers never belong.
-std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& ways,
+/// Of methods with errors, by rising error: each that is significantly cheaper than all on the front before it. NaN
+/// errors are left out.
+std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& methods,
                                   const std::vector<double>& errors);
 
-/// The cheapest of some ways, and those that these rounds do not tell from it.
+/// The cheapest of some methods, and those that are not significantly slower.
 struct Cheapest {
-    std::size_t way = 0;           /* of the least median */
+    std::size_t method = 0;        /* of the least median */
     std::vector<std::size_t> ties; /* others */
 };
-Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& ways);
+Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& methods);
 
 struct Measured {
     const std::vector<Subject>& subjects;
-    const std::vector<Way>& ways;
-    const std::vector<std::optional<WayErrors>>& errors; /* way by way; nothing where it has none */
+    const std::vector<Method>& methods;
+    const std::vector<std::optional<MethodErrors>>& errors; /* method by method; empty if it has none */
     const Times& times;
 
-    /// The ways with errors for which a condition holds.
+    /// The methods with errors for which a condition holds.
     template <typename Condition> std::vector<std::size_t> find(const Condition& condition) const {
         std::vector<std::size_t> found;
-        for (std::size_t i = 0; i < ways.size(); ++i)
-            if (errors[i] && condition(ways[i]))
+        for (std::size_t i = 0; i < methods.size(); ++i)
+            if (errors[i] && condition(methods[i]))
                 found.push_back(i);
         return found;
     }
@@ -115,7 +114,7 @@ struct Measured {
 std::vector<Table> tables_of(const Measured& measured);
 /// `own`: of the study's own surfaces.
 std::vector<Figure> figures_of(const Measured& measured, bool own);
-/// What error against time says, in at most five sentences.
+/// At most five findings.
 std::vector<Finding> findings_of(const Measured& measured);
 
 } // namespace error_time

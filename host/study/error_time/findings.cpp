@@ -1,4 +1,4 @@
-// What error against time says, in at most five sentences.
+// At most five findings of error against time.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -18,8 +18,8 @@ std::string percent(double share) {
     return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 3 : share < 0.01 ? 2 : share < 0.1 ? 1 : 0);
 }
 
-std::string law_name(const Way& way) {
-    return fmt::format("{}, {}", way.subject->name, way.variant->name);
+std::string law_name(const Method& method) {
+    return fmt::format("{}, {}", method.subject->name, method.variant->name);
 }
 
 std::string touched_depths(const Subject& subject) {
@@ -27,42 +27,44 @@ std::string touched_depths(const Subject& subject) {
                        1e3 * subject.scale.deepest);
 }
 
-// A look-up volume is good where nobody feels, and bad where contact begins: that of the finest volume.
+// Look-up error is largest near the surface: errors of the finest volume.
 void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
-    const std::vector<std::size_t> lookups = measured.find([](const Way& way) {
-        return way.family == "look-up, trilinear" && way.precision == "f32" && way.variant->shading != "none";
+    const std::vector<std::size_t> lookups = measured.find([](const Method& method) {
+        return method.family == "look-up, trilinear" && method.precision == "f32" && method.variant->shading != "none";
     });
-    const auto finest = std::ranges::min_element(lookups, {}, [&](std::size_t i) { return *measured.ways[i].spacing; });
+    const auto finest =
+        std::ranges::min_element(lookups, {}, [&](std::size_t i) { return *measured.methods[i].spacing; });
     if (finest == lookups.end())
         return;
-    const Way& way = measured.ways[*finest];
-    const WayErrors& errors = *measured.errors[*finest];
+    const Method& method = measured.methods[*finest];
+    const MethodErrors& errors = *measured.errors[*finest];
     const ForceErrors *boundary = errors.of(Kind::boundary), *rim = errors.of(Kind::rim);
     if (!errors.shared.typical || !boundary || !boundary->local)
         return;
     const std::string at_rim =
-        rim && rim->direction ? fmt::format(", and its direction by {:.2g} deg RMS at the rim", rim->direction->rms)
-                              : "";
+        rim && rim->direction
+            ? fmt::format("; at the rim the RMS error of the direction is {:.2g} deg", rim->direction->rms)
+            : "";
     findings.push_back(
         {"lookup",
          fmt::format(
-             "A trilinear look-up volume of {:.2g} mm errs by {} of the root mean square force, but by {} of the "
-             "force there, or more, at one in twenty places less than {:.2g} mm deep{}.",
-             1e3 * *way.spacing, percent(errors.shared.typical->rms), percent(boundary->local->p95),
-             1e3 * way.subject->scale.skin(), at_rim),
-         "look-up-" + measured.subjects.front().name, law_name(way), touched_depths(*way.subject),
-         fmt::format("{} places, {} of them shallow", errors.shared.places, boundary->places)});
+             "Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force. Within {:.2g} mm of the "
+             "surface the 95th percentile of the local error is {}{}.",
+             1e3 * *method.spacing, percent(errors.shared.typical->rms), 1e3 * method.subject->scale.skin(),
+             percent(boundary->local->p95), at_rim),
+         "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
+         fmt::format("{} places, {} of them near the surface", errors.shared.places, boundary->places)});
 }
 
-// What shading of a mesh buys, and what it costs.
+// Benefit and cost of shading a mesh.
 void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     const Subject& subject = measured.subjects.back();
     const auto elements = std::ranges::find_if(subject.variants, [](const Variant& one) { return one.thorough; });
     const auto find = [&](const char* shading) {
-        return measured.find([&](const Way& way) {
-            return way.subject == &subject && way.family == "god-object" && way.precision == "f64" &&
-                   way.variant->shading == shading &&
-                   (elements == subject.variants.end() || way.variant->elements == elements->elements);
+        return measured.find([&](const Method& method) {
+            return method.subject == &subject && method.family == "god-object" && method.precision == "f64" &&
+                   method.variant->shading == shading &&
+                   (elements == subject.variants.end() || method.variant->elements == elements->elements);
         });
     };
     const std::vector<std::size_t> plain = find("none"), shaded = find("barycentric");
@@ -74,18 +76,18 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     const Interval cost = measured.times.ratio(shaded[0], plain[0]);
     findings.push_back(
         {"shading",
-         fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) takes the direction's RMS "
+         fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
                      "error from {:.2g} to {:.2g} deg; a god-object's update then takes {:.2f} times as long.",
                      without.direction->rms, with.direction->rms, cost.median),
-         "error-time-" + subject.name, law_name(measured.ways[shaded[0]]), touched_depths(subject),
+         "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
          fmt::format("{:.2f} to {:.2f} times, {}; {} places", cost.low, cost.high, kBootstrap, with.places)});
 }
 
-// Of the first surface: of the others the table tells.
+// Of the first surface; the table has the others.
 void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
     for (const Subject& subject : measured.subjects) {
         std::vector<std::size_t> within =
-            measured.find([&](const Way& way) { return way.subject == &subject && way.use == Use::live; });
+            measured.find([&](const Method& method) { return method.subject == &subject && method.use == Use::live; });
         std::erase_if(within, [&](std::size_t i) {
             const ForceErrors& errors = measured.errors[i]->shared;
             return !(errors.bounded_direction() <= 1 && errors.bounded_local() <= 0.1);
@@ -96,37 +98,37 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
         const Interval time = measured.times.seconds(cheapest);
         findings.push_back(
             {"cheapest_" + subject.name,
-             fmt::format("Of {} ways that keep within 1 deg RMS and, at 95 % of the places, within 10 % of the force "
-                         "there, the cheapest takes {:.2g} ns: {}{}.",
-                         within.size(), 1e9 * time.median, measured.ways[cheapest].name,
-                         ties.empty()
-                             ? std::string(", alone")
-                             : fmt::format(", tied with {} other{}", ties.size(), ties.size() == 1 ? "" : "s")),
+             fmt::format(
+                 "Of {} methods within 1 deg RMS and, at 95 % of the places, within 10 % of the force there, the "
+                 "cheapest takes {:.2g} ns: {}{}.",
+                 within.size(), 1e9 * time.median, measured.methods[cheapest].name,
+                 ties.empty() ? std::string(", without a tie")
+                              : fmt::format(", tied with {} other{}", ties.size(), ties.size() == 1 ? "" : "s")),
              "error-time-" + subject.name, subject.name, touched_depths(subject) + ", one place after the other",
              fmt::format("{:.2g} to {:.2g} ns, {}", 1e9 * time.low, 1e9 * time.high, kBootstrap)});
         return;
     }
 }
 
-// Single precision: what it saves on the laws that all is done with, and the worst place of any law.
+// Single precision: time saved on the thorough laws, and the worst place of any law.
 void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     double largest = 0;
     std::size_t places = 0;
     std::vector<double> costs;
     std::vector<std::string> intervals, names;
     const std::vector<std::size_t> single =
-        measured.find([](const Way& way) { return way.family == "direct" && way.precision == "f32"; });
+        measured.find([](const Method& method) { return method.family == "direct" && method.precision == "f32"; });
     for (const std::size_t i : single) {
-        const Way& way = measured.ways[i];
-        const WayErrors& errors = *measured.errors[i];
+        const Method& method = measured.methods[i];
+        const MethodErrors& errors = *measured.errors[i];
         places = std::max(places, errors.shared.places);
         largest = std::max(largest, errors.precision->largest);
-        if (!way.variant->thorough)
+        if (!method.variant->thorough)
             continue;
-        const Interval cost = measured.times.ratio(i, measured.find([&](const Way& other) {
-            return other.variant == way.variant && other.family == "direct" && other.precision == "f64";
+        const Interval cost = measured.times.ratio(i, measured.find([&](const Method& other) {
+            return other.variant == method.variant && other.family == "direct" && other.precision == "f64";
         })[0]);
-        names.push_back(law_name(way));
+        names.push_back(law_name(method));
         costs.push_back(cost.median);
         intervals.push_back(fmt::format("{:.2f} to {:.2f}", cost.low, cost.high));
     }
@@ -136,8 +138,7 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     findings.push_back(
         {"precision",
          fmt::format("As compiled here single precision takes {} of the time of double{}, and differs by up to {} of "
-                     "the root mean "
-                     "square force at random places.",
+                     "the RMS force at random places.",
                      costs.size() == 1 ? fmt::format("{:.2f}", least) : fmt::format("{:.2f} to {:.2f}", least, most),
                      costs.size() == 1 ? "" : ", by the law", percent(largest)),
          "", fmt::format("{}", fmt::join(names, "; ")),
@@ -145,17 +146,17 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
          fmt::format("{}: {}; {} places a law", kBootstrap, fmt::join(intervals, ", "), places)});
 }
 
-// The slowest way that a loop may take: does it fit?
+// The slowest live method against the period of a loop.
 void add_budget(std::vector<Finding>& findings, const Measured& measured) {
-    const std::vector<std::size_t> live = measured.find([](const Way& way) { return way.use == Use::live; });
+    const std::vector<std::size_t> live = measured.find([](const Method& method) { return method.use == Use::live; });
     const auto slowest =
         std::ranges::max_element(live, {}, [&](std::size_t i) { return measured.times.seconds(i).median; });
-    const Way& way = measured.ways[*slowest];
+    const Method& method = measured.methods[*slowest];
     const Interval time = measured.times.seconds(*slowest);
     findings.push_back({"budget",
-                        fmt::format("The slowest live way takes {:.2g} us, {} of the period of a 1 kHz loop.",
+                        fmt::format("The slowest live method takes {:.2g} us, {} of the period of a 1 kHz loop.",
                                     1e6 * time.median, percent(time.median / kLoopPeriod)),
-                        "error-time-" + way.subject->name, way.name,
+                        "error-time-" + method.subject->name, method.name,
                         "mean of an evaluation on one thread; a single one may take longer",
                         fmt::format("{:.3g} to {:.3g} us, {}", 1e6 * time.low, 1e6 * time.high, kBootstrap)});
 }

@@ -1,4 +1,4 @@
-// A scene's law by the CPU oracle at places of the world, one after the other: what a live loop does.
+// A scene's law by the CPU oracle at places of the world, one after the other, as in a live loop.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ template <typename T> class DirectLaw {
 public:
     explicit DirectLaw(const PreparedCase& prepared) : law_(prepared) {}
 
-    /// What the law takes of a place, and the force there, N.
+    /// The law's input for a place, and the force there, N.
     reference::Vector<T> input(const Place& place) const { return law_.rounded(place.at); }
     reference::Vector<T> force(const reference::Vector<T>& input) noexcept {
         return law_.at_rounded(input, hint_).force;
@@ -25,34 +25,35 @@ private:
     layout::uint hint_ = 0;
 };
 
-/// Updates of a god-object on its way to a place.
+/// Updates of a god-object on its approach to a place.
 inline constexpr std::size_t kDescent = 8;
 
-/// The way to a place, m, from above the surface and down along the normal.
+/// The approach to a place, m, from above the surface and down along the normal.
 inline std::vector<glm::dvec3> descent(const Place& place, const TouchScale& scale) {
     const glm::dvec3 from = place.at + (place.depth + scale.ring()) * place.normal;
-    std::vector<glm::dvec3> way;
+    std::vector<glm::dvec3> approach;
     for (std::size_t i = 1; i <= kDescent; ++i)
-        way.push_back(from + static_cast<double>(i) / kDescent * (place.at - from));
-    return way;
+        approach.push_back(from + static_cast<double>(i) / kDescent * (place.at - from));
+    return approach;
 }
 
-/// N, at the end of a way, m.
-template <typename T> reference::Vector<T> force_after(CaseProbe<T>& probe, std::span<const glm::dvec3> way) noexcept {
+/// N, at the end of an approach, m.
+template <typename T>
+reference::Vector<T> force_after(CaseProbe<T>& probe, std::span<const glm::dvec3> approach) noexcept {
     probe.begin_path();
     reference::Vector<T> force(T(0));
-    for (const glm::dvec3& place : way)
+    for (const glm::dvec3& place : approach)
         force = probe.at(place).contact.force;
     return force;
 }
 
-/// With a history: the god-object of a mesh, which comes to places from above.
+/// With a history: the god-object of a mesh, which approaches places from above.
 template <typename T> class ProxyLaw {
 public:
     explicit ProxyLaw(const PreparedCase& prepared, const TouchScale& scale = {}) : scale_(scale), probe_(prepared) {}
 
     std::vector<glm::dvec3> input(const Place& place) const { return descent(place, scale_); }
-    reference::Vector<T> force(std::span<const glm::dvec3> way) noexcept { return force_after(probe_, way); }
+    reference::Vector<T> force(std::span<const glm::dvec3> approach) noexcept { return force_after(probe_, approach); }
 
 private:
     TouchScale scale_;

@@ -12,18 +12,18 @@ namespace forceshade::study::error_time {
 namespace {
 
 constexpr std::size_t kTriesAPlace = 32;                      // draws for each place that is kept
-constexpr std::size_t kTriesOfKinds = 100, kTriesOfRare = 10; // likewise for each place of a kind
+constexpr std::size_t kTriesOfKinds = 100, kTriesOfRare = 10; // draws for each place of a kind
 constexpr int kHalvings = 60;
 constexpr double kSmoothTurn = 5 * kDegree;  // across a ring; more is an edge of the smooth shape
-constexpr double kFeltTurn = 0.5 * kDegree;  // likewise; less is no edge of facets
-constexpr double kFlatTurn = 0.01 * kDegree; // likewise; more is curved
+constexpr double kFacetTurn = 0.5 * kDegree; // across a ring; less is not an edge of facets
+constexpr double kFlatTurn = 0.01 * kDegree; // across a ring; more is curved
 constexpr std::size_t kRing = 8;             // places of a ring
 
 bool touches(const glm::dvec3& force) {
     return force != glm::dvec3(0);
 }
 
-// Where the true shape's surface is between a place inside and one outside, with its normal; `up` where it has none.
+// The true shape's surface point between a place inside and one outside, with its normal; `up` without one.
 std::optional<Place> surface_between(const Subject& subject, glm::dvec3 inside, glm::dvec3 outside, glm::dvec3 up) {
     if (!touches(subject.truth({inside})) || touches(subject.truth({outside})))
         return std::nullopt;
@@ -64,7 +64,7 @@ public:
             areas_.push_back((areas_.empty() ? 0 : areas_.back()) + area);
         }
     }
-    /// Nothing where no surface is, or the place would be outside of the box or not in contact.
+    /// Empty without a surface, or if the place would be outside of the box or not in contact.
     std::optional<Place> operator()() {
         std::optional<Place> place = mesh_ ? drawn_on_mesh() : drawn_on_graph();
         const TouchScale& scale = subject_.scale;
@@ -121,7 +121,7 @@ Kind KindOf::operator()(const Place& place) {
     glm::dvec3 u = reference::cross(place.normal, across);
     u /= reference::length(u);
     const glm::dvec3 v = reference::cross(place.normal, u);
-    // By how much a force turns on a ring about the place.
+    // The largest turn of the force on a ring about the place.
     const auto turn_of = [&](const auto& force_at) {
         const glm::dvec3 middle = force_at(place);
         double largest = 0;
@@ -138,7 +138,7 @@ Kind KindOf::operator()(const Place& place) {
     const double facet_turn = turn_of([&](const Place& at) { return facets_->force(facets_->input(at)); });
     if (smooth_turn > kSmoothTurn)
         return Kind::rim;
-    if (facet_turn > kFeltTurn)
+    if (facet_turn > kFacetTurn)
         return Kind::edge;
     if (place.depth < subject_.scale.skin())
         return Kind::boundary;
@@ -185,7 +185,7 @@ KindPlaces places_of(const Subject& subject, const Variant& variant, const Exten
     PlaceDraw draw(subject, *variant.prepared, 2);
     const std::size_t wanted = extents.places_of_kind;
     for (std::size_t tries = 0; tries < kTriesOfKinds * wanted; ++tries) {
-        const bool early = tries < kTriesOfRare * wanted; // a kind that was not met by then is not there
+        const bool early = tries < kTriesOfRare * wanted; // a kind not met by then does not exist
         if (std::ranges::all_of(counts, [&](std::size_t count) { return count >= wanted || (count == 0 && !early); }))
             break;
         if (const auto place = draw())

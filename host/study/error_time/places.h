@@ -1,4 +1,4 @@
-// The places at which errors are told, by what is met there.
+// The places at which errors are measured, and their kinds.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@ namespace forceshade::study::error_time {
 
 template <typename T> class DirectLaw;
 
-/// What is met within a small ring about a place. flat: the smooth shape is a plane there; facet: it is curved, and the
-/// law has one facet; edge: facets meet; rim: the smooth shape itself has an edge; boundary: the place is so shallow,
-/// or as little above the surface, that contact begins or ends nearby.
+/// The kind of a place, by the forces on a small ring about it. flat: the smooth shape is a plane there; facet: it is
+/// curved, and the law has one facet; edge: facets meet; rim: the smooth shape itself has an edge; boundary: the place
+/// is so shallow, or as little above the surface, that contact begins or ends nearby.
 enum class Kind { flat, facet, edge, rim, boundary };
 inline constexpr std::array kKinds{Kind::flat, Kind::facet, Kind::edge, Kind::rim, Kind::boundary};
 const char* name_of(Kind kind);
 
-/// Tells the kinds of places of a law.
+/// Classifies places of a law by kind.
 class KindOf {
 public:
     /// `subject` must outlive it.
@@ -32,13 +32,13 @@ private:
     std::unique_ptr<DirectLaw<double>> facets_;
 };
 
-/// Places of a subject that has all but these: uniform over the surface of `prepared`, depths log-uniform.
+/// Places for a subject that has all other members: uniform over the surface of `prepared`, depths log-uniform.
 std::vector<Place> shared_places(const Subject& subject, const PreparedCase& prepared, std::size_t count);
 
-/// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; nothing where there is none.
+/// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; empty: none.
 std::optional<Place> surface_at(const Subject& subject, const PreparedCase& prepared, double x, double y);
 
-/// The places at which a law is held against the truth, and their kinds.
+/// The places at which a law is compared with the truth, and their kinds.
 struct KindPlaces {
     std::vector<Place> at; /* the subject's own come first */
     std::vector<Kind> kinds;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSectionAcross = 0.53; // of the box along y: no line of the own meshes' vertices lies there
 constexpr std::size_t kFieldColumns = 50, kCellPlaces = 8, kFieldDepths = 6, kStrokeSteps = 160;
-constexpr double kLeastError = 1e-4; // less stands at this
+constexpr double kLeastError = 1e-4; // smaller errors are drawn here
 
 double shortened(double value, int digits) {
     if (value == 0 || !std::isfinite(value))
@@ -27,7 +27,7 @@ double stroke_depth(const Subject& subject) {
     return subject.scale.deepest / 4;
 }
 
-// A place of a section, and whereabouts it is told.
+// A place of a section, and its position in the tables.
 struct SectionPlace {
     Place place;
     glm::dvec3 truth{0};
@@ -67,54 +67,54 @@ Section section_of(const Subject& subject) {
 }
 
 // A grid's forces anywhere are those of the same law, one place after the other.
-std::vector<glm::dvec3> forces_of(const Way& way, const std::vector<SectionPlace>& at) {
+std::vector<glm::dvec3> forces_of(const Method& method, const std::vector<SectionPlace>& at) {
     std::vector<Place> places;
     for (const SectionPlace& one : at)
         places.push_back(one.place);
-    if (!way.places)
-        return way.forces(places);
-    return way.precision == "f32" ? forces_by(DirectLaw<float>(*way.variant->prepared), places)
-                                  : forces_by(DirectLaw<double>(*way.variant->prepared), places);
+    if (!method.places)
+        return method.forces(places);
+    return method.precision == "f32" ? forces_by(DirectLaw<float>(*method.variant->prepared), places)
+                                     : forces_by(DirectLaw<double>(*method.variant->prepared), places);
 }
 
 struct FieldRow {
-    const Way* way;
+    const Method* method;
     double x, height, error;
 };
 
 struct StrokeRow {
-    std::string surface, way;
+    std::string surface, method;
     const char* component;
     double x, force;
 };
 
 // The largest error of each cell.
-void add_field(std::vector<FieldRow>& rows, const Way& way, const std::vector<SectionPlace>& at) {
-    const std::vector<glm::dvec3> forces = forces_of(way, at);
+void add_field(std::vector<FieldRow>& rows, const Method& method, const std::vector<SectionPlace>& at) {
+    const std::vector<glm::dvec3> forces = forces_of(method, at);
     std::map<std::pair<double, double>, double> cells;
     for (std::size_t i = 0; i < at.size(); ++i) {
         double& cell = cells.try_emplace({at[i].x, at[i].height}, kLeastError).first->second;
         cell = std::max(cell, reference::length(forces[i] - at[i].truth) / reference::length(at[i].truth));
     }
     for (const auto& [place, error] : cells)
-        rows.push_back({&way, place.first, place.second, shortened(error, 2)});
+        rows.push_back({&method, place.first, place.second, shortened(error, 2)});
 }
 
-void add_stroke(std::vector<StrokeRow>& rows, const std::string& surface, const std::string& way,
+void add_stroke(std::vector<StrokeRow>& rows, const std::string& surface, const std::string& method,
                 const std::vector<SectionPlace>& at, const std::vector<glm::dvec3>& forces) {
     for (const auto& [component, axis] : {std::pair("along x", 0), {"along z", 2}})
         for (std::size_t i = 0; i < at.size(); ++i)
-            rows.push_back({surface, way, component, at[i].x, shortened(forces[i][axis], 3)});
+            rows.push_back({surface, method, component, at[i].x, shortened(forces[i][axis], 3)});
 }
 
 } // namespace
 
-std::vector<Table> section_tables(std::span<const Way* const> ways) {
+std::vector<Table> section_tables(std::span<const Method* const> methods) {
     std::map<const Subject*, Section> sections;
     std::vector<FieldRow> fields;
     std::vector<StrokeRow> strokes;
-    for (const Way* way : ways) {
-        const Subject& subject = *way->subject;
+    for (const Method* method : methods) {
+        const Subject& subject = *method->subject;
         auto found = sections.find(&subject);
         if (found == sections.end()) {
             found = sections.emplace(&subject, section_of(subject)).first;
@@ -123,20 +123,20 @@ std::vector<Table> section_tables(std::span<const Way* const> ways) {
                 truth.push_back(one.truth);
             add_stroke(strokes, subject.name, subject.against, found->second.stroke, truth);
         }
-        add_field(fields, *way, found->second.field);
-        add_stroke(strokes, subject.name, way->name, found->second.stroke, forces_of(*way, found->second.stroke));
+        add_field(fields, *method, found->second.field);
+        add_stroke(strokes, subject.name, method->name, found->second.stroke, forces_of(*method, found->second.stroke));
     }
     return {table_of<FieldRow>(
-                "fields", "Where on a section the ways of the fronts err",
-                {{"way", "", "as in ways", [](const FieldRow& r) { return r.way->name; }},
-                 {"surface", "", "as in ways", [](const FieldRow& r) { return r.way->subject->name; }},
+                "fields", "Errors of the fronts' methods on a section",
+                {{"way", "", "as in ways", [](const FieldRow& r) { return r.method->name; }},
+                 {"surface", "", "as in ways", [](const FieldRow& r) { return r.method->subject->name; }},
                  {"x_mm", "mm", "middle of the cell", &FieldRow::x},
                  {"height_mm", "mm", "over the surface along its normal", &FieldRow::height},
                  {"local_max_1", "1", "largest of eight errors over the true force there; 1e-4 where it is less",
                   &FieldRow::error}},
                 fields),
-            table_of<StrokeRow>("strokes", "Force along a stroke, of the ways of the fronts and of what is true",
-                                {{"way", "", "as in ways, or what they are held against", &StrokeRow::way},
+            table_of<StrokeRow>("strokes", "Force along a stroke, of the fronts' methods and of the truth",
+                                {{"way", "", "as in ways, or their reference", &StrokeRow::method},
                                  {"surface", "", "as in ways", &StrokeRow::surface},
                                  {"component", "", "of the force", &StrokeRow::component},
                                  {"x_mm", "mm", "of the surface above the place", &StrokeRow::x},
@@ -144,14 +144,12 @@ std::vector<Table> section_tables(std::span<const Way* const> ways) {
                                 strokes)};
 }
 
-std::vector<Figure> section_figures(const Subject& subject, const Way& way) {
-    const Where where{{"surface", subject.name}, {"way", way.name}};
+std::vector<Figure> section_figures(const Subject& subject, const Method& method) {
+    const Where where{{"surface", subject.name}, {"way", method.name}};
     Figure field;
     field.name = "field-" + subject.name;
-    field.title = fmt::format("Where it errs: {}", way.name);
-    field.caption =
-        "Largest error of eight places in each cell of a section, over the force there; less than 1e-4 stands "
-        "at that.";
+    field.title = fmt::format("Error on a section: {}", method.name);
+    field.caption = "Largest error of eight places in each cell of a section, over the force there; at least 1e-4.";
     field.kind = FigureKind::map;
     field.table = "fields";
     field.where = where;
@@ -163,7 +161,7 @@ std::vector<Figure> section_figures(const Subject& subject, const Way& way) {
     field.value_limit = 1;
     Figure stroke;
     stroke.name = "stroke-" + subject.name;
-    stroke.title = fmt::format("What a stroke feels: {}", way.name);
+    stroke.title = fmt::format("Force along a stroke: {}", method.name);
     stroke.caption = fmt::format("Force {:.2g} mm under the surface, along the section; dashed: {}.",
                                  1e3 * stroke_depth(subject), subject.against);
     stroke.table = "strokes";

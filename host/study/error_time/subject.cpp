@@ -17,9 +17,9 @@ constexpr double kDeepest = 2e-3;                // m: of a hand's touch
 constexpr double kDeepestShare = 0.05;           // of a scene's longest side
 constexpr std::uint64_t kLongestSide = 64;       // voxels of a kernel's grid over a user's scene
 constexpr double kMostSamples = 6e6;             // of a volume
-constexpr double kMostMeshSamples = 1e6;         // likewise of a mesh, whose samples take longer
-constexpr double kThoroughFacets = 64;           // of the own bump that everything is done with
-constexpr double kThoroughCells = 16;            // likewise of the own mesh
+constexpr double kMostMeshSamples = 1e6;         // of a mesh, whose samples take longer
+constexpr double kThoroughFacets = 64;           // of the own bump that all methods are measured on
+constexpr double kThoroughCells = 16;            // the same for the own mesh
 constexpr std::size_t kPaths = 64, kSteps = 500; // of closed loops
 
 // The paper's bump, R = 600 mil: its width and 2 mm of the plane on either side. Meshes are of its cylinder.
@@ -62,7 +62,7 @@ void resample(Subject& subject, std::array<std::uint64_t, 3> size) {
 
 using NamedShading = std::pair<Shading, const char*>;
 
-// The shadings that a surface has; the last comes closest to what the facets stand for.
+// The shadings that a surface has; the last comes closest to the smooth shape.
 std::vector<NamedShading> shadings_of(const PreparedCase& scene) {
     std::vector<NamedShading> shadings{{Shading::none, "none"}};
     const SurfaceKind kind = scene.one.scene.surface.kind;
@@ -101,7 +101,7 @@ Variant variant_of(const Base& base, const NamedShading& shading, const std::str
             std::move(prepared), shading.second, base.elements};
 }
 
-// The cylinder that a bump's facets stand for.
+// The cylinder that a bump's facets approximate.
 struct Cylinder {
     explicit Cylinder(const Scene& scene)
         : half(scene.surface.width / 2), radius(scene.surface.radius), stiffness(scene.force.stiffness),
@@ -135,7 +135,7 @@ Truth mesh_truth(const Scene& scene) {
     };
 }
 
-// Double precision of the shading that comes closest; of a mesh the god-object's, which stays on its side.
+// Double precision of the closest shading; of a mesh the god-object's, which stays on its side.
 Truth best_truth(const PreparedCase& scene, const TouchScale& scale) {
     const auto prepared = std::make_shared<PreparedCase>(scene);
     prepared->one.scene.force.shading = shadings_of(scene).back().first;
@@ -152,7 +152,7 @@ std::vector<double> spacings_within(const Subject& subject, std::vector<double> 
     return spacings;
 }
 
-// Everything but what is said to be true, and in which box.
+// Everything but the truth and the box.
 void complete(Subject& subject, const std::vector<Base>& bases, const Extents& extents,
               const std::function<bool(const Variant&)>& thorough) {
     const PreparedCase& first = *bases.front().prepared;
@@ -164,7 +164,7 @@ void complete(Subject& subject, const std::vector<Base>& bases, const Extents& e
         }
     subject.places = shared_places(subject, *bases.back().prepared, extents.places);
     if (subject.places.empty())
-        throw UsageError("nothing in the scene's [grid] is touched: there is no force whose error could be told");
+        throw UsageError("no sample of the scene's [grid] is in contact: move the grid below the surface");
 }
 
 // The cylinder's patch as triangles between equal arcs.
@@ -278,9 +278,9 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
     } else {
         subject.truth = best_truth(*scene, subject.scale);
         subject.against = fmt::format("double precision of {}", shadings_of(*scene).back().second);
-        subject.notes.push_back(fmt::format("No smooth shape of this scene is known: errors are told against {}, which "
-                                            "is a law among others and no truth. They say how far apart ways and "
-                                            "shadings are, not which of them is right.",
+        subject.notes.push_back(fmt::format("No smooth shape of this scene is known: errors are against {}, one of the "
+                                            "laws, not the truth. They say how far apart methods and shadings "
+                                            "are, not which of them is right.",
                                             subject.against));
     }
     complete(subject, {{scene, bump ? std::optional<double>(own.surface.facets) : std::nullopt}}, extents,

@@ -1,4 +1,4 @@
-// What is compared: laws over one surface, at places that a hand touches, against one truth.
+// A subject of comparison: laws over one surface, at places that a hand touches, against one truth.
 #pragma once
 
 #include <functional>
@@ -12,13 +12,13 @@
 
 namespace forceshade::study::error_time {
 
-/// How much is done.
+/// The size of the study.
 struct Extents {
     std::vector<unsigned> facets;   /* of the bump */
     std::vector<unsigned> cells;    /* a side, of the meshes */
     std::vector<double> spacings;   /* m, of look-up volumes, falling */
     std::size_t places = 0;         /* that all laws of a surface share */
-    std::size_t places_of_kind = 0; /* of each kind, at least where so many are found */
+    std::size_t places_of_kind = 0; /* of each kind, if that many are found */
     std::size_t rounds = 0;         /* of timing; each measures everything once */
 };
 
@@ -51,12 +51,12 @@ struct Variant {
     bool thorough = false;          /* also from volumes, over grids and along closed loops */
 };
 
-/// What errors are against where it is known; only then is less error closer to a truth.
+/// The reference of errors if it is known; only then is less error closer to the truth.
 constexpr const char* kSmoothShape = "the smooth shape";
 
 struct Subject {
     std::string name;     /* "bump", "mesh", "scene" */
-    std::string elements; /* what Variant::elements counts: "facets", "cells"; empty: nothing */
+    std::string elements; /* what Variant::elements counts: "facets", "cells"; empty: none */
     std::string against = kSmoothShape;
     Truth truth{};
     double stiffness = 1; /* N/m */
@@ -71,7 +71,7 @@ struct Subject {
 
 /// The paper's bump of R = 600 mil, and the same cylinder as meshes of triangles.
 std::vector<Subject> own_subjects(const Extents& extents);
-/// A user's scene. \throws UsageError if nothing of its grid is in contact.
+/// A user's scene. \throws UsageError if no sample of its grid is in contact.
 Subject scene_subject(const PreparedCase& scene, const Extents& extents);
 
 } // namespace forceshade::study::error_time

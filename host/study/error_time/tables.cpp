@@ -1,4 +1,4 @@
-// Everything that was measured, as tables and figures.
+// All measurements as tables and figures.
 #include <algorithm>
 #include <set>
 
@@ -11,12 +11,12 @@
 namespace forceshade::study::error_time {
 namespace {
 
-constexpr double kLeastShown = 1e-7;  // deg or 1: less stands at this in figures
+constexpr double kLeastShown = 1e-7;  // deg or 1: smaller errors are drawn here
 constexpr double kLoopSeconds = 1e-3; // of a loop of 1 kHz
 
-// A way, and its errors over all places that laws share or over those of a kind.
+// A method, and its errors over all places that laws share or over those of a kind.
 struct ErrorRow {
-    const Way& way;
+    const Method& method;
     const ForceErrors* errors;
     Interval seconds{}, unit_ratio{};
     std::optional<Summary> precision{};
@@ -25,7 +25,7 @@ struct ErrorRow {
 };
 using ErrorColumns = std::vector<ColumnOf<ErrorRow>>;
 
-// A number of the errors, nothing where there are none.
+// A number of the errors; empty without errors.
 template <typename Number> auto of_errors(Number number) {
     return [number](const ErrorRow& row) { return row.errors ? Cell(std::invoke(number, *row.errors)) : Cell(); };
 }
@@ -33,27 +33,27 @@ auto of_errors(std::optional<Summary> ForceErrors::*summary, double Summary::*nu
     return of_errors([=](const ForceErrors& e) { return e.*summary ? Cell(*(e.*summary).*number) : Cell(); });
 }
 
-// NaN stays.
+// Keeps NaN.
 double shown(double error) {
     return error < kLeastShown ? kLeastShown : error;
 }
 
-const ErrorColumns& way_columns() {
+const ErrorColumns& method_columns() {
     using R = ErrorRow;
     static const ErrorColumns columns{
-        {"way", "", "the law, and how it is evaluated", [](const R& r) { return r.way.name; }},
-        {"surface", "", "what is compared with each other", [](const R& r) { return r.way.subject->name; }},
-        {"against", "", "what the errors are against", [](const R& r) { return r.way.subject->against; }},
+        {"way", "", "method: the law, and its evaluation", [](const R& r) { return r.method.name; }},
+        {"surface", "", "the subject of comparison", [](const R& r) { return r.method.subject->name; }},
+        {"against", "", "the reference of the errors", [](const R& r) { return r.method.subject->against; }},
         {"use", "", "live: one place after the other on one thread; volume: whole grids; loop: steps with a hand",
-         [](const R& r) { return name_of(r.way.use); }},
-        {"family", "", "how it is evaluated", [](const R& r) { return r.way.family; }},
-        {"precision", "", "of the arithmetic, and of what is stored", [](const R& r) { return r.way.precision; }},
-        {"shading", "", "as in a scene's [force]", [](const R& r) { return r.way.variant->shading; }},
+         [](const R& r) { return name_of(r.method.use); }},
+        {"family", "", "kind of evaluation", [](const R& r) { return r.method.family; }},
+        {"precision", "", "of the arithmetic, and of the stored forces", [](const R& r) { return r.method.precision; }},
+        {"shading", "", "as in a scene's [force]", [](const R& r) { return r.method.variant->shading; }},
         {"elements", "1", "facets of a bump, cells of a mesh along a side",
-         [](const R& r) { return r.way.variant->elements; }},
-        {"one_element", "1", "1 / elements", [](const R& r) { return 1 / r.way.variant->elements.value_or(0); }},
-        {"spacing_mm", "mm", "of a look-up's volume", [](const R& r) { return 1e3 * r.way.spacing.value_or(NAN); }},
-        {"volume_bytes", "B", "of a look-up's volume", [](const R& r) { return r.way.bytes; }},
+         [](const R& r) { return r.method.variant->elements; }},
+        {"one_element", "1", "1 / elements", [](const R& r) { return 1 / r.method.variant->elements.value_or(0); }},
+        {"spacing_mm", "mm", "of a look-up's volume", [](const R& r) { return 1e3 * r.method.spacing.value_or(NAN); }},
+        {"volume_bytes", "B", "of a look-up's volume", [](const R& r) { return r.method.bytes; }},
         {"time_ns", "ns", "of an evaluation, median over the rounds",
          [](const R& r) { return 1e9 * r.seconds.median; }},
         {"time_low_ns", "ns", "low end of its 95 % interval", [](const R& r) { return 1e9 * r.seconds.low; }},
@@ -66,23 +66,22 @@ const ErrorColumns& way_columns() {
         {"ratio_high", "1", "high end", [](const R& r) { return r.unit_ratio.high; }},
         {"places", "1", "that all laws of the surface share, or that a grid has there",
          of_errors(&ForceErrors::places)},
-        {"missed", "1", "share of the places where there should be a force, and none is",
+        {"missed", "1", "share of the places that should have a force and have none",
          of_errors([](const ForceErrors& e) { return double(e.missed) / double(e.places); })},
         {"direction_rms_deg", "deg", "angle to the true force, root mean square",
          of_errors(&ForceErrors::direction, &Summary::rms)},
         {"direction_max_deg", "deg", "the largest", of_errors(&ForceErrors::direction, &Summary::largest)},
         {"local_median_1", "1", "error of the force over the true force there, median",
          of_errors(&ForceErrors::local, &Summary::median)},
-        {"local_p95_1", "1", "likewise, what 95 % of the places do not exceed",
-         of_errors(&ForceErrors::local, &Summary::p95)},
+        {"local_p95_1", "1", "the same, 95th percentile", of_errors(&ForceErrors::local, &Summary::p95)},
         {"typical_rms_1", "1", "error of the force over the RMS true force, root mean square",
          of_errors(&ForceErrors::typical, &Summary::rms)},
         {"precision_max_1", "1",
          "largest difference from the same law in double, over the RMS true force, at all places of all kinds",
          [](const R& r) { return r.precision ? Cell(r.precision->largest) : Cell(); }},
-        {"shown_local_1", "1", "local_p95_1 where less than 1 % is missed, 1e-7 where it is less",
+        {"shown_local_1", "1", "local_p95_1 where less than 1 % is missed, at least 1e-7",
          of_errors([](const ForceErrors& e) { return shown(e.bounded_local()); })},
-        {"on_front", "", "its law and way, if it is on the front of live use or of volumes",
+        {"on_front", "", "its law and method, if it is on the front of live use or of volumes",
          [](const R& r) { return r.on_front.empty() ? Cell() : Cell(r.on_front); }},
     };
     return columns;
@@ -91,24 +90,25 @@ const ErrorColumns& way_columns() {
 ErrorColumns kind_columns() {
     using R = ErrorRow;
     ErrorColumns columns;
-    const auto as_in_ways = [&](std::initializer_list<const char*> names) {
+    const auto as_in_methods = [&](std::initializer_list<const char*> names) {
         for (const char* name : names) {
-            columns.push_back(*std::ranges::find(way_columns(), name, [](const auto& one) { return one.column.name; }));
+            columns.push_back(
+                *std::ranges::find(method_columns(), name, [](const auto& one) { return one.column.name; }));
             columns.back().column.meaning = "as in ways";
         }
     };
-    as_in_ways({"way", "surface", "family", "precision", "shading", "elements", "spacing_mm"});
+    as_in_methods({"way", "surface", "family", "precision", "shading", "elements", "spacing_mm"});
     columns.insert(
         columns.end(),
         {{"kind", "", "flat, facet, edge, rim, boundary: see the notes", [](const R& r) { return name_of(r.kind); }},
          {"places", "1", "of this kind", of_errors(&ForceErrors::places)},
-         {"missed", "1", "of these: no force where one should be", of_errors(&ForceErrors::missed)},
-         {"phantom", "1", "of these: a force where none should be", of_errors(&ForceErrors::phantom)}});
-    as_in_ways({"direction_rms_deg", "direction_max_deg", "local_median_1", "local_p95_1", "typical_rms_1"});
+         {"missed", "1", "of these: no force, but there should be one", of_errors(&ForceErrors::missed)},
+         {"phantom", "1", "of these: a force, but there should be none", of_errors(&ForceErrors::phantom)}});
+    as_in_methods({"direction_rms_deg", "direction_max_deg", "local_median_1", "local_p95_1", "typical_rms_1"});
     return columns;
 }
 
-// What a front is about.
+// The error of a front.
 struct Criterion {
     const char* name;
     double (ForceErrors::*error)() const;
@@ -117,15 +117,15 @@ constexpr Criterion kDirection{"direction, RMS", &ForceErrors::bounded_direction
     kLocal{"local force, 95 % of places", &ForceErrors::bounded_local};
 constexpr Use kUses[] = {Use::live, Use::volume};
 
-std::vector<std::size_t> ways_with(const Measured& measured, const Subject& subject, Use use) {
-    return measured.find([&](const Way& way) { return way.subject == &subject && way.use == use; });
+std::vector<std::size_t> methods_with(const Measured& measured, const Subject& subject, Use use) {
+    return measured.find([&](const Method& method) { return method.subject == &subject && method.use == use; });
 }
 
 struct FrontRow {
     const Subject& subject;
     Use use;
     const Criterion& criterion;
-    std::size_t way;
+    std::size_t method;
     double error;
 };
 
@@ -134,14 +134,14 @@ std::vector<FrontRow> fronts(const Measured& measured) {
     for (const Subject& subject : measured.subjects)
         for (const Use use : kUses)
             for (const Criterion* criterion : {&kDirection, &kLocal}) {
-                const auto error_of = [&](std::size_t way) {
-                    return shown((measured.errors[way]->shared.*criterion->error)());
+                const auto error_of = [&](std::size_t method) {
+                    return shown((measured.errors[method]->shared.*criterion->error)());
                 };
-                const std::vector<std::size_t> ways = ways_with(measured, subject, use);
+                const std::vector<std::size_t> methods = methods_with(measured, subject, use);
                 std::vector<double> errors;
-                std::ranges::transform(ways, std::back_inserter(errors), error_of);
-                for (const std::size_t way : front_of(measured.times, ways, errors))
-                    rows.push_back({subject, use, *criterion, way, error_of(way)});
+                std::ranges::transform(methods, std::back_inserter(errors), error_of);
+                for (const std::size_t method : front_of(measured.times, methods, errors))
+                    rows.push_back({subject, use, *criterion, method, error_of(method)});
             }
     return rows;
 }
@@ -149,31 +149,31 @@ std::vector<FrontRow> fronts(const Measured& measured) {
 Table front_table(const Measured& measured, const std::vector<FrontRow>& rows) {
     using R = FrontRow;
     const auto time = [&](double Interval::*end) {
-        return [&measured, end](const R& r) { return 1e9 * measured.times.seconds(r.way).*end; };
+        return [&measured, end](const R& r) { return 1e9 * measured.times.seconds(r.method).*end; };
     };
     return table_of<R>("front",
-                       "The fronts: each way is cheaper, for sure, than all that are closer (paired rounds, 95 % "
+                       "The fronts: each method is significantly cheaper than all closer ones (paired rounds, 95 % "
                        "bootstrap interval of the ratio below 1)",
                        {{"surface", "", "as in ways", [](const R& r) { return r.subject.name; }},
-                        {"use", "", "as in ways: fronts of live use and of volumes are apart",
+                        {"use", "", "as in ways: fronts of live use and of volumes are separate",
                          [](const R& r) { return name_of(r.use); }},
                         {"criterion", "", "the error", [](const R& r) { return r.criterion.name; }},
-                        {"way", "", "as in ways", [&](const R& r) { return measured.ways[r.way].name; }},
+                        {"way", "", "as in ways", [&](const R& r) { return measured.methods[r.method].name; }},
                         {"time_ns", "ns", "as in ways", time(&Interval::median)},
                         {"time_low_ns", "ns", "as in ways", time(&Interval::low)},
                         {"time_high_ns", "ns", "as in ways", time(&Interval::high)},
-                        {"error", "deg or 1", "the criterion's, 1e-7 where it is less", &R::error}},
+                        {"error", "deg or 1", "the criterion's, at least 1e-7", &R::error}},
                        rows);
 }
 
-// A bound, and the ways that keep to it.
+// A bound, and the methods within it.
 struct CheapestRow {
     const Subject& subject;
     Use use;
     const char* criterion;
     double bound;
     std::size_t candidates;
-    Cell way{}, time{}, error{}, ties{}, tied_with{};
+    Cell method{}, time{}, error{}, ties{}, tied_with{};
 };
 
 Table cheapest_table(const Measured& measured) {
@@ -185,56 +185,56 @@ Table cheapest_table(const Measured& measured) {
                  {std::pair(&kDirection, 1.0), {&kDirection, 0.1}, {&kLocal, 0.1}, {&kLocal, 0.01}}) {
                 if (subject.against != kSmoothShape)
                     continue;
-                const auto error_of = [&](std::size_t way) {
-                    return (measured.errors[way]->shared.*criterion->error)();
+                const auto error_of = [&](std::size_t method) {
+                    return (measured.errors[method]->shared.*criterion->error)();
                 };
-                std::vector<std::size_t> ways = ways_with(measured, subject, use);
-                std::erase_if(ways, [&](std::size_t way) { return !(error_of(way) <= bound); });
-                R& row = rows.emplace_back(R{subject, use, criterion->name, bound, ways.size()});
-                if (ways.empty())
+                std::vector<std::size_t> methods = methods_with(measured, subject, use);
+                std::erase_if(methods, [&](std::size_t method) { return !(error_of(method) <= bound); });
+                R& row = rows.emplace_back(R{subject, use, criterion->name, bound, methods.size()});
+                if (methods.empty())
                     continue;
-                const auto [cheapest, ties] = cheapest_of(measured.times, ways);
+                const auto [cheapest, ties] = cheapest_of(measured.times, methods);
                 std::vector<std::string> names;
-                for (const std::size_t way : ties)
-                    names.push_back(measured.ways[way].name);
-                row.way = measured.ways[cheapest].name;
+                for (const std::size_t method : ties)
+                    names.push_back(measured.methods[method].name);
+                row.method = measured.methods[cheapest].name;
                 row.time = 1e9 * measured.times.seconds(cheapest).median;
                 row.error = error_of(cheapest);
                 row.ties = ties.size();
                 if (!names.empty())
                     row.tied_with = fmt::format("{}", fmt::join(names, "; "));
             }
-    return table_of<R>("cheapest", "The cheapest way within a bound, and those that the rounds do not tell from it",
+    return table_of<R>("cheapest", "The cheapest method within a bound, and those not significantly slower",
                        {{"surface", "", "as in ways", [](const R& r) { return r.subject.name; }},
                         {"use", "", "as in ways", [](const R& r) { return name_of(r.use); }},
-                        {"criterion", "", "what is bounded", &R::criterion},
-                        {"bound", "deg or 1", "the most that it may be", &R::bound},
-                        {"candidates", "1", "ways that keep to it", &R::candidates},
-                        {"way", "", "of the least median time among them; nothing if there is none", &R::way},
+                        {"criterion", "", "the bounded error", &R::criterion},
+                        {"bound", "deg or 1", "its largest allowed value", &R::bound},
+                        {"candidates", "1", "methods within it", &R::candidates},
+                        {"way", "", "the one of the least median time; empty: none", &R::method},
                         {"time_ns", "ns", "its time", &R::time},
-                        {"error", "deg or 1", "what it has of the criterion", &R::error},
-                        {"ties", "1", "others whose paired ratio to it does not exclude 1", &R::ties},
+                        {"error", "deg or 1", "its error by the criterion", &R::error},
+                        {"ties", "1", "other methods whose paired ratio to it does not exclude 1", &R::ties},
                         {"tied_with", "", "their names", &R::tied_with}},
                        rows);
 }
 
 Table rounds_table(const Measured& measured) {
     struct R {
-        std::size_t round, way;
+        std::size_t round, method;
         double time;
     };
     std::vector<R> rows;
     for (std::size_t round = 0; round < measured.times.rounds().size(); ++round)
-        for (std::size_t way = 0; way < measured.ways.size(); ++way)
-            rows.push_back({round, way + 1, 1e9 * measured.times.rounds()[round][way]});
-    return table_of<R>("rounds", "Every time that was taken",
-                       {{"round", "1", "each measures every way once, in an order of its own", &R::round},
-                        {"way", "1", "its row in ways, from 1", &R::way},
+        for (std::size_t method = 0; method < measured.methods.size(); ++method)
+            rows.push_back({round, method + 1, 1e9 * measured.times.rounds()[round][method]});
+    return table_of<R>("rounds", "All measured times",
+                       {{"round", "1", "each measures every method once, in an order of its own", &R::round},
+                        {"way", "1", "its row in ways, from 1", &R::method},
                         {"time_ns", "ns", "of an evaluation", &R::time}},
                        rows);
 }
 
-// What time there is: an evaluation a period of a loop, or a voxel of a sweep.
+// Time budgets: an evaluation per period of a loop, or per voxel of a sweep.
 constexpr std::pair<const char*, double> kBudgets[] = {
     {"loop of 4 kHz", 0.25e-3}, {"loop of 1 kHz", 1e-3}, {"1e9 voxels in 10 min", 600e-9}};
 
@@ -253,7 +253,7 @@ Table budgets_table(const Measured& measured) {
     for (const auto& [name, seconds] : kBudgets)
         for (const double end : {least, most})
             rows.push_back({name, 1e9 * seconds, end});
-    return table_of<R>("budgets", "Lines of figures: the time there is for an evaluation",
+    return table_of<R>("budgets", "Lines of figures: the time budget of an evaluation",
                        {{"budget", "", "of what", &R::name},
                         {"time_ns", "ns", "for an evaluation", &R::time},
                         {"error", "1", "where the line begins and ends", &R::error}},
@@ -265,11 +265,12 @@ Figure error_over_time(const Subject& subject, bool own) {
         "error-time-" + subject.name,
         fmt::format("{}: error of the force against the time of an evaluation",
                     own ? subject.name == "bump" ? "Bump" : "Mesh" : "Scene"),
-        fmt::format("Each mark is a way of coming by a force, where a hand touches; left is cheaper, down is closer to "
-                    "{}. The error is what 95 % of the places do not exceed, over the force there. Whiskers are 95 % "
-                    "intervals of paired rounds. The lines join the ways that are cheaper, for sure, than all closer "
-                    "ones. Ways that miss the force at more than 1 % of the places are left out.",
-                    subject.against),
+        fmt::format(
+            "Each mark is a method of computing a force, where a hand touches; left is cheaper, down is closer to "
+            "{}. The error is the 95th percentile over the places, over the force there. Whiskers are 95 % "
+            "intervals of paired rounds. The lines join the methods that are significantly cheaper than all "
+            "closer ones. Methods that miss the force at more than 1 % of the places are left out.",
+            subject.against),
         FigureKind::scatter, "ways", {{"surface", subject.name}}, {"time_ns", "time of an evaluation / ns", true},
         {"shown_local_1", "error over the force there, 95 % of places", true}, "family", "on_front");
     figure.x_low = "time_low_ns";
@@ -288,8 +289,8 @@ Figure error_over_time(const Subject& subject, bool own) {
 Figure lookup_figure(const Subject& subject, const Variant& variant) {
     Figure figure =
         make_figure("look-up-" + subject.name,
-                    fmt::format("{}, {}: error of a trilinear look-up by what is touched", subject.name, variant.name),
-                    "What 95 % of the places of a kind do not exceed, over the force there. A finer volume helps least "
+                    fmt::format("{}, {}: error of a trilinear look-up by kind of place", subject.name, variant.name),
+                    "95th percentile over the places of a kind, over the force there. A finer volume helps least "
                     "where contact begins and where facets or surfaces meet.",
                     FigureKind::scatter, "kinds",
                     {{"surface", subject.name},
@@ -306,7 +307,7 @@ Figure convergence(const Subject& subject, const std::string& family) {
     Figure figure =
         make_figure("elements-" + subject.name,
                     fmt::format("{}: error of the direction over the number of {}", subject.name, subject.elements),
-                    "In double precision, where the surface gives a force: coarse ones miss places, as the table says.",
+                    "In double precision, where the surface gives a force: coarse ones miss places, as in the table.",
                     FigureKind::scatter, "ways", {{"surface", subject.name}, {"family", family}, {"precision", "f64"}},
                     {"elements", subject.elements == "facets" ? "facets" : "cells along a side", true},
                     {"direction_rms_deg", "RMS error of the direction / deg", true}, "shading");
@@ -319,24 +320,24 @@ Figure convergence(const Subject& subject, const std::string& family) {
 std::vector<Table> tables_of(const Measured& measured) {
     const std::vector<FrontRow> front = fronts(measured);
     std::set<std::size_t> on_front;
-    std::vector<const Way*> front_ways;
+    std::vector<const Method*> front_methods;
     for (const FrontRow& row : front)
-        if (&row.criterion == &kLocal && on_front.insert(row.way).second)
-            front_ways.push_back(&measured.ways[row.way]);
-    std::vector<ErrorRow> ways, kinds;
-    for (std::size_t i = 0; i < measured.ways.size(); ++i) {
-        const Way& way = measured.ways[i];
+        if (&row.criterion == &kLocal && on_front.insert(row.method).second)
+            front_methods.push_back(&measured.methods[row.method]);
+    std::vector<ErrorRow> methods, kinds;
+    for (std::size_t i = 0; i < measured.methods.size(); ++i) {
+        const Method& method = measured.methods[i];
         const auto& errors = measured.errors[i];
-        ways.push_back({way, errors ? &errors->shared : nullptr, measured.times.seconds(i),
-                        measured.times.ratio(i, measured.times.unit()), errors ? errors->precision : std::nullopt,
-                        on_front.contains(i) ? way.name.substr(way.subject->name.size() + 2) : ""});
+        methods.push_back({method, errors ? &errors->shared : nullptr, measured.times.seconds(i),
+                           measured.times.ratio(i, measured.times.unit()), errors ? errors->precision : std::nullopt,
+                           on_front.contains(i) ? method.name.substr(method.subject->name.size() + 2) : ""});
         for (const Kind kind : kKinds)
             if (const ForceErrors* of_kind = errors ? errors->of(kind) : nullptr)
-                kinds.push_back({.way = way, .errors = of_kind, .kind = kind});
+                kinds.push_back({.method = method, .errors = of_kind, .kind = kind});
     }
-    std::vector<Table> tables = section_tables(front_ways);
-    return {table_of("ways", "Every way of coming by a force: error and time", way_columns(), ways),
-            table_of("kinds", "Errors by what is touched", kind_columns(), kinds),
+    std::vector<Table> tables = section_tables(front_methods);
+    return {table_of("ways", "All methods of computing a force: error and time", method_columns(), methods),
+            table_of("kinds", "Errors by kind of place", kind_columns(), kinds),
             front_table(measured, front),
             cheapest_table(measured),
             budgets_table(measured),
@@ -353,11 +354,11 @@ std::vector<Figure> figures_of(const Measured& measured, bool own) {
         std::vector<std::size_t> live;
         for (const FrontRow& row : front)
             if (&row.subject == &subject && row.use == Use::live && &row.criterion == &kLocal)
-                live.push_back(row.way);
+                live.push_back(row.method);
         if (live.empty())
             continue;
         figure.pick = "way";
-        for (Figure& one : section_figures(subject, measured.ways[live[live.size() / 2]])) {
+        for (Figure& one : section_figures(subject, measured.methods[live[live.size() / 2]])) {
             figure.linked.push_back(one.name);
             sections.push_back(std::move(one));
         }

@@ -12,7 +12,7 @@
 
 namespace forceshade::study::error_time {
 
-/// The grid of cubic samples over a box, with two more than it takes on each side, as the tricubic reading wants.
+/// The grid of cubic samples over a box, with two more on each side than it needs, for the tricubic reading.
 GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing);
 
 /// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle on all cores.

@@ -1,4 +1,4 @@
-// What is switched, in which scenes.
+// The switched features, and their scenes.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -120,7 +120,7 @@ private:
         return one;
     }
 
-    // A proxy tells one y from another: so that it is switched alone, both sides are evaluated at every y.
+    // A proxy depends on y: so that it is switched alone, both sides are evaluated at every y.
     static void evaluate_same_y(Comparison& one) {
         const auto varies = [](Setup& setup) { return depends_on_y(features_of(scene_of(setup))); };
         if (!one.always && varies(one.with) != varies(one.without))
@@ -165,7 +165,7 @@ private:
         one.channels = kDepth | kFacet | kUnshaded;
     }
 
-    // Of a mesh that is no solid the winding number has an inside of its own: another law.
+    // For a mesh that is not a solid the winding number defines another inside: another law.
     void add_winding() {
         if (!is_solid(base_.prepared.images.mesh->findings))
             return;
@@ -184,7 +184,7 @@ private:
         one.channels = kDepth | kFacet | kProxy | kUnshaded;
     }
 
-    // What fields and paths both have.
+    // Features of both fields and paths.
     void add_common() {
         add(kControl, "the scene", "the scene").channels = scene().output.channels;
         add_flat_texture();
@@ -263,13 +263,13 @@ BaseScene user_scene(const PreparedCase& prepared, bool quick) {
 }
 
 bool agrees_with_manifest(const Comparison& comparison) {
-    const auto tells = [&](const Setup& setup) {
+    const auto is_listed = [&](const Setup& setup) {
         const std::vector<std::string> omitted = omissions(setup.prepared.one.scene);
         return std::ranges::find(omitted, comparison.omitted) != omitted.end();
     };
     if (comparison.omitted.empty())
         return true;
-    return tells(comparison.without) && (comparison.always || !tells(comparison.with));
+    return is_listed(comparison.without) && (comparison.always || !is_listed(comparison.with));
 }
 
 std::vector<Comparison> comparisons_of(const BaseScene& base, bool gpu) {

@@ -28,7 +28,7 @@ void place(const layout::PathChunk<T>& chunk, const layout::PathInput<T>& input,
         }
 }
 
-// One side, ready to be evaluated again and again.
+// One side, ready for repeated evaluation.
 template <typename T> class Side {
 public:
     /// `setup` must outlive it; `paths`: those of its scene, not its field.
@@ -45,7 +45,7 @@ public:
         return paths_ ? scene_.paths->count * scene_.paths->steps : size[0] * size[1] * size[2];
     }
 
-    /// With every result looked at by nobody, unless the setup has the oracle check it.
+    /// Discards the results, unless the setup has the oracle check them.
     Cost measure(Engine& engine) {
         Cost cost;
         const auto receive = [&](const auto&... channels) { cost.received += (channels.size_bytes() + ...); };
@@ -97,7 +97,7 @@ public:
         return captured;
     }
 
-    /// Bytes of the volume that a sweep would write; nothing of it stays. Of paths 0.
+    /// Bytes of the volume that a sweep would write; the file is removed. Of paths 0.
     std::uint64_t volume_bytes(Engine& engine, const std::filesystem::path& folder) {
         if (paths_)
             return 0;
@@ -152,7 +152,7 @@ private:
 template <typename T> struct Measuring {
     Side<T> side;
     MeasuredSide measured{};
-    Cost least{}; // of the round: what comes between makes times longer, never shorter
+    Cost least{}; // of the round: disturbances make times longer, never shorter
 
     void measure(Engine& engine, bool first) {
         const Cost cost = measured.cost = side.measure(engine);
@@ -202,7 +202,7 @@ bool same_bits(const std::vector<Value>& a, const std::vector<Value>& b, std::si
     return std::memcmp(&a[at * components], &b[at * components], components * sizeof(Value)) == 0;
 }
 
-template <typename T> bool is_felt(const std::vector<T>& force, std::size_t at) {
+template <typename T> bool is_nonzero(const std::vector<T>& force, std::size_t at) {
     return norm(double(force[3 * at]), double(force[3 * at + 1]), double(force[3 * at + 2])) > 0;
 }
 
@@ -216,7 +216,7 @@ template <typename T> std::uint64_t with_force(Engine& engine, const Setup& setu
     const std::vector<T> force = capture<T>(engine, setup, paths, 0).force;
     std::uint64_t count = 0;
     for (std::size_t i = 0; i < force.size() / 3; ++i)
-        count += is_felt(force, i);
+        count += is_nonzero(force, i);
     return count;
 }
 
@@ -248,7 +248,7 @@ Agreement compare(const Comparison& comparison, const Captured<T>& with, const C
                           (!of(layout::kChannelUnshaded) || same_bits(with.unshaded, without.unshaded, i, 3)) &&
                           (!comparison.paths || same_bits(with.position, without.position, i, 3));
         result.differing += !same;
-        result.in_contact += is_felt(without.force, i);
+        result.in_contact += is_nonzero(without.force, i);
     }
     // A field of another size is another field.
     result.differing += std::max(with.force.size(), without.force.size()) / 3 - samples;

@@ -22,7 +22,7 @@ Interval ratio_of(const std::vector<double>& with, const std::vector<double>& wi
     return bootstrap_median(ratios);
 }
 
-// What the measurement itself makes of nothing, in that scene.
+// The ratio of the control, in that scene.
 Interval control_of(const std::vector<Row>& rows, const std::string& scene, Ratio ratio) {
     for (const Row& row : rows)
         if (row.comparison.scene == scene && row.comparison.feature == kControl)
@@ -30,7 +30,7 @@ Interval control_of(const std::vector<Row>& rows, const std::string& scene, Rati
     return {1, 1, 1};
 }
 
-// Whether it takes longer with it for sure: beyond what nothing makes.
+// Whether it takes significantly longer with the feature: beyond the control.
 bool costs(const std::vector<Row>& rows, const Row& row, Ratio ratio) {
     return (row.*ratio)().low > std::max(1.0, control_of(rows, row.comparison.scene, ratio).high);
 }
@@ -41,7 +41,7 @@ std::string what_is_same(const Row& row) {
     const Same same = row.comparison.same;
     return same == Same::bits     ? "forces, bit for bit"
            : same == Same::values ? "forces, as numbers"
-                                  : "what each path adds up to, bit for bit";
+                                  : "metrics of each path, bit for bit";
 }
 
 double saved_percent(double ratio) {
@@ -53,7 +53,7 @@ template <typename Of>
 void add_sides(Columns& columns, const char* name, const char* unit, const std::string& meaning, Of of) {
     columns.push_back({{fmt::format(fmt::runtime(name), "with"), unit, meaning + " with it"},
                        [of](const Row& r) { return Cell(of(r.with)); }});
-    columns.push_back({{fmt::format(fmt::runtime(name), "without"), unit, "likewise without it"},
+    columns.push_back({{fmt::format(fmt::runtime(name), "without"), unit, "the same without it"},
                        [of](const Row& r) { return Cell(of(r.without)); }});
 }
 
@@ -68,10 +68,10 @@ void add_ratio(Columns& columns, const std::string& kind, const char* of, Ratio 
     add("_ratio", "1", fmt::format("{} with it over that without it, in the same round: median", of),
         &Interval::median);
     add("_ratio_from", "1", "95 % interval of that (bootstrap)", &Interval::low);
-    add("_ratio_to", "1", "likewise", &Interval::high);
-    add("_saved_percent", "%", "share of the time that leaving it out saves: median", &Interval::median);
+    add("_ratio_to", "1", "the other end", &Interval::high);
+    add("_saved_percent", "%", "share of the time saved by leaving it out: median", &Interval::median);
     add("_saved_from_percent", "%", "95 % interval of that (bootstrap)", &Interval::low);
-    add("_saved_to_percent", "%", "likewise", &Interval::high);
+    add("_saved_to_percent", "%", "the other end", &Interval::high);
 }
 
 Table feature_table(const std::vector<Row>& rows) {
@@ -81,14 +81,14 @@ Table feature_table(const std::vector<Row>& rows) {
         };
     };
     Columns columns{
-        {"feature", "", "what is switched, everything else as it was; nothing: a control, both sides alike",
+        {"feature", "", "the switched feature, all else equal; nothing: a control, both sides alike",
          [](const Row& r) { return r.comparison.feature; }},
         {"scene", "", "in which scene", [](const Row& r) { return r.comparison.scene; }},
-        {"with", "", "what is evaluated with it", [](const Row& r) { return r.comparison.with.what; }},
-        {"without", "", "what is evaluated without it", [](const Row& r) { return r.comparison.without.what; }},
-        {"left_out_by", "", "program: always left out, no scene can ask for it; scene: a scene may ask for it",
+        {"with", "", "evaluated with it", [](const Row& r) { return r.comparison.with.what; }},
+        {"without", "", "evaluated without it", [](const Row& r) { return r.comparison.without.what; }},
+        {"left_out_by", "", "program: always left out, no scene can request it; scene: a scene may request it",
          [](const Row& r) { return r.comparison.always ? "program" : "scene"; }},
-        {"same", "", "what was the same on both sides", what_is_same},
+        {"same", "", "equal on both sides", what_is_same},
         {"same_forces", "", "yes: every force was the same without it",
          [](const Row& r) { return r.same_forces() ? "yes" : "no"; }},
         {"samples", "1", "samples of the grid, or of all paths", [](const Row& r) { return r.with.samples; }}};
@@ -110,11 +110,11 @@ Table feature_table(const std::vector<Row>& rows) {
           [](const Row& r) { return r.agreement.compared; }},
          {"in_contact", "1", "samples of them with a force", [](const Row& r) { return r.agreement.in_contact; }},
          {"differing", "1", "of those compared", [](const Row& r) { return r.agreement.differing; }},
-         {"omitted", "", "what the manifest calls it where it is left out",
+         {"omitted", "", "its name in the manifest if it is left out",
           [](const Row& r) { return r.comparison.omitted; }},
-         {"manifest_agrees", "", "yes: the manifest tells of it where it is left out and not where it is not",
+         {"manifest_agrees", "", "yes: the manifest lists it if and only if it is left out",
           [](const Row& r) { return agrees_with_manifest(r.comparison) ? "yes" : "no"; }}});
-    return table_of<Row>("features", "Each thing that the same forces may do without, switched alone", columns, rows);
+    return table_of<Row>("features", "Features that do not change the forces, each switched alone", columns, rows);
 }
 
 Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Row>& rows) {
@@ -130,10 +130,10 @@ Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Row>
             phrases.push_back(
                 {base.name, omitted, found != rows.end() ? found->comparison.feature : "another force: not compared"});
         }
-    return table_of<Phrase>("omitted", "What the manifests say was left out",
+    return table_of<Phrase>("omitted", "Omissions in the manifests",
                             {{"scene", "", "which scene", &Phrase::scene},
-                             {"omitted", "", "as its manifest calls it", &Phrase::omitted},
-                             {"feature", "", "what measures here what it saves", &Phrase::measured}},
+                             {"omitted", "", "its name in the manifest", &Phrase::omitted},
+                             {"feature", "", "the feature that measures its saving", &Phrase::measured}},
                             phrases);
 }
 
@@ -156,10 +156,9 @@ std::string longer(double ratio) {
 
 std::string interval_of(const std::vector<Row>& rows, const Row& row) {
     const Interval whole = row.whole_ratio(), control = control_of(rows, row.comparison.scene, &Row::whole_ratio);
-    return fmt::format(
-        "{}: {:.3g} to {:.3g} times; with nothing switched {:.3g} to {:.3g} (95 % of bootstrap medians of {} "
-        "paired rounds)",
-        name_of(row), whole.low, whole.high, control.low, control.high, row.with.whole.size());
+    return fmt::format("{}: {:.3g} to {:.3g} times; control {:.3g} to {:.3g} (95 % of bootstrap medians of {} "
+                       "paired rounds)",
+                       name_of(row), whole.low, whole.high, control.low, control.high, row.with.whole.size());
 }
 
 const char* const kCondition = "forces bit for bit or number for number the same on every sample; whole evaluation: "
@@ -190,21 +189,21 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
     if (!program.empty()) {
         const std::string list = listed(program);
         findings.push_back(
-            {"program",
-             fmt::format("What the program always leaves out would make the whole evaluation take {}.", list), "whole",
-             name_of(*program.front()), kCondition, interval_of(rows, *program.front())});
+            {"program", fmt::format("Computing what is always skipped would make the whole evaluation take {}.", list),
+             "whole", name_of(*program.front()), kCondition, interval_of(rows, *program.front())});
     }
     if (!scene.empty()) {
         const std::string list = listed(scene);
         const Row& first = *scene.front();
-        findings.push_back({"scene",
-                            fmt::format("A scene that asks for what changes no force pays for it: the whole evaluation "
-                                        "takes {}; the kernel alone {} with {}.",
-                                        list,
-                                        costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio().median)
-                                                                               : "as long, as far as the rounds tell,",
-                                        name_of(first)),
-                            "whole", name_of(first), kCondition, interval_of(rows, first)});
+        findings.push_back(
+            {"scene",
+             fmt::format("Optional outputs that do not change the force cost time: the whole evaluation takes "
+                         "{}; the kernel alone {} with {}.",
+                         list,
+                         costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio().median)
+                                                                : "not significantly longer",
+                         name_of(first)),
+             "whole", name_of(first), kCondition, interval_of(rows, first)});
     }
     const auto file_ratio = [](const Row* row) { return double(row->with.file) / double(row->without.file); };
     if (const auto largest = std::ranges::max_element(file, {}, file_ratio); largest != file.end())
@@ -214,30 +213,28 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
                             "", name_of(**largest), "as a sweep writes it, compressed", ""});
     if (!free.empty())
         findings.push_back(
-            {"free", fmt::format("These cost no time that the rounds tell from nothing: {}.", fmt::join(free, ", ")),
-             "kernel", "", kCondition, ""});
+            {"free", fmt::format("No measurable cost: {}.", fmt::join(free, ", ")), "kernel", "", kCondition, ""});
 }
 
 constexpr Rounds kFull{15, 0.1, 6}, kQuick{9, 0.02, 1};
 
-// A scene whose samples are all free has nothing that matters: that leaving it out changes nothing would be said of
-// nothing, and all times would be those of free space.
+// In a scene without contact all forces are zero: no omission could change a force, and all times would be those of
+// free space.
 void require_contact(const BaseScene& base, const Touched& samples) {
     if (samples.field == 0 && samples.paths == 0)
-        throw UsageError(fmt::format("nothing of the scene's {} is in contact: everything could be left out, and the "
-                                     "study would compare zeros with zeros; let it reach below the surface",
+        throw UsageError(fmt::format("no sample of the scene's {} is in contact; move it below the surface",
                                      !base.paths  ? "[grid]"
                                      : base.field ? "[grid] and [paths]"
                                                   : "[paths]"));
 }
 
-// Where the grid touches nothing but the paths do, or the other way round.
+// If only the grid or only the paths have samples in contact.
 void add_free_note(const BaseScene& base, const Touched& samples, StudyData& data) {
     for (const auto& [what, free] :
          {std::pair("[grid]", base.field && samples.field == 0), {"[paths]", base.paths && samples.paths == 0}})
         if (free)
-            data.notes.push_back(fmt::format("Nothing of the scene's {} is in contact: what is told of it is what free "
-                                             "space takes, and that it stays free.",
+            data.notes.push_back(fmt::format("No sample of the scene's {} is in contact: its results are those of free "
+                                             "space.",
                                              what));
 }
 
@@ -251,10 +248,10 @@ void add_notes(const std::vector<BaseScene>& scenes, const Rounds& rounds, Study
     data.notes.push_back(
         fmt::format("Each ratio is of {} paired rounds, fewer where they take long; in each both sides were evaluated "
                     "in turn, each "
-                    "first as often, again and again where that takes but a moment, and the least times count.",
+                    "first as often, repeatedly if that takes only a moment, and the least times count.",
                     rounds.count));
     data.notes.push_back("Every y and free space are always left out where a scene permits; the study alone evaluates "
-                         "them. What makes a field depend on y (proxies) is switched at every y on both sides.");
+                         "them. Outputs that depend on y (proxies) are switched at every y on both sides.");
 }
 
 } // namespace
@@ -270,13 +267,12 @@ Interval Measurement::whole_ratio() const {
 void add_omissions(StudyData& data, const std::vector<BaseScene>& scenes, const std::vector<Measurement>& rows) {
     data.tables = {feature_table(rows), omitted_table(scenes, rows)};
     data.figures = {
-        bars("whole", "What leaving things out saves of the whole evaluation",
-             "Share of the time with a thing that is saved without it; whiskers are 95 % intervals. \"nothing\" is a "
+        bars("whole", "Share of the whole evaluation saved by omissions",
+             "Share of the time with a feature that is saved without it; whiskers are 95 % intervals. \"nothing\" is a "
              "control: both sides are alike.",
              "time saved / %"),
-        bars("kernel", "What leaving things out saves of the kernel's time",
-             "Likewise of the kernel alone; what the host does for a thing shows above and not here.",
-             "kernel time saved / %")};
+        bars("kernel", "Share of the kernel's time saved by omissions",
+             "The same for the kernel alone, without the host's work for a feature.", "kernel time saved / %")};
     add_findings(data.findings, rows);
 }
 

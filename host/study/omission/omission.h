@@ -1,5 +1,5 @@
-// The study of what may be left out of a scene without changing a force: each thing switched alone, with it and without
-// it, both sides measured in turn, again and again, and what they gave held against each other.
+// The study of omissions that do not change a force: each feature switched alone, both sides measured in turn,
+// repeatedly, and their results compared.
 #pragma once
 
 #include "host/field/evaluate.h"
@@ -15,13 +15,13 @@ struct BaseScene {
     std::string about; /* for readers, a sentence's end: "a bump of three facets, ..." */
     PreparedCase prepared;
     bool field = true;  /* features of its field are switched */
-    bool paths = false; /* likewise of its paths */
+    bool paths = false; /* the same for its paths */
 };
 
 /// A bump, a height map, a mesh, and strokes over a bump; small ones for a quick study.
 std::vector<BaseScene> own_scenes(bool quick);
 
-/// The user's scene, its grid and paths thinned out to what can be measured in a while. \throws UsageError for a scene
+/// The user's scene, its grid and paths thinned out to bound the measuring time. \throws UsageError for a scene
 /// with recorded paths alone.
 BaseScene user_scene(const PreparedCase& prepared, bool quick);
 
@@ -34,11 +34,11 @@ struct Setup {
     bool samples = true;                 /* of paths: written, not metrics alone */
 };
 
-/// What must be the same on both sides.
+/// Results that must be the same on both sides.
 enum class Same {
     bits,    /* the forces, bit for bit */
     values,  /* the forces as numbers: zeros may differ in sign */
-    metrics, /* what each path adds up to, bit for bit: one side writes no forces */
+    metrics, /* the metrics of each path, bit for bit: one side writes no forces */
 };
 
 /// The feature of a comparison whose sides are alike.
@@ -49,16 +49,16 @@ struct Comparison {
     std::string scene;   /* of BaseScene */
     Setup with, without;
     Same same = Same::bits;
-    std::uint32_t channels = 0; /* layout::kChannel... bits that must be the same bit for bit beside the force */
-    std::string omitted;        /* as the manifest calls it; empty: it does not tell of this */
-    bool always = false;        /* the program always leaves it out, and no scene can ask for it */
+    std::uint32_t channels = 0; /* layout::kChannel... bits that must be the same bit for bit besides the force */
+    std::string omitted;        /* its name in the manifest; empty: not listed there */
+    bool always = false;        /* the program always leaves it out, and no scene can request it */
     bool paths = false;
 };
 
-/// True if the manifest tells of this omission where it is left out, and (unless it always is) only there.
+/// True if the manifest lists this omission if and (unless it is always left out) only if it is left out.
 bool agrees_with_manifest(const Comparison& comparison);
 
-/// Everything that this scene can do without. `gpu`: also what only a Vulkan device does.
+/// All omissions that this scene permits. `gpu`: also those of Vulkan devices only.
 std::vector<Comparison> comparisons_of(const BaseScene& base, bool gpu);
 
 struct Cost {
@@ -69,8 +69,8 @@ struct Cost {
     std::uint64_t evaluated = 0; /* samples */
 };
 
-/// All samples of a grid, by z, then y, then x; or of paths, by path, then step. Channels that were not asked for are
-/// empty. Where one y stood for all, it stands for all here too.
+/// All samples of a grid, by z, then y, then x; or of paths, by path, then step. Channels that were not requested are
+/// empty. If one y stood for all, it does so here too.
 template <typename T> struct Captured : Field<T> {
     std::vector<T> position;
     std::vector<layout::PathMetrics<T>> metrics; /* of paths */
@@ -81,8 +81,8 @@ template <typename T> Captured<T> capture(Engine& engine, const Setup& setup, bo
 
 struct Rounds {
     unsigned count = 0; /* most; each evaluates both sides in turn and takes the least times */
-    double seconds = 0; /* about what a round is given; it evaluates at least once */
-    double budget = 0;  /* s: for all rounds; there are five at least */
+    double seconds = 0; /* target time of a round; it evaluates at least once */
+    double budget = 0;  /* s: for all rounds; at least five */
 };
 
 struct MeasuredSide {
@@ -92,7 +92,7 @@ struct MeasuredSide {
     std::uint64_t file = 0;            /* bytes of the volume that a sweep would write; of paths 0 */
 };
 
-/// What both sides gave, sample by sample.
+/// Comparison of both sides' results, sample by sample.
 struct Agreement {
     std::uint64_t compared = 0, in_contact = 0, differing = 0; /* samples; of paths that write none: paths */
 };
@@ -118,8 +118,8 @@ struct Measurement {
 Measurement measure(Engine& engine, const Comparison& comparison, const Rounds& rounds,
                     const std::filesystem::path& folder);
 
-/// Samples with a force of the scene's grid, and of its paths: where nothing is touched, leaving things out changes
-/// nothing and saves nothing real.
+/// Samples with a force of the scene's grid, and of its paths. Without contact an omission cannot change a force or
+/// save real work.
 struct Touched {
     std::uint64_t field = 0, paths = 0;
 };

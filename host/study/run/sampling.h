@@ -22,7 +22,7 @@ struct Interval {
 };
 Interval bootstrap_median(const std::vector<double>& values);
 
-/// The value below which this share of all lies, by the middle of neighbours where the rank is none; 0 of nothing.
+/// The quantile at this share, the middle of neighbours between ranks; 0 without values.
 double quantile(std::vector<double> values, double share);
 
 } // namespace forceshade::study

@@ -18,7 +18,7 @@ namespace forceshade::study {
 struct StudyOptions {
     std::filesystem::path folder; /* of this study: OUT/error-time */
     std::optional<Case> scene;    /* the user's; none: the study's own */
-    std::vector<Case> cases;      /* likewise, of a study of many scenes */
+    std::vector<Case> cases;      /* the user's, of a study of many scenes */
     bool quick = false;           /* coarse, within a minute */
     bool quiet = false;
     EngineOptions engine;
@@ -38,19 +38,19 @@ public:
 
     Engine& engine() { return *engine_; }
     const StudyOptions& options() const { return options_; }
-    /// The user's scene with its files; nothing without one.
+    /// The user's scene with its files, if given.
     const std::optional<PreparedCase>& scene() const { return scene_; }
-    /// What the user gave, as resolved TOML; empty: nothing.
+    /// The user's scenes as resolved TOML; empty: none.
     const std::string& scene_text() const { return scene_text_; }
 
-    /// Takes the parts in their order. An interrupt ends it between parts. \throws Interrupted, and whatever a part
-    /// throws.
+    /// Takes the parts in their order. An interrupt ends it between parts. \throws Interrupted, and the exceptions
+    /// of parts.
     void run(const std::vector<Part>& parts);
 
     /// Equal where a run would do the same again: of the program, the device, the scene and the form.
     const std::string& fingerprint() const { return fingerprint_; }
 
-    /// Data with everything filled in that does not depend on the study: program, device, scene, time.
+    /// Data with all members filled in that do not depend on the study: program, device, scene, time.
     StudyData data() const;
 
 private:

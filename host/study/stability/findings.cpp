@@ -1,4 +1,4 @@
-// What the loops say.
+// Findings of the loops.
 #include <algorithm>
 #include <cmath>
 
@@ -16,14 +16,14 @@ std::string newtons(double stiffness) {
 }
 
 std::string place_of(const LeastLimit& least) {
-    const std::string beside =
-        least.place.beside ? fmt::format(" ({:.2g} um beside a jump)", 1e6 * *least.place.beside) : "";
+    const std::string from_jump =
+        least.place.edge_distance ? fmt::format(" ({:.2g} um from a jump)", 1e6 * *least.place.edge_distance) : "";
     return fmt::format("{}: {} at x = {:.4g} mm{}, y = {:.3g} mm, {:.2g} mm deep, held {}", least.surface,
-                       name_of(least.place.kind), 1e3 * least.place.at.x, beside, 1e3 * least.place.at.y,
+                       name_of(least.place.kind), 1e3 * least.place.at.x, from_jump, 1e3 * least.place.at.y,
                        1e3 * least.place.depth, least.hold.name);
 }
 
-// How many places of a surface, or of all, the least is of, and how well paths agree where they were taken.
+// The number of places of a surface, or of all, behind a minimum, and the agreement of the stepped paths.
 std::string sureness_of(const LoopResults& results, const std::string& surface = {}) {
     std::size_t places = 0, stepped = 0;
     double most = 0; // 1
@@ -36,15 +36,16 @@ std::string sureness_of(const LoopResults& results, const std::string& surface =
             most = std::max(most, std::abs(*one.simulated / *one.limit - 1));
         }
     }
-    std::string text = fmt::format("the least of {} places and depths, up to three ways of holding each", places);
+    std::string text =
+        fmt::format("minimum over {} contact points and depths, up to three boundary conditions each", places);
     if (stepped > 0)
         text += fmt::format("; {} of them stepped through the surface's own force agree within {:.2g} %", stepped,
                             100 * most);
     return text;
 }
 
-// Whether more damping, a faster rate and less delay do not raise the limit there: what gives way is the hand's grip,
-// not the sampled loop.
+// Whether more damping, a faster rate and less delay do not raise the limit there: the hand's grip gives way, not the
+// sampled loop.
 bool is_of_the_grip(const LoopResults& results, const LeastLimit& worst) {
     constexpr double kSame = 0.01;
     return std::ranges::all_of(results.limits, [&](const LeastLimit& one) {
@@ -67,23 +68,24 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     Finding finding{
         "loop_least", {}, "loop-kinds", place_of(worst), hand_of(surface), sureness_of(results, worst.surface)};
     if (worst.kick)
-        finding.interval += fmt::format("; at half of it kicks of up to {:.2g} um die out there", 1e6 * *worst.kick);
+        finding.interval +=
+            fmt::format("; at half that stiffness, displacements up to {:.2g} um decay", 1e6 * *worst.kick);
     if (!(*worst.limit > 0)) {
-        finding.text = fmt::format("No stiffness lets loops rest everywhere on the {}.", worst.surface);
+        finding.text = fmt::format("Unstable at every stiffness somewhere on the {}.", worst.surface);
     } else if (surface.stiffness > 0) {
         const double ratio = surface.stiffness / *worst.limit;
         finding.text =
-            fmt::format("Away from jumps of the direction, loops of the scene rest everywhere up to {}, where a "
-                        "wall bears {}; its own {} is {:.3g} times that{}.",
+            fmt::format("Except at direction discontinuities the scene's loop is stable up to {} (flat wall: {}); "
+                        "its own {} is {:.3g} times that{}.",
                         newtons(*worst.limit), newtons(worst.wall), newtons(surface.stiffness), ratio,
-                        ratio < 1 ? "" : ", and does not rest there");
+                        ratio < 1 ? "" : ", and unstable");
     } else {
         finding.text = fmt::format(
-            "Of {} surfaces the {} bears least: away from jumps of the direction small disturbances die out everywhere "
-            "up to {} of depth{}, {}; a wall bears {}.",
+            "Of {} surfaces the {} has the lowest limit: except at direction discontinuities the loop is stable up to "
+            "{} of depth{}, {} (flat wall: {}).",
             results.surfaces.size(), worst.surface, limit_at(results, worst.surface, worst.place.depth),
             is_of_the_grip(results, worst)
-                ? fmt::format(" (the grip's spring holds no more than {:.2g} N that turn so fast; "
+                ? fmt::format(" (the grip's spring holds at most {:.2g} N that turn so fast; "
                               "neither more damping nor a faster rate helps)",
                               *worst.limit * worst.place.depth)
                 : "",
@@ -122,10 +124,8 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
         return;
     findings.push_back(
         {"loop_shading",
-         fmt::format(
-             "Away from jumps of the direction, force shading changes the stiffness up to which small disturbances die "
-             "out everywhere: of {}.",
-             fmt::join(parts, "; of ")),
+         fmt::format("Except at direction discontinuities, force shading changes the largest stable stiffness: for {}.",
+                     fmt::join(parts, "; for ")),
          "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_of(results.surfaces.front()),
          fmt::format("{}", fmt::join(sure, "; "))});
 }
@@ -150,17 +150,17 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
         return;
     findings.push_back(
         {"loop_edges",
-         fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: with {} the probe goes on "
-                     "swinging by {:.0f} um, the most of eight starts.",
-                     rest == 0 ? (all == 1 ? "the loop does not come to rest"
-                                           : fmt::format("loops come to rest on none of {} surfaces", all))
-                               : fmt::format("{} of {} loops do not come to rest", all - rest, all),
+         fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: at {} the probe keeps "
+                     "oscillating, {:.0f} um peak to peak, the largest of eight starts.",
+                     rest == 0 ? (all == 1 ? "the loop is not stable"
+                                           : fmt::format("loops are stable on none of {} surfaces", all))
+                               : fmt::format("{} of {} loops are not stable", all - rest, all),
                      newtons(stiffness), 1e6 * most->outcome.swing),
          "loop-edges",
          fmt::format("{}: jump of {:.3g} deg at x = {:.3g} mm, y = {:.3g} mm", most->surface,
                      most->place.jump / kDegree, 1e3 * most->place.at.x, 1e3 * most->place.at.y),
          fmt::format("{}, {:.2g} mm deep", hand_of(first), 1e3 * depth),
-         fmt::format("the most of eight feet of each surface; {} surfaces have one", all)});
+         fmt::format("the largest of eight feet of each surface; {} surfaces have one", all)});
 }
 
 void add_delay(std::vector<Finding>& findings, const LoopResults& results) {

@@ -32,12 +32,12 @@ public:
         for (std::size_t step = 0; step < steps_; ++step) {
             late[step % late.size()] =
                 stiffness * glm::transpose(axes_) * (force_(place_, axes_ * at) - least_.place.force);
-            const glm::dvec3 felt = late[(step + 1) % late.size()];
+            const glm::dvec3 delayed = late[(step + 1) % late.size()];
             for (int i = 0; i < 3; ++i) {
                 const auto& map = maps_[static_cast<std::size_t>(i)];
                 const double before = at[i];
-                at[i] += map.x_error * before + map.x_speed * speed[i] + map.x_force * felt[i];
-                speed[i] = map.v_error * before + map.v_speed * speed[i] + map.v_force * felt[i];
+                at[i] += map.x_error * before + map.x_speed * speed[i] + map.x_force * delayed[i];
+                speed[i] = map.v_error * before + map.v_speed * speed[i] + map.v_force * delayed[i];
             }
             const double energy = glm::dot(speed, speed) + quick * glm::dot(at, at);
             if (energy > quick * far * far)
@@ -53,7 +53,7 @@ public:
     double growth(double stiffness) { return growth(stiffness, kSmall * place_.depth * glm::dvec3(0.5, 0.3, -1)); }
 
 private:
-    FeltForce force_;
+    ContactForce force_;
     const LeastLimit& least_;
     error_time::Place place_;
     glm::dmat3 axes_;
@@ -112,7 +112,7 @@ LoopCell damped(LoopCell cell, double damping) {
     return cell;
 }
 
-// Takes the loops of a map a row at a time, each as long as it takes.
+// Runs the loops of a map a row at a time, each with its own number of steps.
 void run_rows(Engine& engine, const LoopSurface& surface, const RestPlace& place, std::vector<MapLoop>& loops,
               std::size_t columns, const LoopRun& run) {
     for (std::size_t first = 0; first < loops.size(); first += columns) {
@@ -263,7 +263,7 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
         }
     LoopRun run;
     run.patience = fine.patience;
-    run.disturbance = 0.5; // friction holds still what is hardly moved
+    run.disturbance = 0.5; // friction stops small motions
     run_rows(engine, surface, place, loops, static_cast<std::size_t>(fine.columns), run);
     return loops;
 }

@@ -85,10 +85,10 @@ std::vector<Hold> holds_at(const glm::dvec3& force, const glm::dmat3& slope) {
 
 bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness) {
     constexpr int kDoublings = 44;
-    constexpr double kNone = 1e-10; // what rounding makes of a mode that stays
+    constexpr double kNone = 1e-10; // rounding error of a constant mode
     Square power = map_of(hand, rate, hold, slope, stiffness);
     const auto size = static_cast<double>(power.size);
-    double growth = 0, share = 1; // the logarithm of what was divided out, a sample
+    double growth = 0, share = 1; // the logarithm of the factor divided out, per sample
     for (int i = 0; i < kDoublings; ++i) {
         double most = 0, trace = 0;
         for (const double value : power.values)

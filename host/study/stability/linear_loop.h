@@ -1,5 +1,4 @@
-// A sampled loop near its place of rest, as a linear map: what stability is expected of any surface, without the
-// engine.
+// A sampled loop near its place of rest, as a linear map: the expected stability on any surface, without the engine.
 #pragma once
 
 #include <array>
@@ -15,16 +14,16 @@
 
 namespace forceshade::study {
 
-/// How a hand holds the probe in place: its spring acts across `along`, along which it presses with a constant force;
-/// on all sides where `along` is 0.
+/// Boundary condition of the hand: its spring acts across `along`, along which it presses with a constant force; on all
+/// sides if `along` is 0.
 struct Hold {
     std::string name; /* "down" */
     glm::dvec3 along{0};
 };
 
-/// Where a surface answers with `force` and its slope: on all sides, pressed down, and pressed straight against the
-/// force; pressed only where the surface holds the probe along that direction, with a fifth of the force and of a
-/// wall's stiffness at least: elsewhere the probe gives way at any stiffness.
+/// The holds at a place with `force` and its slope: on all sides, pressed down, and pressed straight against the force;
+/// pressed only if the surface supports the probe along that direction with at least a fifth of the force and of a
+/// wall's stiffness: otherwise the probe gives way at any stiffness.
 std::vector<Hold> holds_at(const glm::dvec3& force, const glm::dmat3& slope);
 
 /// Columns: two directions across, and the one along which the hand presses (z where it is held on all sides).
@@ -37,7 +36,7 @@ std::array<Axis, 3> axes_of(const Hold& hold, const HandSpec& hand);
 bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness);
 
 /// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps of a tenth, then between
-/// two whose ratio is `close`; nothing where it does not.
+/// two whose ratio is `close`; empty: it does not grow.
 template <typename Grows>
 std::optional<double> least_growing(double from, double to, double close, const Grows& grows) {
     double below = from, above = from;
@@ -54,8 +53,8 @@ std::optional<double> least_growing(double from, double to, double close, const 
     return std::sqrt(below * above);
 }
 
-/// The least stiffness, N/m, at which it grows, to a hundredth of a percent: 0 where it grows at a ten-thousandth of
-/// the largest passive stiffness already, nothing where it does not at eight times that.
+/// The least stiffness, N/m, at which it grows, to a hundredth of a percent: 0 if it grows at a ten-thousandth of the
+/// largest passive stiffness already, empty if it does not at eight times that.
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope);
 
 /// The largest K that is passive with `delay` samples of it, N/m: b = K T (1/2 + delay) (Colgate & Schenkel, without

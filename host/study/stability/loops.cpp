@@ -49,7 +49,7 @@ layout::HandParams<T> hand_of(const RestPlace& place, const LoopCell& cell, cons
     const double swings = 2 * place.depth * std::sqrt(cell.stiffness / hand.mass) / cell.rate;
     auto params = hand_params<T>(hand, paths, *paths.bound + (hand.delay_samples > 0 ? swings : 0));
     params.gain = T(cell.stiffness);
-    // What balances the force there, and the grip's spring that pulls aside.
+    // Balances the force there, and the grip's spring that pulls aside.
     const glm::dvec3 force = place.force - place.slope * glm::dvec3(0, 0, moved);
     params.push_x = T(-cell.stiffness * force.x - hand.grip_stiffness * off * kAside.x);
     params.push_y = T(-cell.stiffness * force.y - hand.grip_stiffness * off * kAside.y);
@@ -57,7 +57,7 @@ layout::HandParams<T> hand_of(const RestPlace& place, const LoopCell& cell, cons
     return params;
 }
 
-// How far the measured positions of each path spread in the last quarter of the time, in quanta.
+// The spread of the measured positions of each path in the last quarter of the time.
 template <typename T> class LateSpread {
 public:
     LateSpread(std::size_t paths, std::size_t steps) : from_(steps - steps / 4), low_(paths), high_(paths) {
@@ -89,7 +89,7 @@ private:
     std::vector<glm::dvec3> low_, high_;
 };
 
-// `creep`, m/s: so slow that in a quarter of the time it comes nowhere.
+// `creep`, m/s: too slow to move noticeably in a quarter of the time.
 LoopState state_of(const LoopOutcome& outcome, double creep, double spread, double quantum) {
     constexpr double kDecays = 0.75; // of the speed in the second quarter
     constexpr double kQuanta = 1.5;  // between one and two
@@ -97,11 +97,11 @@ LoopState state_of(const LoopOutcome& outcome, double creep, double spread, doub
         return LoopState::unstable;
     if (outcome.at_rest || outcome.late < kDecays * outcome.early)
         return LoopState::stable;
-    const bool unmeasured = quantum > 0 && spread < 0.5 * quantum; // it creeps, and no measurement tells
+    const bool unmeasured = quantum > 0 && spread < 0.5 * quantum; // it creeps, unmeasured
     const bool creeps = !(quantum > 0) && outcome.late < outcome.early && outcome.late < creep;
     if (unmeasured || creeps)
         return LoopState::stable;
-    return quantum > 0 && spread < kQuanta * quantum ? LoopState::chatter : LoopState::limit_cycle;
+    return quantum > 0 && spread < kQuanta * quantum ? LoopState::quantisation_cycle : LoopState::limit_cycle;
 }
 
 template <typename T>
@@ -118,7 +118,7 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, cons
     input.features.channels = swings ? layout::kChannelPosition : 0;
     input.hands = hands;
     LateSpread<T> spread(cells.size(), run.steps);
-    const glm::dvec3 origin = scene_origin(prepared); /* m: what the places are measured from */
+    const glm::dvec3 origin = scene_origin(prepared); /* m: of the places */
     std::vector<LoopOutcome> outcomes(cells.size());
     engine.explore(
         input, [&](const layout::PathChunk<T>& chunk) { spread.take(chunk); },
@@ -152,8 +152,8 @@ const char* word_of(LoopState state) {
     switch (state) {
     case LoopState::stable:
         return "stable";
-    case LoopState::chatter:
-        return "one quantum";
+    case LoopState::quantisation_cycle:
+        return "quantisation limit cycle";
     case LoopState::limit_cycle:
         return "limit cycle";
     case LoopState::unstable:

@@ -24,7 +24,7 @@ constexpr double kPressed = 0.001;     /* m: how deep fine grids lie */
 constexpr std::uint64_t kColumns = 41, kRows = 9;
 constexpr double kShare = 0.2937; /* of a: where fine grids lie; no vertex is near */
 
-/// What a case is made of.
+/// The parameters of a case.
 struct Setting {
     double ratio = 2; /* R / a */
     std::uint32_t facets = 8;
@@ -110,7 +110,7 @@ GridSpec grid_of(const Box& box, double y) {
     return grid;
 }
 
-/// Which samples a case has, at the origin.
+/// The samples of a case, at the origin.
 std::vector<Box> boxes_of(const std::string& surface, const Setting& setting) {
     if (setting.depth > 0) {
         std::vector<Box> boxes;
@@ -150,7 +150,7 @@ void add_decades(std::vector<double>& values, int from, int to, int by) {
 
 constexpr const char* kAxes[] = {"radius_ratio", "facets", "stiffness", "origin", "spacing", "depth"};
 
-// Of a surface along an axis, ascending; none where the axis means nothing there.
+// Of a surface along an axis, ascending; none if the axis does not apply to it.
 std::vector<double> number_values(const std::string& surface, const std::string& axis, bool quick) {
     const bool faceted = surface.starts_with("bump"), mesh = surface == "mesh";
     std::vector<double> values;
@@ -367,10 +367,9 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
         return [of](const R& r) { return r.errors.refused.empty() && r.errors.*of >= 0 ? Cell(r.errors.*of) : Cell(); };
     };
     data.tables.push_back(table_of<R>(
-        "number", "Where a precision leaves the truth",
-        {{"surface", "", "Surface and shading; bump and mesh have 8 facets or cells where nothing else is said.",
-          &R::surface},
-         {"axis", "", "Which parameter is varied; all others are plain.", &R::axis},
+        "number", "Errors of a precision",
+        {{"surface", "", "Surface and shading; bump and mesh have 8 facets or cells unless stated.", &R::surface},
+         {"axis", "", "The varied parameter; all others are those of the plain scene.", &R::axis},
          {"value", "unit of the axis", "Its value.", &R::value},
          {"value_shown", "unit of the axis", "The value, but 1e-4 for an origin of 0, for logarithmic axes.",
           [](const R& r) { return r.axis == "origin" ? std::max(r.value, kOriginShown) : r.value; }},
@@ -381,14 +380,14 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
          {"series", "", "Surface and precision.",
           [](const R& r) { return fmt::format("{}, {}", r.surface, r.precision); }},
          {"error", "1", "Largest error of a voxel's force, over the largest force.", number(&NumberErrors::force)},
-         {"error_shown", "1", "The same, but no less than 1e-17, for logarithmic axes.",
+         {"error_shown", "1", "The same, at least 1e-17 for logarithmic axes.",
           [](const R& r) { return r.errors.refused.empty() ? Cell(std::max(r.errors.force, kLeastShown)) : Cell(); }},
          {"bound", "1", "The bound that validate holds to, coordinates rounded too; none of meshes.",
           number(&NumberErrors::bound)},
          {"step_error", "1",
           "Largest error of the difference of two neighbours along x, over the largest such difference.",
           number(&NumberErrors::step)},
-         {"refused", "", "Why there is no field; empty: there is.", [](const R& r) { return r.errors.refused; }}},
+         {"refused", "", "Why the field was refused; empty: it was not.", [](const R& r) { return r.errors.refused; }}},
         rows));
     const char* const largest = "Largest error of a voxel's force over the largest force, away from edges. A point "
                                 "that is missing has no force "
@@ -400,14 +399,12 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
                        "stiffness K / (N/m)", error),
          number_figure("origin", "Error of the force over distance of the samples, and of a mesh, from the origin",
                        largest, "distance from the origin / m", error),
-         number_figure(
-             "spacing", "Error of the difference of neighbours over the spacing of the samples",
-             "Forces stay good however fine the grid is; what is lost is the difference of two neighbours, as "
-             "soon as the spacing comes near the spacing of the numbers themselves, u |x|. At 1 nothing of it "
-             "is left.",
-             "spacing of the grid / m", {"step_error", "error of a difference / largest difference", true})});
+         number_figure("spacing", "Error of the difference of neighbours over the spacing of the samples",
+                       "Forces stay accurate for every grid; the difference of two neighbours is lost as soon as the "
+                       "spacing comes near that of the numbers themselves, u |x|. At 1 it is lost completely.",
+                       "spacing of the grid / m", {"step_error", "error of a difference / largest difference", true})});
     data.notes.push_back("Samples over the axes of precision avoid edges, where rounding may choose either facet; the "
-                         "worst places are searched for apart, in worst_rounding.");
+                         "worst places are searched separately, in worst_rounding.");
 }
 
 } // namespace forceshade::study

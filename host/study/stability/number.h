@@ -1,13 +1,12 @@
-// Where numbers of single precision leave those of double: how far forces differ over sizes, stiffnesses and distances,
-// one parameter of a plain scene after the other, to the rims of what numbers can hold; and the worst that a search
-// finds.
+// Differences between single and double precision: of forces over sizes, stiffnesses and distances, one parameter of a
+// plain scene after the other, to the limits of the numbers; and the worst that a search finds.
 #pragma once
 
 #include "host/study/run/study_run.h"
 
 namespace forceshade::study {
 
-/// A field to be evaluated, and where its forces are known: the same at the origin, voxel by voxel.
+/// A field to be evaluated, and the same field at the origin, where its forces are known, voxel by voxel.
 struct NumberField {
     PreparedCase prepared, home;
 };
@@ -25,7 +24,7 @@ struct NumberErrors {
     double force = 0;    /* 1: largest |F - F_true| */
     double step = -1;    /* 1: of the differences of neighbours along x, over the largest of those; -1: none */
     double bound = -1;   /* 1: the bound that validation holds to; -1: none of meshes */
-    std::string refused; /* why there is no number; empty: there is */
+    std::string refused; /* why the errors are missing; empty: they are not */
 };
 
 /// The engine in single precision against the oracle in double.

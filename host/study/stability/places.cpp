@@ -17,21 +17,21 @@ constexpr double kSharp = 5 * kDegree;    // a jump of the direction; less is sm
 constexpr double kLevel = 1 * kDegree;    // off upright: flat, if it does not turn
 constexpr double kUpright = 10 * kDegree; // crest or hollow
 constexpr double kEven = 0.05;            // 1/m: turns less
-constexpr double kBesideEdge = 5e-3;      // depths
+constexpr double kEdgeDistance = 5e-3;    // depths
 constexpr double kSame = 0.05;            // of a slope: by how much halves of a step may differ; more is an edge
 
-bool is_felt(const glm::dvec3& force) {
+bool is_nonzero(const glm::dvec3& force) {
     return reference::length(force) > 0;
 }
 
-// Moved along the normal to where the force over the stiffness is `depth`; nothing where no force is.
-std::optional<Place> pressed(FeltForce& force, Place place, double depth) {
+// Moved along the normal to where the force over the stiffness is `depth`; empty without a force.
+std::optional<Place> pressed(ContactForce& force, Place place, double depth) {
     constexpr int kSteps = 24; // each leaves half of the way, on slopes up to 70 deg
     for (int i = 0; i < kSteps; ++i) {
-        const glm::dvec3 felt = force(place);
-        if (!is_felt(felt))
+        const glm::dvec3 here = force(place);
+        if (!is_nonzero(here))
             return std::nullopt;
-        const double down = 0.5 * (depth - reference::length(felt));
+        const double down = 0.5 * (depth - reference::length(here));
         place.at -= down * place.normal;
         place.depth += down;
     }
@@ -47,7 +47,7 @@ RestPlace rest_at(const Place& place, const glm::dvec3& force) {
     return rest;
 }
 
-glm::dmat3 slope_with(FeltForce& force, const Place& place, double step) {
+glm::dmat3 slope_with(ContactForce& force, const Place& place, double step) {
     glm::dmat3 slope(0);
     for (int axis = 0; axis < 3; ++axis) {
         glm::dvec3 aside(0);
@@ -57,7 +57,7 @@ glm::dmat3 slope_with(FeltForce& force, const Place& place, double step) {
     return slope;
 }
 
-// 1/m: how fast the force's direction turns outwards along a direction across it, the most of all.
+// 1/m: the largest outward turn of the force's direction along a direction across it.
 double turn_of(const RestPlace& rest) {
     const glm::dvec3 direction = rest.force / reference::length(rest.force);
     const glm::dvec3 across = std::abs(direction.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -81,11 +81,11 @@ PlaceKind smooth_kind(const RestPlace& rest) {
     return PlaceKind::slope;
 }
 
-// Nothing where no force is, or an edge is within a step.
-std::optional<RestPlace> smooth_place(FeltForce& force, const Place& place) {
+// Empty without a force, or if an edge is within a step.
+std::optional<RestPlace> smooth_place(ContactForce& force, const Place& place) {
     constexpr double kStep = 1e-3; // of the depth
     RestPlace rest = rest_at(place, force(place));
-    if (!is_felt(rest.force))
+    if (!is_nonzero(rest.force))
         return std::nullopt;
     rest.slope = slope_with(force, place, kStep * place.depth);
     const glm::dmat3 finer = slope_with(force, place, kStep / 2 * place.depth);
@@ -96,7 +96,7 @@ std::optional<RestPlace> smooth_place(FeltForce& force, const Place& place) {
     return rest;
 }
 
-std::optional<RestPlace> smooth_at(FeltForce& force, const Place& from, double depth) {
+std::optional<RestPlace> smooth_at(ContactForce& force, const Place& from, double depth) {
     const auto place = pressed(force, from, depth);
     auto rest = place ? smooth_place(force, *place) : std::nullopt;
     if (rest)
@@ -104,14 +104,14 @@ std::optional<RestPlace> smooth_at(FeltForce& force, const Place& from, double d
     return rest;
 }
 
-// Where along a way from `from` to `to`, below the surface, the direction jumps most; nothing where it does not.
-std::optional<Place> jump_between(FeltForce& force, const Place& from, const glm::dvec3& way) {
+// The largest jump of the direction on a displacement from `from`, below the surface; empty: none.
+std::optional<Place> jump_between(ContactForce& force, const Place& from, const glm::dvec3& displacement) {
     constexpr int kSteps = 32, kHalvings = 22;
-    double low = 0, high = 0, most = kSharp / 2; // shares of the way
+    double low = 0, high = 0, most = kSharp / 2; // shares of the displacement
     for (int i = 0; i < kSteps; ++i) {
         const double here = double(i) / kSteps, next = double(i + 1) / kSteps;
-        const glm::dvec3 one = force(from, here * way), two = force(from, next * way);
-        const double turn = is_felt(one) && is_felt(two) ? angle_between(one, two) : 0;
+        const glm::dvec3 one = force(from, here * displacement), two = force(from, next * displacement);
+        const double turn = is_nonzero(one) && is_nonzero(two) ? angle_between(one, two) : 0;
         if (turn > most) {
             most = turn;
             low = here;
@@ -122,19 +122,20 @@ std::optional<Place> jump_between(FeltForce& force, const Place& from, const glm
         return std::nullopt;
     for (int i = 0; i < kHalvings; ++i) {
         const double middle = 0.5 * (low + high);
-        const glm::dvec3 one = force(from, low * way), half = force(from, middle * way), two = force(from, high * way);
-        if (!is_felt(one) || !is_felt(half) || !is_felt(two))
+        const glm::dvec3 one = force(from, low * displacement), half = force(from, middle * displacement),
+                         two = force(from, high * displacement);
+        if (!is_nonzero(one) || !is_nonzero(half) || !is_nonzero(two))
             return std::nullopt;
         (angle_between(one, half) > angle_between(half, two) ? high : low) = middle;
     }
     Place edge = from;
-    edge.at += 0.5 * (low + high) * way;
+    edge.at += 0.5 * (low + high) * displacement;
     return edge;
 }
 
-// m: how much more the force points away from the jump than towards it: above 0 where it turns outwards. Averaged over
-// directions, so that it does not depend on the one that found the jump.
-double spread_at(FeltForce& force, const Place& jump, double step) {
+// m: the force's component away from the jump, above 0 where it turns outwards. Averaged over directions, so that it
+// does not depend on the one that found the jump.
+double spread_at(ContactForce& force, const Place& jump, double step) {
     double spread = 0;
     for (const int x : {-1, 0, 1})
         for (const int y : {-1, 0, 1})
@@ -147,12 +148,12 @@ double spread_at(FeltForce& force, const Place& jump, double step) {
 }
 
 // The place on the edge at `edge`, the hand balancing the mean of the forces on both sides.
-std::optional<RestPlace> edge_place(FeltForce& force, const Place& edge, const glm::dvec3& along, double depth) {
-    constexpr double kBeside = 1e-4; // of the depth
-    const double step = kBeside * depth;
+std::optional<RestPlace> edge_place(ContactForce& force, const Place& edge, const glm::dvec3& along, double depth) {
+    constexpr double kStep = 1e-4; // of the depth
+    const double step = kStep * depth;
     const glm::dvec3 aside = step * along;
     const glm::dvec3 before = force(edge, -aside), after = force(edge, aside);
-    if (!is_felt(before) || !is_felt(after))
+    if (!is_nonzero(before) || !is_nonzero(after))
         return std::nullopt;
     RestPlace rest = rest_at(edge, 0.5 * (before + after));
     rest.depth = depth;
@@ -160,11 +161,11 @@ std::optional<RestPlace> edge_place(FeltForce& force, const Place& edge, const g
     if (rest.jump < kSharp)
         return std::nullopt;
     rest.kind = spread_at(force, edge, step) > 0 ? PlaceKind::edge : PlaceKind::foot;
-    rest.beside = 0;
+    rest.edge_distance = 0;
     return rest;
 }
 
-error_time::Subject subject_of(const LoopSurface& surface, FeltForce& force) {
+error_time::Subject subject_of(const LoopSurface& surface, ContactForce& force) {
     error_time::Subject subject;
     subject.name = surface.name;
     subject.against = "the law";
@@ -183,11 +184,11 @@ const char* name_of(PlaceKind kind) {
 }
 
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count) {
-    FeltForce force(surface);
+    ContactForce force(surface);
     const error_time::Subject subject = subject_of(surface, force);
     std::vector<Place> points = error_time::shared_places(subject, surface.prepared, count);
     if (points.empty())
-        throw UsageError("nothing in the scene's [grid] is touched, so that no hand can be in a loop there");
+        throw UsageError("no sample of the scene's [grid] is in contact: move the grid below the surface");
     Draw draw(5);
     const auto depths = surface.depths();
     const std::size_t edges = std::max<std::size_t>(4, count / 8);
@@ -208,7 +209,7 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
             continue;
         bool any = false;
         for (const double depth : depths) {
-            // The edge may lie elsewhere deeper down, and where it is found the force may differ.
+            // Deeper down the edge may lie elsewhere, and the force there may differ.
             std::optional<Place> there = edge;
             for (int i = 0; i < 3 && there; ++i) {
                 there = pressed(force, *there, depth);
@@ -222,11 +223,11 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
                 continue;
             places.push_back(*place);
             any = true;
-            for (const double side : {-kBesideEdge, kBesideEdge}) { // where a slope is often steepest
-                Place beside = *there;
-                beside.at += side * depth * along;
-                if (auto smooth = smooth_at(force, beside, depth)) {
-                    smooth->beside = kBesideEdge * depth;
+            for (const double side : {-kEdgeDistance, kEdgeDistance}) { // a slope is often steepest there
+                Place moved = *there;
+                moved.at += side * depth * along;
+                if (auto smooth = smooth_at(force, moved, depth)) {
+                    smooth->edge_distance = kEdgeDistance * depth;
                     places.push_back(*smooth);
                 }
             }
@@ -236,24 +237,24 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
     return places;
 }
 
-std::vector<std::pair<double, double>> felt_profile(const LoopSurface& surface) {
+std::vector<std::pair<double, double>> direction_profile(const LoopSurface& surface) {
     constexpr int kPoints = 200;
-    FeltForce force(surface);
+    ContactForce force(surface);
     const double y = 0.5 * (surface.low.y + surface.high.y), step = (surface.high.x - surface.low.x) / kPoints;
     std::vector<std::pair<double, double>> profile;
     double z = 0;
     for (int i = 0; i < kPoints; ++i) {
         const double x = surface.low.x + (i + 0.5) * step;
-        // Down a column to where it is felt, and a little on.
+        // Down a column to the first force.
         Place place{{x, y, surface.high.z}, {0, 0, 1}, 0};
-        glm::dvec3 felt(0);
-        for (int down = 0; down <= kPoints && !is_felt(felt); ++down) {
+        glm::dvec3 found(0);
+        for (int down = 0; down <= kPoints && !is_nonzero(found); ++down) {
             place.at.z = surface.high.z + (surface.low.z - surface.high.z) * down / kPoints;
-            felt = force(place);
+            found = force(place);
         }
-        if (is_felt(felt) && felt.z > 0) {
+        if (is_nonzero(found) && found.z > 0) {
             profile.emplace_back(x, z);
-            z -= felt.x / felt.z * step;
+            z -= found.x / found.z * step;
         }
     }
     return profile;

@@ -1,4 +1,4 @@
-// The study, and the surfaces that it goes to.
+// The study and its surfaces.
 #include "host/study/stability/stability.h"
 
 #include <algorithm>
@@ -60,13 +60,13 @@ LoopSurface own_mesh(const char* name, Shading shading, const std::shared_ptr<co
 
 void refuse_dead_hand(const Scene& scene) {
     if (!(scene.force.stiffness > 0))
-        throw UsageError("force.stiffness is 0: no loop closes without a force");
+        throw UsageError("force.stiffness is 0: a loop needs a force; use a stiffness above 0");
     if (!(scene.hand.damping + scene.hand.grip_damping > 0))
         throw UsageError("hand.damping and hand.grip_damping are 0: without damping no sampled loop comes to rest at "
                          "any stiffness");
 }
 
-// The box of a scene's grid; of a scene of paths alone that of its mesh, or what its paths go over.
+// The box of a scene's grid; of a scene of paths alone that of its mesh, or of its paths.
 void take_box(LoopSurface& surface, const PathsSpec& paths) {
     const Scene& scene = surface.prepared.one.scene;
     if (!scene.field && !surface.is_mesh()) {
@@ -85,7 +85,7 @@ void take_box(LoopSurface& surface, const PathsSpec& paths) {
     }
 }
 
-// Where the hand is its own, the worst place of each kind is also stepped through the surface's own force.
+// With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
     const std::vector<RestPlace> places = rest_places(surface, points);
@@ -96,11 +96,11 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
             one.kick = largest_kick(surface, one);
         }
     std::ranges::move(edge_swings(engine, surface, places), std::back_inserter(results.swings));
-    for (const auto& [x, z] : felt_profile(surface))
+    for (const auto& [x, z] : direction_profile(surface))
         results.profile.push_back({surface.name, x, z});
 }
 
-// Of the surface that bears least, where no edge is near: paths of a map go further than a limit's disturbance.
+// At the surface with the lowest limit, away from edges: paths of a map go further than a limit's disturbance.
 void add_maps(Engine& engine, bool quick, LoopResults& results) {
     const LeastLimit *worst = results.worst(), *flat = results.worst(results.surfaces.front().name);
     if (!worst || !flat)

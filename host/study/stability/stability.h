@@ -1,4 +1,4 @@
-// The study of where loops and numbers stop being stable: what its loops came to.
+// The study of the limits of loops and numbers: the results of its loops.
 #pragma once
 
 #include "host/study/run/study_run.h"
@@ -6,7 +6,7 @@
 
 namespace forceshade::study {
 
-/// A point of felt_profile().
+/// A point of direction_profile().
 struct ProfilePoint {
     std::string surface;
     double x, z; /* m */
@@ -22,18 +22,18 @@ struct LoopResults {
     std::vector<ProfilePoint> profile;
 
     /// The row with the least limit of those with the hand's own damping, rate and delay; of all surfaces where
-    /// `surface` is empty, of all depths (m) and kinds without one. Null if there is none.
+    /// `surface` is empty, of all depths (m) and kinds without one. Null: none.
     const LeastLimit* worst(const std::string& surface = {}, std::optional<double> depth = {},
                             std::optional<PlaceKind> kind = {}) const;
 };
 
-/// "hand of 0.2 kg, 3 N s/m, grip 300 N/m, 1000 Hz", and how late its force comes.
+/// "hand of 0.2 kg, 3 N s/m, grip 300 N/m, 1000 Hz", and its delay.
 std::string hand_of(const LoopSurface& surface, bool with_delay = true);
 
 /// Adds tables, figures and notes of the loops.
 void add_loops(StudyData& data, const LoopResults& results);
 
-/// What they say: at most four.
+/// Their findings: at most four.
 std::vector<Finding> loop_findings(const LoopResults& results);
 
 /// \throws what StudyRun::run throws, UsageError for a

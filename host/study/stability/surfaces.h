@@ -22,7 +22,7 @@ struct LoopSurface {
     double deepest = 2e-3;      /* m */
     glm::dvec3 low{0}, high{0}; /* m: places are within this box */
 
-    /// m: how deep probes are pressed: the force over the stiffness.
+    /// m: depths to which probes are pressed: the force over the stiffness.
     std::array<double, 4> depths() const { return {deepest / 10, deepest / 4, deepest / 2, deepest}; }
     bool is_mesh() const { return prepared.images.mesh != nullptr; }
 };
@@ -31,10 +31,10 @@ struct LoopSurface {
 /// dip, mesh with and without shading.
 std::vector<LoopSurface> own_surfaces();
 
-/// The user's scene with its own hand. \throws UsageError for one that no hand can be in a loop with.
+/// The user's scene with its own hand. \throws UsageError for one that permits no loop.
 LoopSurface scene_surface(const PreparedCase& scene);
 
-/// By what the direction of the force does: flat: it is that of a level plane; crest, hollow: nearly upright, turning
+/// By the direction of the force: flat: that of a level plane; crest, hollow: nearly upright, turning
 /// outwards or inwards; slope: tilted; edge, foot: it jumps outwards, or inwards as at the foot of a bump.
 enum class PlaceKind { flat, crest, hollow, slope, edge, foot };
 inline constexpr std::array kPlaceKinds{PlaceKind::flat,  PlaceKind::crest, PlaceKind::hollow,
@@ -47,29 +47,29 @@ inline bool jumps(PlaceKind kind) {
 /// Where a probe rests.
 struct RestPlace {
     PlaceKind kind = PlaceKind::flat;
-    glm::dvec3 at{0};             /* m: of the probe */
-    glm::dvec3 normal{0, 0, 1};   /* of the surface above it */
-    double below = 0;             /* m: below the surface, along the normal */
-    double depth = 0;             /* m: the force over the stiffness */
-    std::optional<double> beside; /* m: from a jump of the direction, where the place was found by one */
-    glm::dvec3 force{0};          /* m: for each N/m of stiffness; at a jump the mean of both sides */
-    glm::dmat3 slope{0};          /* 1: -dF/dp for a stiffness of 1 N/m, columns first; not at a jump */
-    double jump = 0;              /* rad: between the directions of both sides */
+    glm::dvec3 at{0};                    /* m: of the probe */
+    glm::dvec3 normal{0, 0, 1};          /* of the surface above it */
+    double below = 0;                    /* m: below the surface, along the normal */
+    double depth = 0;                    /* m: the force over the stiffness */
+    std::optional<double> edge_distance; /* m: from a jump of the direction, if the place was found by one */
+    glm::dvec3 force{0};                 /* m: for each N/m of stiffness; at a jump the mean of both sides */
+    glm::dmat3 slope{0};                 /* 1: -dF/dp for a stiffness of 1 N/m, columns first; not at a jump */
+    double jump = 0;                     /* rad: between the directions of both sides */
 };
 
 /// `count` points anywhere on the surface, at each of its depths; and those of its edges that were found from there, a
-/// hundredth of them at most. \throws UsageError if nothing in the box is touched.
+/// hundredth of them at most. \throws UsageError without contact in the box.
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count);
 
-/// The shape, (x, z) in m, that the directions of the force stand for, along x through the middle of the box; z is 0
+/// The shape, (x, z) in m, integrated from the directions of the force along x through the middle of the box; z is 0
 /// where it begins.
-std::vector<std::pair<double, double>> felt_profile(const LoopSurface& surface);
+std::vector<std::pair<double, double>> direction_profile(const LoopSurface& surface);
 
 /// A surface's force, by the CPU oracle in double, at a probe that came down to a place.
-class FeltForce {
+class ContactForce {
 public:
     /// `surface` must outlive it.
-    explicit FeltForce(const LoopSurface& surface) : surface_(surface), probe_(surface.prepared) {
+    explicit ContactForce(const LoopSurface& surface) : surface_(surface), probe_(surface.prepared) {
         scale_.deepest = surface.deepest;
     }
 

@@ -1,4 +1,4 @@
-// What the loops came to, as tables, figures and notes.
+// Results of the loops as tables, figures and notes.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -19,13 +19,13 @@ std::vector<ColumnOf<Row>> place_columns(std::vector<ColumnOf<Row>> first, std::
           "jumps "
           "outwards or inwards",
           [](const Row& r) { return name_of(r.place.kind); }},
-         {"depth_mm", "mm", "how deep the probe is pressed: force over stiffness, as deep as it would go into a wall",
+         {"depth_mm", "mm", "of the probe: force over stiffness, its depth in a wall",
           [](const Row& r) { return 1e3 * r.place.depth; }},
          {"x_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.x; }},
-         {"y_mm", "mm", "likewise", [](const Row& r) { return 1e3 * r.place.at.y; }},
-         {"z_mm", "mm", "likewise", [](const Row& r) { return 1e3 * r.place.at.z; }},
-         {"beside_um", "um", "from a jump of the direction, where the place was found by one",
-          [](const Row& r) { return 1e6 * r.place.beside.value_or(NAN); }}});
+         {"y_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.y; }},
+         {"z_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.z; }},
+         {"beside_um", "um", "from a jump of the direction, if the place was found by one",
+          [](const Row& r) { return 1e6 * r.place.edge_distance.value_or(NAN); }}});
     first.insert(first.end(), then);
     return first;
 }
@@ -33,10 +33,10 @@ std::vector<ColumnOf<Row>> place_columns(std::vector<ColumnOf<Row>> first, std::
 Table limit_table(const LoopResults& results) {
     using R = LeastLimit;
     return table_of<R>(
-        "loop_limits", "The stiffness up to which loops rest, the least of many places",
+        "loop_limits", "Largest stable stiffness, the minimum over many places",
         place_columns<R>(
-            {{"surface", "", "what the hand is pressed into", &R::surface}},
-            {{"hold", "", "how the hand holds the probe there: its spring acts across this direction, or on all sides",
+            {{"surface", "", "pressed by the hand", &R::surface}},
+            {{"hold", "", "boundary condition: the hand's spring acts across this direction, or on all sides",
               [](const R& r) { return r.hold.name; }},
              {"damping_N_s_per_m", "N s/m", "b of device and hand together",
               [](const R& r) { return damping_of(r.cell); }},
@@ -46,17 +46,17 @@ Table limit_table(const LoopResults& results) {
               [](const R& r) { return r.own ? "own" : "around"; }},
              {"limit_N_per_m", "N/m",
               "the least stiffness at which the linearised loop grows, of all places of this kind and depth and all "
-              "holds; 0: at any; nothing: none below eight times b / (T (1/2 + delay))",
+              "holds; 0: at any; empty: none below eight times b / (T (1/2 + delay))",
               &R::limit},
              {"wall_N_per_m", "N/m", "K_crit of a wall with this hand, rate and delay", &R::wall},
              {"of_wall_1", "1", "limit over the wall's", [](const R& r) { return r.limit.value_or(NAN) / r.wall; }},
              {"simulated_N_per_m", "N/m",
               "the limit of the loop stepped through the surface's own force, where that was done", &R::simulated},
              {"kick_um", "um",
-              "of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that dies out at half the limit, where that was "
+              "of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that decays at half the limit, where that was "
               "stepped",
               [](const R& r) { return 1e6 * r.kick.value_or(NAN); }},
-             {"places", "1", "that were looked at", &R::places}}),
+             {"places", "1", "examined", &R::places}}),
         results.limits);
 }
 
@@ -68,7 +68,7 @@ Table swing_table(const LoopResults& results) {
     return table_of<R>(
         "loop_edges", "Probes that rest on a jump of the direction",
         place_columns<R>(
-            {{"surface", "", "what the hand is pressed into", &R::surface},
+            {{"surface", "", "pressed by the hand", &R::surface},
              {"series", "", "surface, kind and depth",
               [](const R& r) {
                   return fmt::format("{}, {}, {:.3g} mm", r.surface, name_of(r.place.kind), 1e3 * r.place.depth);
@@ -81,11 +81,11 @@ Table swing_table(const LoopResults& results) {
                   const bool slid = r.outcome.state == LoopState::stable && r.outcome.moved > 0.1 * r.place.depth;
                   return slid ? "slid aside" : word_of(r.outcome.state);
               }},
-             {"moved_um", "um", "from its place to the middle of that swing; nothing where the probe left",
+             {"moved_um", "um", "from its place to the middle of that swing; empty: the probe left",
               micro(&LoopOutcome::moved)},
              {"swing_um", "um",
-              "between the farthest positions in the last quarter of the time, along the axis of the most; nothing "
-              "where the probe left",
+              "between the farthest positions in the last quarter of the time, along the axis of the largest; empty: "
+              "the probe left",
               micro(&LoopOutcome::swing)}}),
         results.swings);
 }
@@ -93,20 +93,20 @@ Table swing_table(const LoopResults& results) {
 Table map_table(const LoopResults& results) {
     using R = MapLoop;
     return table_of<R>(
-        "loop_map", "What sampled loops come to",
+        "loop_map", "States of sampled loops",
         {{"map", "",
-          "damping: over stiffness and damping where the surface bears least; rounding: over the step of the measured "
+          "damping: over stiffness and damping at the surface's lowest limit; rounding: over the step of the measured "
           "position and friction",
           &R::map},
-         {"surface", "", "what the hand is pressed into", &R::surface},
+         {"surface", "", "pressed by the hand", &R::surface},
          {"stiffness_N_per_m", "N/m", "K of the surface", [](const R& r) { return r.cell.stiffness; }},
          {"damping_N_s_per_m", "N s/m", "b of device and hand together", [](const R& r) { return damping_of(r.cell); }},
          {"quantum_um", "um", "step of the measured position",
           [](const R& r) { return 1e6 * r.cell.hand.quantisation; }},
          {"friction_N", "N", "Coulomb friction on each axis", [](const R& r) { return r.cell.hand.coulomb; }},
          {"state", "",
-          "stable: decays or comes to rest; one quantum: goes on, but the measured position changes by one quantum at "
-          "most; limit cycle: goes on within the bound; unstable: leaves the bound",
+          "stable: decays or comes to rest; quantisation limit cycle: the measured position changes by one quantum at "
+          "most; limit cycle: stays within the bound; unstable: leaves the bound",
           [](const R& r) { return word_of(r.outcome.state); }},
          {"foreseen", "",
           "rests or grows, by the linearised loop; with rounding: rests where K <= min(2 b / T, 2 f_c / quantum)",
@@ -131,14 +131,14 @@ Table curve_table(const LoopResults& results) {
 
 Table profile_table(const LoopResults& results) {
     using R = ProfilePoint;
-    return table_of<R>("loop_profile", "The shape that the directions of the force stand for, through the box's middle",
-                       {{"surface", "", "whose", &R::surface},
+    return table_of<R>("loop_profile", "The shape integrated from the force's directions, through the box's middle",
+                       {{"surface", "", "of the shape", &R::surface},
                         {"x_mm", "mm", "across", [](const R& r) { return 1e3 * r.x; }},
                         {"z_mm", "mm", "height, 0 where the box begins", [](const R& r) { return 1e3 * r.z; }}},
                        results.profile);
 }
 
-// The worst place of each surface that somewhere bears less than a wall.
+// The worst place of each surface with a limit below a wall's.
 Table worst_table(const LoopResults& results) {
     struct R {
         std::string surface, label;
@@ -155,8 +155,8 @@ Table worst_table(const LoopResults& results) {
             rows.push_back(
                 {surface.name, fmt::format("{:.0f} N/m", *worst->limit), x, nearest ? nearest->z : 0, *worst->limit});
         }
-    return table_of<R>("loop_worst", "Where each surface bears least",
-                       {{"surface", "", "what the hand is pressed into", &R::surface},
+    return table_of<R>("loop_worst", "Place of each surface's lowest limit",
+                       {{"surface", "", "pressed by the hand", &R::surface},
                         {"label", "", "the limit", &R::label},
                         {"x_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.x; }},
                         {"z_mm", "mm", "on the shape of loop_profile", [](const R& r) { return 1e3 * r.z; }},
@@ -164,7 +164,7 @@ Table worst_table(const LoopResults& results) {
                        rows);
 }
 
-// The least of all places of a kind.
+// The minimum over all places of a kind.
 Table kind_table(const LoopResults& results) {
     std::vector<const LeastLimit*> rows;
     for (const LoopSurface& surface : results.surfaces)
@@ -173,7 +173,7 @@ Table kind_table(const LoopResults& results) {
                 rows.push_back(least);
     using R = const LeastLimit*;
     return table_of<R>("loop_kinds", "The least stiffness at which loops grow, by the kind of place",
-                       {{"surface", "", "what the hand is pressed into", [](R r) { return r->surface; }},
+                       {{"surface", "", "pressed by the hand", [](R r) { return r->surface; }},
                         {"kind", "", "of place", [](R r) { return name_of(r->place.kind); }},
                         {"limit_N_per_m", "N/m", "with the hand's own damping, rate and delay, over depths and holds",
                          [](R r) { return r->limit; }},
@@ -185,11 +185,11 @@ Table kind_table(const LoopResults& results) {
 Figure map_figure(const LoopResults& results, const std::string& map, const std::string& title, const FigureAxis& x,
                   const FigureAxis& y) {
     Figure figure =
-        make_figure("loop-" + map, title, "What each loop comes to, the hand pressed down. Lines: closed forms.",
+        make_figure("loop-" + map, title, "The state of each loop, the hand pressed down. Lines: closed forms.",
                     FigureKind::map, "loop_map", {{"map", map}}, x, y);
     figure.value = "state";
     figure.value_label = "the loop";
-    figure.value_words = {"stable", "one quantum", "limit cycle", "unstable"};
+    figure.value_words = {"stable", "quantisation limit cycle", "limit cycle", "unstable"};
     for (const std::string curve : {"K_crit", "linearised", "f_c = K quantum / 2"})
         if (const Where where{{"map", map}, {"curve", curve}}; std::ranges::any_of(
                 results.curves, [&](const MapCurvePoint& one) { return one.map == map && one.curve == curve; }))
@@ -201,23 +201,22 @@ Figure map_figure(const LoopResults& results, const std::string& map, const std:
 std::vector<Figure> figures_of(const LoopResults& results) {
     const LoopSurface& first = results.surfaces.front();
     std::vector<Figure> figures{
-        make_figure(
-            "loop-kinds", "Largest stable stiffness, by the kind of place",
-            fmt::format("With a {}: the least over all places of a kind, depths of {:.2g} to {:.2g} mm and ways of "
-                        "holding. Places where the direction jumps are in another figure.",
-                        hand_of(first), 1e3 * first.depths().front(), 1e3 * first.deepest),
-            FigureKind::bars, "loop_kinds", {}, {"surface", "surface"},
-            {"limit_N_per_m", "largest stable stiffness / (N/m)"}, "kind"),
-        make_figure(
-            "loop-places", "Where each surface bears least",
-            "Lines: the shape that the directions of the force stand for. Points: the place of the least limit, "
-            "where that is less than a wall's.",
-            FigureKind::scatter, "loop_worst", {}, {"x_mm", "x / mm"}, {"z_mm", "height / mm"}, "surface", "label")};
+        make_figure("loop-kinds", "Largest stable stiffness, by the kind of place",
+                    fmt::format("With a {}: the minimum over all places of a kind, depths of {:.2g} to {:.2g} mm and "
+                                "boundary conditions. Places where the direction jumps are in another figure.",
+                                hand_of(first), 1e3 * first.depths().front(), 1e3 * first.deepest),
+                    FigureKind::bars, "loop_kinds", {}, {"surface", "surface"},
+                    {"limit_N_per_m", "largest stable stiffness / (N/m)"}, "kind"),
+        make_figure("loop-places", "Place of each surface's lowest limit",
+                    "Lines: the shape integrated from the force's directions. Points: the place of the lowest limit, "
+                    "if below a wall's.",
+                    FigureKind::scatter, "loop_worst", {}, {"x_mm", "x / mm"}, {"z_mm", "height / mm"}, "surface",
+                    "label")};
     for (const LoopSurface& surface : results.surfaces)
         figures.back().curves.push_back({"loop_profile", {{"surface", surface.name}}, "x_mm", "z_mm", surface.name});
     if (!results.swings.empty()) {
         figures.push_back(make_figure(
-            "loop-edges", "How far a probe swings that rests on a jump of the direction",
+            "loop-edges", "Swing of a probe that rests on a jump of the direction",
             "Peak to peak over the surface's stiffness, the hand pressed down. A point that is missing: the probe left "
             "its place.",
             FigureKind::scatter, "loop_edges", {{"kind", "foot"}, {"depth_mm", Cell(1e3 * first.depths()[2]).text()}},
@@ -259,17 +258,18 @@ void add_loops(StudyData& data, const LoopResults& results) {
     data.notes = {
         fmt::format("The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's "
                     "force there; its spring acts across the direction of the hold, or on all sides. Holds along which "
-                    "the surface gives way are left out, for no probe rests there at any stiffness. The device's "
+                    "the surface gives way are left out: no probe rests there at any stiffness. The device's "
                     "largest force is left out.",
                     data.scene.empty() ? "a scene that names none" : "the scene", hand_of(results.surfaces.front())),
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
         "and the force held over a sample. At the worst place of each kind the loop is stepped through the surface's "
-        "own force, too, from a disturbance of a millionth of the depth; what larger one dies out at half the limit is "
-        "told beside it, for close to a jump of the direction little does.",
+        "own force, too, from a disturbance of a millionth of the depth; kick_um is the largest one that decays at "
+        "half "
+        "the limit, which is small close to a jump of the direction.",
         "Where the direction jumps there is no linearised loop: the hand balances the mean of both sides' forces, and "
-        "how far the probe swings is told instead.",
+        "the probe's swing is given instead.",
         "A loop of a map begins a tenth of its depth too deep and a little aside, half of it with rounding and "
-        "friction. It is unstable if it comes further than three depths from its place, stable if it decays or its "
+        "friction. It is unstable if it moves further than three depths from its place, stable if it decays or its "
         "measured position does not change any more; with rounding, the hand presses to a depth midway between two "
         "quanta, the worst case."};
 }

@@ -1,4 +1,4 @@
-// The worst that single precision does to a law: searched for where it may be worst, not sampled where it is not.
+// The worst error of single precision in a law, by a search near corners and edges, not by samples.
 #include <algorithm>
 #include <cmath>
 
@@ -56,7 +56,7 @@ class BothLaws {
 public:
     explicit BothLaws(const SearchedLaw& law) : law_(law), single_(law.prepared), twice_(law.prepared) {}
 
-    /// Nothing if the place is not as deep as a hand goes, in either precision.
+    /// Empty if the place is outside of the depths of a hand, in either precision.
     std::optional<WorstRounding> operator()(const glm::dvec3& at) {
         ++evaluations_;
         const auto one = single_.at(at, single_hint_);
@@ -74,15 +74,15 @@ public:
     std::size_t evaluations() const { return evaluations_; }
 
 private:
-    // Whether the law itself, in double, differs by so much at a place that rounding to single precision may choose:
-    // its direction has an edge there, whatever facet is met.
+    // Whether the law itself, in double, differs as much between places that rounding to single precision may choose:
+    // its direction has an edge there, on any facet.
     bool jumps_near(const glm::dvec3& at, const glm::dvec3& force, double much) {
         for (int axis = 0; axis < 3; ++axis)
             for (const double side : {-1.0, 1.0}) {
                 const double step = 0x1p-22 * std::max(std::fabs(at[axis]), kHalf);
-                glm::dvec3 beside = at;
-                beside[axis] += side * step;
-                const auto there = twice_.at(beside, twice_hint_);
+                glm::dvec3 moved = at;
+                moved[axis] += side * step;
+                const auto there = twice_.at(moved, twice_hint_);
                 const double slope = 16 * kStiff * step; // a law without edges changes less
                 if (reference::length(glm::dvec3(there.force) - force) > std::max(much, slope))
                     return true;
@@ -106,7 +106,7 @@ glm::dvec3 any_direction(Draw& draw) {
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-// A point of the surface: a corner, a point of an edge, or one within a facet, and beside it by 1 nm to 0.1 mm.
+// A point of the surface: a corner, a point of an edge, or one within a facet, moved by 1 nm to 0.1 mm.
 glm::dvec3 aimed_place(const SearchedLaw& law, Draw& draw) {
     const double depth = log_uniform(draw, kShallowest, kDeepest);
     const glm::dvec3 aside = log_uniform(draw, 1e-9, 1e-4) * any_direction(draw);
@@ -187,7 +187,7 @@ void add_worst_rounding(StudyData& data, const std::vector<WorstRounding>& found
     using R = WorstRounding;
     const auto coordinate = [](int axis) { return [axis](const R& r) { return 1e3 * r.place[axis]; }; };
     data.tables.push_back(table_of<R>(
-        "worst_rounding", "The worst that a search found of single precision against double, 0.02 to 2 mm deep",
+        "worst_rounding", "Largest errors of single precision that a search found, 0.02 to 2 mm deep",
         {{"law", "", "R = 2 a, a = 12.7 mm, K = 1000 N/m", &R::law},
          {"facet", "",
           "same: both precisions meet the same facet, away from edges of the law; another: rounding chose another "
@@ -223,7 +223,7 @@ void add_worst_rounding(StudyData& data, const std::vector<WorstRounding>& found
     if (other)
         text += fmt::format(", and by up to {:.1e} where rounding chooses the other side of an edge", other->error);
     data.figures.push_back(make_figure(
-        "worst-rounding", "The worst of single precision against double, law by law",
+        "worst-rounding", "Largest error of single precision that a search found, law by law",
         "Largest difference of the forces that a search found, over the largest force. Where rounding chooses another "
         "facet of a tie, a law whose direction jumps from facet to facet jumps with it.",
         FigureKind::bars, "worst_rounding", {}, {"law", "law"},
@@ -231,7 +231,7 @@ void add_worst_rounding(StudyData& data, const std::vector<WorstRounding>& found
     data.findings.push_back({"worst_rounding", text + ".", "worst-rounding",
                              same->law + (other ? "; " + other->law : std::string()),
                              "R = 2 a, probe 0.02 to 2 mm deep, static evaluation",
-                             fmt::format("the worst of {} evaluations of {} laws: a search, no bound", evaluations,
+                             fmt::format("the worst of {} evaluations of {} laws: a search, not a bound", evaluations,
                                          std::ranges::count(found, true, &WorstRounding::same_facet))});
 }
 

@@ -1,4 +1,4 @@
-#include "host/study/error_time/ways.h"
+#include "host/study/error_time/methods.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,12 +16,12 @@ namespace forceshade::study::error_time {
 namespace {
 
 constexpr std::size_t kTimedPlaces = 2048;
-constexpr std::size_t kGridPlaces = 2000; // of a grid, at which it is held against the truth
+constexpr std::size_t kGridPlaces = 2000; // of a grid, at which it is compared with the truth
 constexpr double kShortest = 1e-3;        // s: of a measurement
 
 template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
 
-// What is made when it is first wanted, and then kept.
+// Makes a value on first use, and keeps it.
 template <typename Make> auto lazily(Make make) {
     auto kept = std::make_shared<std::optional<decltype(make())>>();
     return [ kept, make ]() -> auto& {
@@ -31,8 +31,8 @@ template <typename Make> auto lazily(Make make) {
     };
 }
 
-// Measures the seconds of one of `count` evaluations that pass() does, by as many passes as take a millisecond or more.
-// What pass() returns is used, so that nothing is left out.
+// Measures the seconds of one of the `count` evaluations of pass(), by as many passes as take a millisecond or more.
+// The result of pass() is used, so that the compiler removes no part of it.
 template <typename Pass> std::function<double()> timed(std::size_t count, Pass pass) {
     return [count, pass, passes = std::size_t(0), sink = 0.0]() mutable {
         const auto run = [&](std::size_t times) {
@@ -52,7 +52,7 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
     };
 }
 
-// A look-up volume, made when it is first wanted, as a law.
+// A look-up volume, made on first use, as a law.
 template <typename Volume> struct LookUp {
     Volume& volume;
     bool cubic;
@@ -96,20 +96,20 @@ TouchedVoxels touched_voxels(const Subject& subject, const FieldTables<T>& table
     return some;
 }
 
-// Adds the ways of a law.
-class WaysOf {
+// Adds the methods of a law.
+class MethodBuilder {
     template <typename T> auto direct_law() const {
         return [&prepared = *variant_.prepared] { return std::make_unique<DirectLaw<T>>(prepared); };
     }
 
-    // By a law that is made anew.
+    // By a new instance of a law.
     template <typename Make> static ForcesAt forces_of(Make make) {
         return [make](std::span<const Place> at) { return forces_by(*make(), at); };
     }
 
 public:
-    WaysOf(std::vector<Way>& ways, const Subject& subject, const Variant& variant)
-        : ways_(ways), subject_(subject), variant_(variant) {}
+    MethodBuilder(std::vector<Method>& methods, const Subject& subject, const Variant& variant)
+        : methods_(methods), subject_(subject), variant_(variant) {}
 
     void add_direct() {
         add_laws("direct", 1, [&]<typename T>(T) { return direct_law<T>(); });
@@ -138,7 +138,7 @@ public:
     }
 
     template <typename T> void add_field(const std::string& by, Engine& engine) {
-        Way& way = add(Use::volume, "field, " + by, kPrecision<T>);
+        Method& method = add(Use::volume, "field, " + by, kPrecision<T>);
         const auto tables = lazily([this_subject = &subject_, &prepared = *variant_.prepared] {
             Scene scene = prepared.one.scene;
             scene.grid = this_subject->grid;
@@ -147,11 +147,11 @@ public:
         });
         const auto touched = lazily(
             [this_subject = &subject_, tables, &engine] { return touched_voxels<T>(*this_subject, tables(), engine); });
-        way.places = [touched] { return touched().at; };
-        way.forces = [touched](std::span<const Place>) { return touched().forces; };
-        way.seconds = [tables, &engine] {
+        method.places = [touched] { return touched().at; };
+        method.forces = [touched](std::span<const Place>) { return touched().forces; };
+        method.seconds = [tables, &engine] {
             const auto voxels = static_cast<double>(tables().x.size() * tables().y.size() * tables().z.size());
-            // A small grid is over in a millisecond, of which one says little: the median of three.
+            // A small grid takes about a millisecond, too short for one measurement: the median of three.
             double seconds[3];
             for (double& one : seconds) {
                 const EngineTimes times = engine.evaluate<T>(tables().input(), [](const auto&) {});
@@ -162,8 +162,8 @@ public:
         };
     }
 
-    // Steps of a hand that presses a probe along the surface. Where the probe is then depends on all forces before: a
-    // step has a time, and no error of its own.
+    // Steps of a hand that presses a probe along the surface. The probe's position depends on all forces before: a step
+    // has a time, and no error of its own.
     template <typename T> void add_closed_loop(const std::string& by, Engine& engine) {
         const auto paths =
             lazily([&prepared = *variant_.prepared] { return std::make_unique<ScenePaths<T>>(prepared); });
@@ -177,16 +177,16 @@ public:
     }
 
 private:
-    Way& add(Use use, const std::string& family, const std::string& precision) {
-        Way way;
-        way.name = fmt::format("{}, {}: {} {}", subject_.name, variant_.name, family, precision);
-        way.subject = &subject_;
-        way.variant = &variant_;
-        way.use = use;
-        way.family = family;
-        way.precision = precision;
-        way.exact = forces_of(direct_law<double>());
-        return ways_.emplace_back(std::move(way));
+    Method& add(Use use, const std::string& family, const std::string& precision) {
+        Method method;
+        method.name = fmt::format("{}, {}: {} {}", subject_.name, variant_.name, family, precision);
+        method.subject = &subject_;
+        method.variant = &variant_;
+        method.use = use;
+        method.family = family;
+        method.precision = precision;
+        method.exact = forces_of(direct_law<double>());
+        return methods_.emplace_back(std::move(method));
     }
 
     // A law in both precisions; `updates` a place.
@@ -196,8 +196,8 @@ private:
         set_law(add(Use::live, family, "f32"), updates, make_of(0.0F)).exact = exact;
     }
 
-    template <typename Make> Way& set_law(Way& way, std::size_t updates, Make make) const {
-        way.forces = forces_of(make);
+    template <typename Make> Method& set_law(Method& method, std::size_t updates, Make make) const {
+        method.forces = forces_of(make);
         const std::span<const Place> places =
             std::span(subject_.places).first(std::min(kTimedPlaces, subject_.places.size()));
         const auto loop = lazily([make, places] {
@@ -207,7 +207,7 @@ private:
                 inputs.push_back(law->input(place));
             return std::pair(std::move(law), std::move(inputs));
         });
-        way.seconds = timed(updates * places.size(), [loop] {
+        method.seconds = timed(updates * places.size(), [loop] {
             auto& [law, inputs] = loop();
             double sum = 0;
             for (const auto& input : inputs) {
@@ -216,22 +216,22 @@ private:
             }
             return sum;
         });
-        return way;
+        return method;
     }
 
     template <typename Volume>
     void add_lookup(const Volume& volume, bool cubic, const GridSpec& grid, std::size_t stored) {
         const bool halves = stored == sizeof(half);
-        Way& way =
+        Method& method =
             add(Use::live, cubic ? "look-up, tricubic" : "look-up, trilinear", halves ? "f32, half stored" : "f32");
-        way.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, way.family,
-                               grid.spacing[0] * 1e3, halves ? ", half stored" : "");
-        way.spacing = grid.spacing[0];
-        way.bytes = static_cast<double>(3 * stored * grid.size[0] * grid.size[1] * grid.size[2]);
-        set_law(way, 1, [volume, cubic] { return std::make_unique<LookUp<decltype(volume())>>(volume(), cubic); });
+        method.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, method.family,
+                                  grid.spacing[0] * 1e3, halves ? ", half stored" : "");
+        method.spacing = grid.spacing[0];
+        method.bytes = static_cast<double>(3 * stored * grid.size[0] * grid.size[1] * grid.size[2]);
+        set_law(method, 1, [volume, cubic] { return std::make_unique<LookUp<decltype(volume())>>(volume(), cubic); });
     }
 
-    std::vector<Way>& ways_;
+    std::vector<Method>& methods_;
     const Subject& subject_;
     const Variant& variant_;
 };
@@ -263,11 +263,11 @@ const char* name_of(Use use) {
     return kNames[static_cast<std::size_t>(use)];
 }
 
-void add_ways(std::vector<Way>& ways, const Subject& subject, Engine& engine, Engine& alone) {
+void add_methods(std::vector<Method>& methods, const Subject& subject, Engine& engine, Engine& single_thread) {
     const EngineReport report = engine.report();
     const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores", by_one = "CPU on one thread";
     for (const Variant& variant : subject.variants) {
-        WaysOf law(ways, subject, variant);
+        MethodBuilder law(methods, subject, variant);
         law.add_direct();
         if (variant.prepared->images.mesh)
             law.add_god_object();
@@ -277,13 +277,13 @@ void add_ways(std::vector<Way>& ways, const Subject& subject, Engine& engine, En
         law.add_field<float>(by, engine);
         if (report.f64)
             law.add_field<double>(by, engine);
-        law.add_field<float>(by_one, alone);
-        law.add_field<double>(by_one, alone);
+        law.add_field<float>(by_one, single_thread);
+        law.add_field<double>(by_one, single_thread);
         law.add_closed_loop<float>(by, engine);
         if (report.f64)
             law.add_closed_loop<double>(by, engine);
-        law.add_closed_loop<float>(by_one, alone);
-        law.add_closed_loop<double>(by_one, alone);
+        law.add_closed_loop<float>(by_one, single_thread);
+        law.add_closed_loop<double>(by_one, single_thread);
     }
 }
 

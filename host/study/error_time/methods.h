@@ -1,4 +1,4 @@
-// A way of coming by a force: a law, and how it is evaluated.
+// A method of computing a force: a law, and its evaluation.
 #pragma once
 
 #include <functional>
@@ -12,14 +12,14 @@
 
 namespace forceshade::study::error_time {
 
-/// What a way is for. live: one place after the other on one thread; volume: whole grids; loop: steps with a hand.
+/// The use of a method. live: one place after the other on one thread; volume: whole grids; loop: steps with a hand.
 enum class Use { live, volume, loop };
 const char* name_of(Use use);
 
 /// N, at places.
 using ForcesAt = std::function<std::vector<glm::dvec3>(std::span<const Place>)>;
 
-struct Way {
+struct Method {
     std::string name; /* unique: "bump, 64 facets, reference: direct f64" */
     const Subject* subject = nullptr;
     const Variant* variant = nullptr;
@@ -28,15 +28,15 @@ struct Way {
     std::string precision;                /* "f64", "f32", "f32, half stored" */
     std::optional<double> spacing, bytes; /* m, B: of a look-up's volume */
     ForcesAt forces;                      /* empty: has no errors of its own */
-    ForcesAt exact;                       /* the same law in double: what precision is held against */
-    /// The places at which it has forces, where it cannot have any; empty: any.
+    ForcesAt exact;                       /* the same law in double: the reference for precision */
+    /// The places at which it has forces, if not any; empty: any.
     std::function<std::vector<Place>()> places;
     /// s of an evaluation, measured now.
     std::function<double()> seconds;
 };
 
-/// All ways of all laws of a subject, in a fixed order. `subject` and the engines must outlive them; `alone` is the
-/// oracle on one thread.
-void add_ways(std::vector<Way>& ways, const Subject& subject, Engine& engine, Engine& alone);
+/// All methods of all laws of a subject, in a fixed order. `subject` and the engines must outlive them; `single_thread`
+/// is the oracle on one thread.
+void add_methods(std::vector<Method>& methods, const Subject& subject, Engine& engine, Engine& single_thread);
 
 } // namespace forceshade::study::error_time
