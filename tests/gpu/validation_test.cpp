@@ -14,8 +14,8 @@ protected:
     void SetUp() override {
         if (!test::has_validation_layer())
             GTEST_SKIP() << "the package vulkan-validationlayers is not installed";
-        test::choose_break(test::Break::none);
     }
+    void TearDown() override { test::choose_break(test::Break::none); }
 
     template <typename T> static void evaluate(compute::FieldKernel& kernel, const PreparedCase& prepared) {
         const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::everything);
