@@ -155,7 +155,7 @@ TEST(UdpSender, to_where_nothing_can_be_sent_is_refused_at_once) {
         UdpSender({"255.255.255.255", 5005}, 1000);
         ADD_FAILURE() << "a broadcast";
     } catch (const IoError& error) {
-        EXPECT_NE(std::string(error.what()).find("--send udp:255.255.255.255:5005: nothing can be sent there"),
+        EXPECT_NE(std::string(error.what()).find("--send udp:255.255.255.255:5005: cannot send there"),
                   std::string::npos)
             << error.what();
     }

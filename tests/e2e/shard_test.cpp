@@ -215,7 +215,7 @@ TEST_F(Shards, from_slurms_variables_that_leave_the_part_open_are_refused) {
           Array{"-1", "3", "1", "3"}, Array{"1", "", "1", "3"}, Array{"3", "2", "3", "5"}, Array{"5", "1", "5", "5"},
           Array{"1", "1", "1", "1"}, Array{"10", "3", "10", "14"}, Array{"1", "2", "1", "3"}})
         expect_failure(2, in_array(part("out", {"--shard", "slurm"}), id, count, first, last), {"--shard slurm"});
-    expect_failure(2, part("out", {"--shard", "slurm"}), {"--shard slurm", "no task"});
+    expect_failure(2, part("out", {"--shard", "slurm"}), {"--shard slurm", "not a task"});
 }
 
 // Jobs inherit the variables of those that submit them, and each task may be meant to do a study of its own.

@@ -361,12 +361,13 @@ Ground mesh_of(const PolygonSoup& polygons, Shading shading, const Maps& maps) {
     scene.surface.mesh.inside = maps.inside;
     scene.force.shading = shading;
     scene.output.channels = kAllChannels;
-    scene.field = false; // the row gives the grid
+    scene.field = false;
     return ground;
 }
 
 template <typename T> FieldTables<T> tables_of(const Ground& ground, const MeshGrid& grid) {
-    FieldTables<T> tables = make_tables<T>(ground.prepared.one.scene, ground.prepared.images, Extent::everything);
+    const Extent extent = ground.prepared.images.mesh ? Extent::nothing : Extent::everything; // the row gives a mesh's
+    FieldTables<T> tables = make_tables<T>(ground.prepared.one.scene, ground.prepared.images, extent);
     if (!tables.mesh)
         return tables;
     std::vector<T>* const axes[] = {&tables.x, &tables.y, &tables.z};

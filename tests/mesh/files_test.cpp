@@ -149,7 +149,7 @@ TEST_F(MeshFiles, PlyRefusals) {
              {begin + end + "3 0 1 2\n3 0 1 2\n", "goes on"},
              {begin + end, "breaks off"},
              {begin + end + "999999999 0\n", "cannot hold"},
-             {begin + "property quad z\n", "no type"},
+             {begin + "property quad z\n", "is not a PLY type"},
              {begin + "element face 1\nproperty list float int vertex_indices\n", "integer"},
              {begin + "end_header\n0 0\n0 0\n0 0\n", "x, y and z"},
              {"ply\nformat ascii 1.0\n", "within its header"},

@@ -102,12 +102,12 @@ TEST_F(PathFile, holds_finite_numbers_only) {
     expect(row("1,0,1e-400,0,0\n"), ":3:5: x: ", {"beyond double precision", "4.9e-324"});
     expect(row("1,0,1e300,0,0\n"), ":3:5: x: ", {"1e+300", "too far away", "1e+15 m"});
     expect(row("1,0,0,-2e15,0\n"), ":3:7: y: ", {"-2000000000000000 m is too far away"});
-    expect(row("1,0,0x10,0,0\n"), ":3:5: x: ", {"no number"});
-    expect(row("1,0,1mm,0,0\n"), ":3:5: x: ", {"\"1mm\"", "no number", "metres"});
-    expect(row("1,0,+-1,0,0\n"), ":3:5: x: ", {"no number"});
-    expect(row("1,0,-,0,0\n"), ":3:5: x: ", {"no number"});
-    expect(row("1,0,1 2,0,0\n"), ":3:5: x: ", {"no number"});
-    expect(row("1,0,\"0,5\",0,0\n"), ":3:5: x: ", {"\"0,5\"", "no number"});
+    expect(row("1,0,0x10,0,0\n"), ":3:5: x: ", {"not a number"});
+    expect(row("1,0,1mm,0,0\n"), ":3:5: x: ", {"\"1mm\"", "not a number", "metres"});
+    expect(row("1,0,+-1,0,0\n"), ":3:5: x: ", {"not a number"});
+    expect(row("1,0,-,0,0\n"), ":3:5: x: ", {"not a number"});
+    expect(row("1,0,1 2,0,0\n"), ":3:5: x: ", {"not a number"});
+    expect(row("1,0,\"0,5\",0,0\n"), ":3:5: x: ", {"\"0,5\"", "not a number"});
     expect(row(std::string("1,0,\x1B[31m,0,0\n")), ":3:5: x: ", {"\"?[31m\""});
     expect(row("1,0," + std::string(100, 'a') + ",0,0\n"), ":3:5: x: ", {std::string(40, 'a') + "...\""});
 }
@@ -118,7 +118,7 @@ TEST_F(PathFile, numbers_its_paths) {
     expect(row("1e300,0,0,0,0\n"), ":3:1: path: ", {"too large"});
     expect(row("18446744073709551616,0,0,0,0\n"), ":3:1: path: ", {"too large"});
     expect(row(",0,0,0,0\n"), ":3:1: path: ", {"empty"});
-    expect(row("a,0,0,0,0\n"), ":3:1: path: ", {"no number", "whole number"});
+    expect(row("a,0,0,0,0\n"), ":3:1: path: ", {"not a number", "whole number"});
     expect(row("nan,0,0,0,0\n"), ":3:1: path: ", {"not finite"});
 }
 
