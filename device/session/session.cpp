@@ -150,9 +150,10 @@ SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, 
 
 void check_button(const char* flag, unsigned button, const DeviceFacts& facts) {
     if (button > facts.buttons)
-        throw UsageError(
-            fmt::format("{} {}: {} reports {}", flag, button, facts.name,
-                        facts.buttons == 0 ? "no buttons" : fmt::format("{} buttons at most", facts.buttons)));
+        throw UsageError(fmt::format(
+            "{} {}: {} reports {}", flag, button, facts.name,
+            facts.buttons == 0 ? "no buttons"
+                               : fmt::format("at most {} button{}", facts.buttons, facts.buttons == 1 ? "" : "s")));
 }
 
 class Session {

@@ -69,7 +69,7 @@ TEST_F(DeviceChecks, PassASoundDevice) {
     const DeviceCheck checked = check(with_a_press(2));
     EXPECT_TRUE(checked.passed()) << check_text(checked);
     expect_step(checked, "axes", CheckResult::passed, {"+x 1.0 mm", "-z 1.0 mm"});
-    expect_step(checked, "watchdog", CheckResult::passed, {"went back from 1.0 mm to 0.0 mm"});
+    expect_step(checked, "watchdog", CheckResult::passed, {"moved back from 1.0 mm to 0.0 mm"});
     expect_step(checked, "button", CheckResult::passed, {"button 2"});
     EXPECT_EQ(stub_.force(), glm::dvec3(0));
     const auto json = check_json(checked);
@@ -87,7 +87,7 @@ TEST_F(DeviceChecks, FailAnInvertedAxisAndTheRefusalOfAWatchdog) {
     EXPECT_FALSE(checked.passed());
     expect_step(checked, "calibration", CheckResult::passed);
     expect_step(checked, "rest", CheckResult::passed);
-    expect_step(checked, "axes", CheckResult::failed, {"pushed along +z it went 1.0 mm along -z", "inverted"});
+    expect_step(checked, "axes", CheckResult::failed, {"pushed along +z it moved 1.0 mm along -z", "inverted"});
     expect_step(checked, "watchdog", CheckResult::failed, {"refuses a watchdog"});
     expect_step(checked, "workspace", CheckResult::failed, {"the scene needs x -15 to 15", "--origin"});
     expect_step(checked, "button", CheckResult::absent, {"says the person who holds it"});
@@ -97,7 +97,7 @@ TEST_F(DeviceChecks, FailAnInvertedAxisAndTheRefusalOfAWatchdog) {
 TEST_F(DeviceChecks, FailAxesThatAreSwapped) {
     stub_.hand(2);
     const DeviceCheck checked = check(with_a_press(1));
-    expect_step(checked, "axes", CheckResult::failed, {"pushed along +x it went 1.0 mm along -y", "--rotate"});
+    expect_step(checked, "axes", CheckResult::failed, {"pushed along +x it moved 1.0 mm along -y", "--rotate"});
     expect_step(checked, "watchdog", CheckResult::passed);
 }
 

@@ -35,7 +35,7 @@ TEST_F(LiveMisuse, of_devices) {
     expect_refused(on("replay:."), {"regular file"}, 4);
     expect_refused(on("dhd:first"), {"dhd:first", "whole number"}, 2);
     expect_refused(fast({"--dead-man", "1"}), {"--dead-man 1", "no buttons"});
-    expect_refused(fast({"--device", "sim:1@0 s..1 s", "--clutch", "2"}), {"--clutch 2", "1 at most"});
+    expect_refused(fast({"--device", "sim:1@0 s..1 s", "--clutch", "2"}), {"--clutch 2", "at most 1 button"});
     expect_refused(fast({"--device", "sim:1@0 s..1 s", "--clutch", "1", "--dead-man", "1"}), {"cannot be both"});
     expect_refused(fast({"--rotate", "z90"}), {"--rotate", "an axis of the device and an angle"});
     expect_refused(fast({"--rotate", "z 90 mm"}), {"--rotate", "angle"});

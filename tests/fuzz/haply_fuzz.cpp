@@ -84,16 +84,16 @@ void check_messages(const std::string& message) {
         require(std::abs(state.position.x) <= kReach && std::abs(state.position.y) <= kReach &&
                     std::abs(state.position.z) <= kReach,
                 "a place out of reach");
-        require((state.readiness.unmet & ~state.readiness.told) == 0, "what was not told is not met");
+        require((state.readiness.unmet & ~state.readiness.known) == 0, "what is not known is not met");
         require(state.buttons < 8, "there are three buttons");
-        if (state.readiness.told != 0) {
+        if (state.readiness.known != 0) {
             const auto entries = nlohmann::json::parse(message).at("inverse3");
             const auto is_asked_for = [&](const nlohmann::json& entry) {
                 return entry.is_object() && (id.empty() || entry.value("device_id", nlohmann::json()) == id);
             };
             const auto entry = std::ranges::find_if(entries, is_asked_for);
             require(entry != entries.end(), "a device that is not there is ready");
-            require(id.empty() || conditions_in(*entry) == std::pair(std::popcount(state.readiness.told),
+            require(id.empty() || conditions_in(*entry) == std::pair(std::popcount(state.readiness.known),
                                                                      std::popcount(state.readiness.unmet)),
                     "other conditions are met");
         }
