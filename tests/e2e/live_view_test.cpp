@@ -60,7 +60,7 @@ TEST_F(LiveView, shows_the_force_over_time_and_place_and_how_the_run_ended) {
     EXPECT_NE(browser.text(kPictures), before) << "it scrolls";
     ASSERT_TRUE(is_in(browser, "ended"));
     EXPECT_EQ(browser.text("document.getElementById('state').textContent"),
-              "The run has ended: after the time that was asked for");
+              "The run has ended: after the requested time");
     expect_undisturbed(process->wait(), 6000);
 
     // What stays is what was felt.
