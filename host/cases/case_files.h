@@ -13,7 +13,7 @@
 
 namespace forceshade {
 
-/// What is written beside the EXR.
+/// The files that a case leaves in addition to its EXR.
 struct AlsoFormats {
     bool vti = false, vtp = false, npy = false;
     picture::Endings pictures{};
@@ -30,7 +30,7 @@ std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormat
 /// Where the paths of such a case go: STEM.paths.exr, STEM.paths.csv and what else is asked for.
 PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads);
 
-/// What the EXR of a case's field or paths tells and how it is written; `written`: the part of the scene that it holds.
+/// Attributes and compression of the EXR of a case's field or paths; `written`: the part of the scene that it holds.
 void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads);
 
 /// The record of a case without what is computed.

@@ -16,7 +16,7 @@ struct CaseJob {
     PreparedCase prepared;
     std::filesystem::path volume; /* .exr path */
     std::string fingerprint;
-    AlsoFormats also{};       /* written beside the volume */
+    AlsoFormats also{};       /* in the folder of the volume */
     PictureChoice pictures{}; /* of the field */
 };
 

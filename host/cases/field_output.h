@@ -21,7 +21,7 @@ struct PictureChoice {
 
 class FieldOutput {
 public:
-    /// Files go to `volume` (an .exr path) and beside it. `threads`: that compress this case's volume, 0 for the
+    /// Files go to `volume` (an .exr path) and its folder. `threads`: that compress this case's volume, 0 for the
     /// calling one alone. `exact_bits`: as in OracleCheck.
     FieldOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also,
                 const PictureChoice& pictures, int threads, bool exact_bits);

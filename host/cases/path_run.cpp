@@ -174,7 +174,7 @@ private:
         return computed;
     }
 
-    std::filesystem::path beside(const std::string& kind) const { return options_.stem.string() + kind; }
+    std::filesystem::path with_stem(const std::string& kind) const { return options_.stem.string() + kind; }
 
     void open_files() {
         const Scene& scene = prepared_.one.scene;
@@ -183,17 +183,17 @@ private:
                                              ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(
                                                    options_.samples, labels(), origin_, scene.compare.has_value()))
                                              : std::make_unique<PathVolumeWriter>(options_.samples, header()));
-        summary_.emplace(beside(".paths.csv"), scene.precision);
+        summary_.emplace(with_stem(".paths.csv"), scene.precision);
         if (options_.npy)
             for (const layout::uint channel : kPathChannels)
                 if (written_ & channel) {
                     const std::filesystem::path file =
-                        beside(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
+                        with_stem(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
                     sinks_.add(file, std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel,
                                                                      scene.precision, origin_));
                 }
         if (options_.vtp) {
-            const std::filesystem::path file = beside(options_.label + ".vtp");
+            const std::filesystem::path file = with_stem(options_.label + ".vtp");
             sinks_.add(file, std::make_unique<PathVtpWriter>(
                                  file,
                                  PathVtpHeader{input.paths, total_, (written_ & layout::kChannelProxy) != 0,
@@ -338,7 +338,7 @@ private:
         }
         if (!options_.samples.empty())
             sinks_.finish_first(record_);
-        add_file(record_, beside(".paths.csv").filename().string(), summary_->finish());
+        add_file(record_, with_stem(".paths.csv").filename().string(), summary_->finish());
         sinks_.finish_others(record_);
         if (collector_)
             add_picture();
@@ -353,7 +353,7 @@ private:
                                      file_ ? "recorded paths" : picture::paths_title(*prepared_.one.scene.paths));
         const picture::Picture drawn =
             collector_->draw(look, surface_lines(prepared_, {reach.from - border, reach.to + border, reach.y}));
-        std::ranges::move(picture::write_picture(beside(".paths"), options_.pictures, drawn),
+        std::ranges::move(picture::write_picture(with_stem(".paths"), options_.pictures, drawn),
                           std::back_inserter(record_.files));
     }
 
