@@ -32,8 +32,8 @@ template <typename T> struct OwnedChunk {
         view.unshaded = unshaded;
         view.facet = facet;
     }
-    OwnedChunk(OwnedChunk&&) = default; // the vectors' memory stays where it is
-    OwnedChunk& operator=(OwnedChunk&&) = default;
+    OwnedChunk(OwnedChunk&&) noexcept = default; // the vectors' memory stays where it is
+    OwnedChunk& operator=(OwnedChunk&&) noexcept = default;
 
     std::size_t bytes() const {
         return (force.size() + depth.size() + proxy.size() + unshaded.size()) * sizeof(T) +

@@ -46,7 +46,7 @@ private:
     using Named = std::pair<std::string, std::unique_ptr<Sink>>;
 
     template <typename Record> static VolumeResult finish(Named& one, Record& record) {
-        const VolumeResult result = one.second->finish();
+        VolumeResult result = one.second->finish();
         add_file(record, one.first, result);
         return result;
     }
