@@ -295,6 +295,8 @@ std::string report_text(const LiveOutcome& outcome) {
                                      counted(counts.waiting, "tick")));
     lines.add("safety", events_text(counts));
     add_limits(lines, outcome);
+    if (!outcome.stability.empty())
+        lines.add("stability", outcome.stability);
     lines.add("largest", extremes_text(counts));
     lines.add("energy", energy_text(counts));
     add_log(lines, outcome);
@@ -335,6 +337,7 @@ nlohmann::ordered_json report_json(const LiveOutcome& outcome) {
               {"largest_energy_J", number(counts.largest_energy)},
               {"damped_J", number(counts.damped)},
               {"limits", limits_json(outcome)},
+              {"stability", text(outcome.stability)},
               {"permissions", permissions_json(outcome.permissions)}};
     json["log"] = {{"file", outcome.log.empty() ? Json(nullptr) : text(outcome.log)},
                    {"samples", outcome.logged},

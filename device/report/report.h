@@ -37,6 +37,7 @@ struct LiveOutcome {
     LoopCounts counts;
     Permissions permissions;
     std::vector<std::pair<std::string, std::string>> limits; // of safety, as text with units: ("max_force", "3 N")
+    std::string stability;                                   // SceneLimits::text of the last scene
     std::string log;                                         // file name; empty: none was asked for
     std::uint64_t logged = 0;                                // samples in it
     std::string sent_to;                                     // "udp:127.0.0.1:5005"; empty: nowhere

@@ -181,6 +181,7 @@ private:
         add("axes", may_push() ? axes() : not_pushed());
         add("watchdog", may_push() ? watchdog() : not_pushed());
         add("workspace", workspace());
+        add("stability", stability());
         add("button", button());
     }
 
@@ -251,6 +252,13 @@ private:
             ++count;
         }
         return count > 0 ? sum / (count * opened_.settings.mapping.scale) : sum;
+    }
+
+    CheckStep stability() const {
+        const SceneLimits limits = limits_on(opened_, scene_);
+        return limits.stable() ? passed(limits.text())
+                               : failed(limits.text(), "lower force.stiffness, or --rate a faster loop; [hand] is what "
+                                                       "the limit was computed for");
     }
 
     CheckStep calibration() {

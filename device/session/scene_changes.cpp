@@ -60,31 +60,28 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
         return std::nullopt;
     last_ = present;
     std::unique_ptr<ProbeLaw> law;
-    std::string toml;
-    bool moves_otherwise = false;
+    PreparedCase prepared;
     try {
-        PreparedCase prepared = read_again();
-        const Scene& scene = prepared.one.scene;
-        moves_otherwise = scene.paths != first_.paths || scene.hand != first_.hand;
-        toml = prepared.scene;
+        prepared = read_again();
         law = make_probe_law(prepared);
     } catch (const std::exception& error) {
-        return Message{fmt::format("the scene stays as it was: {}", error.what()), true};
+        return Message{fmt::format("the scene stays as it was: {}", error.what()), true, {}};
     }
+    const Scene& scene = prepared.one.scene;
     const std::optional<std::uint32_t> path = hand_over(loop, std::move(law));
     if (!path) // the loop has ended, or is stuck
         return std::nullopt;
-    used_.push_back({*path, toml, sha256_of(toml)});
+    used_.push_back({*path, prepared.scene, sha256_of(prepared.scene)});
     std::string text = fmt::format("{} was read again, path {} from {:.3f} s on", file_.filename().string(), *path,
                                    loop.status().seconds.load());
-    if (moves_otherwise && has_hand_)
+    if (has_hand_ && (scene.paths != first_.paths || scene.hand != first_.hand))
         text += "; [paths] and [hand] stay as they were at the start";
     try {
         text += keep(used_.back());
     } catch (const IoError& error) { // not a reason to stop a loop
         text += fmt::format("; {}", error.what());
     }
-    return Message{text, false};
+    return Message{text, false, std::move(prepared)};
 }
 
 std::string SceneChanges::keep(const UsedScene& scene) const {

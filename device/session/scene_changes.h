@@ -29,6 +29,7 @@ public:
     struct Message {
         std::string text;
         bool refused = false;
+        std::optional<PreparedCase> used; // that the loop uses from now on
     };
 
     /// Checks the file now and then, hands a change over to the loop and keeps it; returns a message for the user, if

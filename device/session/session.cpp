@@ -164,6 +164,7 @@ public:
           scenes_(options.scene, options.read, prepared_, kept_stem(), is_sim(options.device)) {
         for (const std::string& warning : opened_.warnings)
             warn(warning);
+        look_at_stability(prepared_);
         if (const std::string manner = manner_text(opened_.settings); !manner.empty())
             line_.say(manner);
         const std::vector<SampleRing*> others = start_readers();
@@ -235,11 +236,21 @@ private:
     void warn(const std::string& text) { say(text, "warning: "); }
     void warn_now(const std::string& text) { warn(fmt::format("{:.3f} s: {}", loop_->status().seconds.load(), text)); }
 
+    void look_at_stability(const PreparedCase& prepared) {
+        const SceneLimits limits = limits_on(opened_, prepared);
+        stability_ = limits.text();
+        if (const std::string warning = limits.warning(); !warning.empty())
+            warn(warning);
+    }
+
     void look_at_scene() {
         if (!options_.watch)
             return;
-        if (const std::optional<SceneChanges::Message> message = scenes_.look(*loop_))
+        if (const std::optional<SceneChanges::Message> message = scenes_.look(*loop_)) {
             say(message->text, message->refused ? "warning: " : "");
+            if (message->used)
+                look_at_stability(*message->used);
+        }
     }
 
     // Reports when the device fails or displays no force, why, and when that ends.
@@ -313,6 +324,7 @@ private:
         outcome.mapping = opened_.settings.mapping;
         outcome.manner = manner_text(opened_.settings);
         outcome.limits = limits_as_text(opened_.settings.limits);
+        outcome.stability = stability_;
         const std::uint64_t paths = outcome.counts.paths, again = paths - std::min(paths, outcome.scenes.size());
         if (again > 0 && is_sim(options_.device))
             remarks_.push_back(fmt::format("the simulated hand lost its path {} and began again: it left paths.bound, "
@@ -332,6 +344,7 @@ private:
     const SessionOptions& options_;
     StatusLine line_;
     std::vector<std::string> remarks_;
+    std::string stability_;
     PreparedCase prepared_;
     OpenDevice opened_;
     SceneChanges scenes_;
@@ -379,6 +392,13 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
     settings.limits = limits_of(options, opened.facts, opened.warnings);
     settings.samples = samples_in(options.duration, settings.rate);
     return opened;
+}
+
+SceneLimits limits_on(const OpenDevice& opened, const PreparedCase& prepared) {
+    const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
+    const bool presses = opened.facts.simulated && paths && paths->drive == PathDrive::press;
+    return scene_limits(prepared, opened.settings.rate, presses ? paths->press : opened.settings.limits.max_force,
+                        opened.settings.mapping.scale);
 }
 
 std::string manner_text(const LoopSettings& settings) {

@@ -14,6 +14,7 @@
 #include "device/report/report.h"
 #include "device/session/udp_sender.h"
 #include "host/field/prepared_case.h"
+#include "host/limits/limits.h"
 
 namespace forceshade::device {
 
@@ -62,6 +63,9 @@ struct OpenDevice {
 /// Opens the device that the options name, for a scene; rate, mapping and limits from the options. \throws UsageError,
 /// IoError, DeviceAbsent.
 OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prepared);
+
+/// Whether the scene is stable on the device: pressed as hard as the device displays, a simulated hand as it presses.
+SceneLimits limits_on(const OpenDevice& opened, const PreparedCase& prepared);
 
 /// The mapping and the functions of the buttons, for the user; one line.
 std::string manner_text(const LoopSettings& settings);

@@ -11,6 +11,7 @@
 #include "host/error.h"
 #include "host/field/comparison.h"
 #include "host/field/prepared_case.h"
+#include "host/limits/limits.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/paths/explore.h"
@@ -257,6 +258,9 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
                                      arguments.scene));
     if (prepared.images.mesh)
         print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
+    if (scene.paths && scene.paths->closed())
+        if (const std::string warning = scene_limits(prepared).warning(); !warning.empty())
+            print_warnings({warning}, common);
     device_options(common, false); // refuses --gpu with --engine cpu
     if (is_streamed(arguments, common, scene, recorded))
         return stream(arguments, common, prepared, recorded);

@@ -7,7 +7,7 @@
 #include <nlopt.hpp>
 
 #include "host/error.h"
-#include "host/experiment/random.h"
+#include "host/random.h"
 
 namespace forceshade::experiment {
 namespace {

@@ -69,6 +69,7 @@ public:
         require_check(options.check);
         for (const std::string& warning : opened_.warnings)
             print_note("warning: {}\n", warning);
+        warn_of_instability();
         if (!manner_.empty())
             print_note("{}\n", manner_);
         loop_.suspend(true);
@@ -151,6 +152,28 @@ private:
                 pages.push_back({name, answer.picture.bytes, false,
                                  answer.picture.extension == ".png" ? "image/png" : "image/svg+xml"});
         return pages;
+    }
+
+    // Of the case that is furthest above its limit.
+    void warn_of_instability() const {
+        CasePreparation preparation;
+        double worst = 0;
+        std::size_t unstable = 0;
+        std::string warning;
+        for (const Case& one : experiment_.study.cases) {
+            const PreparedCase prepared = preparation.prepare(one);
+            const SceneLimits limits = limits_on(opened_, stroked(prepared, manner_of(prepared.one.scene)));
+            if (limits.stable())
+                continue;
+            ++unstable;
+            if (const double above = limits.stiffness / limits.limit(); above > worst) {
+                worst = above;
+                warning = fmt::format("{}: {}", one.name, limits.warning());
+            }
+        }
+        if (unstable > 0)
+            print_note("warning: cases that are unstable: {} of {}; {}\n", unstable, experiment_.study.cases.size(),
+                       warning);
     }
 
     static PreparedCase stimulus_of(const Experiment& experiment) {

@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "host/error.h"
-#include "host/experiment/random.h"
 #include "host/experiment/run.h"
+#include "host/random.h"
 #include "host/scene/value.h"
 
 namespace forceshade::experiment {

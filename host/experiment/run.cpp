@@ -8,10 +8,10 @@
 
 #include "device/session/live_log.h"
 #include "host/error.h"
-#include "host/experiment/random.h"
 #include "host/long_run.h"
 #include "host/norm.h"
 #include "host/program.h"
+#include "host/random.h"
 #include "host/reference/elementary.h"
 #include "shaders/shared/law.h"
 
@@ -53,7 +53,7 @@ public:
             if (!one.path.empty())
                 log_path(samples, one.path, Precision::f64);
         }
-        Random random(trial.seed);
+        Random random(trial.seed, "");
         outcome.answer =
             cues.size() == 1 ? random.among(shares_of(cues.front(), parameters_)) : smoother(cues[0], cues[1], random);
         return outcome;

@@ -5,7 +5,7 @@
 
 #include <boost/math/distributions/beta.hpp>
 
-#include "host/experiment/random.h"
+#include "host/random.h"
 
 namespace forceshade::experiment {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "host/experiment/random.h"
+#include "host/random.h"
 
 namespace forceshade::experiment {
 namespace {

@@ -19,6 +19,7 @@
 #include "host/error.h"
 #include "host/field/case_law.h"
 #include "host/library/forceshade.h"
+#include "host/limits/critical_stiffness.h"
 #include "host/mesh/mesh_file.h"
 #include "host/output/files.h"
 #include "host/reference/chunks.h"
@@ -486,4 +487,8 @@ fs_error fs_probe_set_state(fs_probe* probe, const fs_probe_state* state) {
         memory.path = path;
         return FS_OK;
     });
+}
+
+double fs_critical_stiffness(double mass, double damping, double sample_time, unsigned delay_samples) {
+    return critical_stiffness(mass, damping, sample_time, delay_samples);
 }

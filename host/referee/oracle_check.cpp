@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host/norm.h"
+#include "host/random.h"
 #include "host/referee/reading.h"
 #include "host/referee/validate.h"
 #include "host/reference/chunks.h"
@@ -20,14 +21,6 @@ constexpr std::size_t kOfMesh = 1024, kOfOthers = 16384;
 // Voxels that these are drawn from: looking at one takes some nanoseconds.
 constexpr double kLookedAt = 0x1p21;
 constexpr double kJump = 0.02; // rad: of the direction between neighbours along x
-
-// A bijection that leaves no pattern (splitmix64).
-std::uint64_t rank_of(std::uint64_t number) {
-    number += 0x9E3779B97F4A7C15u;
-    number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9u;
-    number = (number ^ (number >> 27)) * 0x94D049BB133111EBu;
-    return number ^ (number >> 31);
-}
 
 // What a referee of one thread needs; bounds are made when they are first asked for.
 class VoxelReferee {
@@ -118,7 +111,7 @@ void OracleCheck::keep(VoxelKind kind, const Voxel& voxel) {
 
 // Whether voxels of a row, counted in the order of the grid, are drawn: of large grids some rows are enough.
 bool OracleCheck::draws_from(std::size_t row) const {
-    return rank_of(row) >> 1 <= last_row_;
+    return Random(row).word() >> 1 <= last_row_;
 }
 
 // Neighbours are looked up on both sides along x, and towards lower y and z.
@@ -159,7 +152,7 @@ template <typename T> void OracleCheck::add(const layout::FieldChunk<T>& chunk) 
             else if (before == VoxelKind::jump || after == VoxelKind::jump)
                 kind = VoxelKind::jump;
             touched[x] = touches;
-            keep(kind, {rank_of(number * x_count + x),
+            keep(kind, {Random(number * x_count + x).word(),
                         {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)},
                         glm::dvec3(force)});
             before = after;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/random.h"
 
 namespace forceshade {
 
@@ -25,15 +26,8 @@ std::uint64_t hash(std::string_view text, std::uint64_t start = 0xcbf29ce4842223
     return start;
 }
 
-// David Stafford's mixer 13: every bit of the result depends on every one of the number.
-std::uint64_t mixed(std::uint64_t number) {
-    number = (number ^ number >> 30) * 0xbf58476d1ce4e5b9u;
-    number = (number ^ number >> 27) * 0x94d049bb133111ebu;
-    return number ^ number >> 31;
-}
-
 TextHash text_hash(std::string_view text) {
-    return {mixed(hash(text)), mixed(hash(text, 0x9e3779b97f4a7c15u))};
+    return {scrambled(hash(text)), scrambled(hash(text, 0x9e3779b97f4a7c15u))};
 }
 
 TextHash identity_hash(std::size_t key, const Value& value) {

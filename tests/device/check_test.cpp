@@ -26,7 +26,7 @@ protected:
         options.device = device;
         options.mapping = mapping_;
         options.limits.late = 100; // a test's machine may be busy
-        return check_device(options, prepared_scene("[force]\nstiffness = \"1 N/mm\"\n"), guide);
+        return check_device(options, prepared_scene("[force]\nstiffness = \"" + stiffness_ + "\"\n"), guide);
     }
     static const CheckStep& step(const DeviceCheck& check, const std::string& name) {
         for (const CheckStep& one : check.steps)
@@ -59,6 +59,7 @@ protected:
 
     StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", DHD_STUB};
     Mapping mapping_;
+    std::string stiffness_ = "1 N/mm";
     std::jthread finger_;
 };
 
@@ -75,7 +76,7 @@ TEST_F(DeviceChecks, PassASoundDevice) {
     const auto json = check_json(checked);
     EXPECT_EQ(json["passed"], true);
     EXPECT_EQ(json["device"]["name"], "omega.3 (serial number 417)");
-    EXPECT_EQ(json["steps"].size(), 6u);
+    EXPECT_EQ(json["steps"].size(), 7u);
 }
 
 TEST_F(DeviceChecks, FailAnInvertedAxisAndTheRefusalOfAWatchdog) {
@@ -92,6 +93,16 @@ TEST_F(DeviceChecks, FailAnInvertedAxisAndTheRefusalOfAWatchdog) {
     expect_step(checked, "workspace", CheckResult::failed, {"the scene needs x -15 to 15", "--origin"});
     expect_step(checked, "button", CheckResult::absent, {"says the person who holds it"});
     EXPECT_EQ(check_json(checked)["passed"], false);
+}
+
+// On a wall the default hand comes to rest below 6030 N/m, and a scale makes a scene as much stiffer.
+TEST_F(DeviceChecks, FailAStiffnessAtWhichTheHandDoesNotComeToRest) {
+    expect_step(check({}), "stability", CheckResult::passed, {"1000 N/m"});
+    mapping_.scale = 8;
+    expect_step(check({}), "stability", CheckResult::failed, {"8000 N/m", "lower force.stiffness"});
+    mapping_.scale = 1;
+    stiffness_ = "20 N/mm";
+    expect_step(check({}), "stability", CheckResult::failed, {"20000 N/m", "--rate"});
 }
 
 TEST_F(DeviceChecks, FailAxesThatAreSwapped) {

@@ -176,6 +176,15 @@ TEST_F(Live, the_report_says_what_the_log_holds) {
     }
 }
 
+TEST_F(Live, a_stiffness_that_the_hand_cannot_hold_is_named_before_it_is_felt) {
+    write("stiff.toml", "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n");
+    const Outcome outcome = expect_success(live("stiff.toml", {"--fast", "--duration", "0.1 s", "--json"}));
+    EXPECT_NE(outcome.error.find("this loop is unstable"), std::string::npos) << outcome.error;
+    EXPECT_NE(outcome.out.find("comes to rest below"), std::string::npos);
+    EXPECT_EQ(expect_success(live("bump.toml", {"--fast", "--duration", "0.1 s"})).error.find("unstable"),
+              std::string::npos);
+}
+
 TEST_F(Live, quiet_says_nothing_and_the_report_goes_where_it_is_told) {
     const Outcome outcome =
         expect_success(live("bump.toml", {"--fast", "--duration", "0.5 s", "--report", "said", "--quiet"}));

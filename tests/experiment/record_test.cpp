@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
-#include "host/experiment/random.h"
+#include "host/random.h"
 #include "host/experiment/run.h"
 #include "host/output/reading.h"
 
@@ -317,7 +317,7 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
 // The first of two kinds of answers that somebody gives who is right at few facets, and else by chance.
 TrialOutcome answer_to(const Experiment& experiment, const Trial& trial) {
     const std::uint32_t facets = experiment.stimulus(experiment.conditions[trial.condition]).scene.surface.facets;
-    const bool right = facets < 3 || Random(trial.seed).below(2) == 0;
+    const bool right = facets < 3 || Random(trial.seed, "").below(2) == 0;
     const std::size_t correct = *experiment.correct_answer(trial);
     return answered(right ? correct : 1 - correct);
 }

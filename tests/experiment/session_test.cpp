@@ -319,7 +319,7 @@ TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
     }
     const std::string line = read_file(data() / "documentation" / "subject-03_session-1_device.jsonl");
     const nlohmann::json kept = nlohmann::json::parse(line);
-    EXPECT_EQ(kept["check"]["steps"].size(), 6u);
+    EXPECT_EQ(kept["check"]["steps"].size(), 7u);
     EXPECT_EQ(kept["dead_man"], 1);
     EXPECT_NE(kept["manner"].get<std::string>().find("scene's x, y, z along the device's -x, -y, z"),
               std::string::npos);

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/experiment/random.h"
+#include "host/random.h"
 #include "host/experiment/threshold.h"
 
 namespace forceshade::experiment {

@@ -5,7 +5,7 @@
 
 #include "host/mesh/mesh.h"
 #include "host/reference/mesh_contact.h"
-#include "host/study/error_time/angle.h"
+#include "host/touch/angle.h"
 
 namespace forceshade::study {
 namespace {

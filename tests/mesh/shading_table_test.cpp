@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/study/error_time/angle.h"
+#include "host/touch/angle.h"
 #include "tests/mesh/patch_errors.h"
 
 namespace forceshade {
@@ -11,7 +11,6 @@ namespace {
 
 using layout::uint;
 using study::Cells;
-using study::kDegree;
 using study::PatchErrors;
 using study::PatchStudy;
 using study::SmoothSurface;

@@ -8,8 +8,8 @@
 #include "host/error.h"
 #include "host/mesh/mesh.h"
 #include "host/output/files.h"
-#include "host/study/energy/bump_mesh.h"
 #include "host/study/energy/energy.h"
+#include "host/touch/bump_mesh.h"
 #include "tests/unit/closed_forms.h"
 
 namespace forceshade::study {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "host/study/error_time/error_time.h"
-#include "host/study/error_time/law_at.h"
 #include "host/study/error_time/sections.h"
 #include "host/study/error_time/volume.h"
+#include "host/touch/force_at.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 
@@ -52,15 +52,15 @@ TEST(ForceErrors, SummaryIsOfRanks) {
 TEST(TouchedPlaces, AreLogUniformInDepthAndUniformOverTheSurface) {
     for (const Subject& subject : own_subjects(few())) {
         std::size_t shallow = 0, left = 0;
-        for (const Place& place : subject.places) {
+        for (const TouchPlace& place : subject.places) {
             EXPECT_GE(place.depth, 0.02e-3);
             EXPECT_LE(place.depth, 2e-3);
             shallow += place.depth < 0.2e-3;
             left += place.at.x < 0;
-            EXPECT_NE(subject.truth(place), glm::dvec3(0));
-            Place above = place;
+            EXPECT_NE(subject.force(place), glm::dvec3(0));
+            TouchPlace above = place;
             above.at += (place.depth + 1e-6) * place.normal;
-            EXPECT_EQ(subject.truth(above), glm::dvec3(0)) << "depth is from the surface";
+            EXPECT_EQ(subject.force(above), glm::dvec3(0)) << "depth is from the surface";
         }
         const auto count = double(subject.places.size());
         EXPECT_EQ(subject.places.size(), 400u);
@@ -73,7 +73,7 @@ TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
     const Subject bump = own_subjects(few()).front();
     const Variant &coarse = variant_named(bump, "4 facets, none"), &fine = variant_named(bump, "64 facets, none");
     KindOf of_coarse(bump, coarse), of_fine(bump, fine);
-    const auto at = [](double x, double z, double depth) { return Place{{x, 0, z - depth}, {0, 0, 1}, depth}; };
+    const auto at = [](double x, double z, double depth) { return TouchPlace{{x, 0, z - depth}, {0, 0, 1}, depth}; };
     EXPECT_EQ(of_coarse(at(13.5e-3, 0, 1e-3)), Kind::flat);
     EXPECT_EQ(of_coarse(at(13.5e-3, 0, 0.03e-3)), Kind::boundary);
     EXPECT_EQ(of_coarse(at(12.7e-3, 0, 1e-3)), Kind::rim);
@@ -87,7 +87,7 @@ TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
     for (std::size_t i = 0; i < all.at.size(); ++i)
         if (all.at[i].depth < 0) {
             EXPECT_EQ(all.kinds[i], Kind::boundary);
-            EXPECT_EQ(bump.truth(all.at[i]), glm::dvec3(0));
+            EXPECT_EQ(bump.force(all.at[i]), glm::dvec3(0));
         }
 }
 
@@ -104,7 +104,7 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
         if (!shallow && (all.kinds[i] != Kind::facet || all.at[i].depth < 1e-3))
             continue;
         found[shallow].emplace_back(volume.trilinear(reference::Vector<float>(all.at[i].at)));
-        truth[shallow].push_back(bump.truth(all.at[i]));
+        truth[shallow].push_back(bump.force(all.at[i]));
     }
     EXPECT_LT(force_errors(found[0], truth[0], 1).local->p95, 0.02);
     EXPECT_GT(force_errors(found[1], truth[1], 1).local->p95, 0.5);
@@ -113,11 +113,11 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
 TEST(TouchedPlaces, OfAGodObjectAreReachedFromAbove) {
     const Subject mesh = own_subjects(few()).back();
     const Variant& flat = variant_named(mesh, "8 cells, none");
-    const std::vector<glm::dvec3> found = forces_by(ProxyLaw<double>(*flat.prepared, mesh.scale), mesh.places),
-                                  direct = forces_by(DirectLaw<double>(*flat.prepared), mesh.places);
+    const std::vector<glm::dvec3> found = forces_by(ProxyForce<double>(*flat.prepared, mesh.scale), mesh.places),
+                                  direct = forces_by(StaticForce<double>(*flat.prepared), mesh.places);
     std::vector<glm::dvec3> truth;
-    for (const Place& place : mesh.places)
-        truth.push_back(mesh.truth(place));
+    for (const TouchPlace& place : mesh.places)
+        truth.push_back(mesh.force(place));
     const ForceErrors of_proxy = force_errors(found, truth, 1), of_direct = force_errors(direct, truth, 1);
     EXPECT_NEAR(of_proxy.direction->rms, of_direct.direction->rms, 0.2 * of_direct.direction->rms);
     EXPECT_EQ(of_proxy.missed, of_direct.missed) << "facets of 8 cells lie up to 0.1 mm below the cylinder";
@@ -155,7 +155,7 @@ TEST(Volume, TrilinearIsExactForProductsTricubicForSquares) {
 
 // Rounds that a machine slows down and speeds up at random, all methods alike.
 Times times_of(const std::vector<double>& seconds, std::size_t rounds = 31) {
-    Draw draw(3);
+    Random draw(3);
     std::vector<Round> all;
     for (std::size_t i = 0; i < rounds; ++i) {
         const double load = draw(1, 3);
@@ -201,8 +201,8 @@ TEST(Sections, ShowWhereAWayErrsAndWhatAStrokeFeels) {
         method.name = name;
         method.subject = &subjects.front();
         method.variant = &variant_named(subjects.front(), name);
-        method.forces = [&, variant = method.variant](std::span<const Place> at) {
-            return forces_by(DirectLaw<double>(*variant->prepared), at);
+        method.forces = [&, variant = method.variant](std::span<const TouchPlace> at) {
+            return forces_by(StaticForce<double>(*variant->prepared), at);
         };
         return method;
     };

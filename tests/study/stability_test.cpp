@@ -7,8 +7,8 @@
 
 #include "host/error.h"
 #include "host/scene/study.h"
-#include "host/study/error_time/angle.h"
 #include "host/study/stability/stability.h"
+#include "host/touch/angle.h"
 #include "tests/paths/sampled_plants.h"
 
 namespace forceshade::study {
@@ -132,7 +132,7 @@ const LeastLimit& worst_of(const std::vector<LeastLimit>& limits) {
 
 TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
     for (const char* name : {"plane", "shaded bump", "map of a bump", "shaded mesh"}) {
-        const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), true);
+        const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), settings_of(own(name), true));
         const LeastLimit& worst = worst_of(limits);
         EXPECT_NEAR(simulated_limit(own(name), worst).value() / *worst.limit, 1, 2e-3) << name;
     }
@@ -140,7 +140,7 @@ TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
 
 TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     const LoopSurface& map = own("map of a bump");
-    const std::vector<LeastLimit> limits = least_limits(map, places_on(map.name), true);
+    const std::vector<LeastLimit> limits = least_limits(map, places_on(map.name), settings_of(map, true));
     const double least = worst_of(limits).limit.value();
     EXPECT_LT(least, 0.9 * worst_of(limits).wall) << "a shaded slope bears less than a wall";
     for (const RestPlace& place : places_on(map.name)) {
@@ -152,6 +152,25 @@ TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     }
 }
 
+// On a plane the wall's limit alone counts; on a curved one less, and less still where it is felt enlarged.
+TEST(SceneLimits, SayWhetherASceneIsStable) {
+    const auto limits_of = [](const std::string& text, double scale = 1) {
+        return scene_limits(CasePreparation().prepare(parse_scene(text, "scene.toml")), 1000, 8.5, scale);
+    };
+    const SceneLimits plane = limits_of("surface = {facets = 1}\nforce.stiffness = \"6 N/mm\"");
+    EXPECT_DOUBLE_EQ(plane.wall, critical_stiffness(0.1, 3, 1e-3, 0));
+    EXPECT_NEAR(plane.limit() / plane.wall, 1, 1e-4);
+    EXPECT_EQ(plane.warning(), "");
+    EXPECT_NE(limits_of("surface = {facets = 1}\nforce.stiffness = \"6.1 N/mm\"").warning(), "");
+    const std::string shaded = "surface = {facets = 64}\nforce = {shading = \"reference\", stiffness = \"1 N/mm\"}";
+    const SceneLimits bump = limits_of(shaded);
+    EXPECT_LT(bump.limit(), 0.25 * bump.wall);
+    EXPECT_EQ(bump.least->place.kind, PlaceKind::slope);
+    EXPECT_TRUE(bump.stable());
+    EXPECT_FALSE(limits_of(shaded, 1.2 * bump.limit() / 1000).stable());
+    EXPECT_EQ(limits_of("hand = {damping = \"0 N s/m\", grip_damping = \"0 N s/m\"}\nsurface.facets = 1").limit(), 0);
+}
+
 Engine& engine() {
     static const std::unique_ptr<Engine> one = make_engine(EngineOptions{});
     return *one;
@@ -160,7 +179,7 @@ Engine& engine() {
 // Closer to a jump of the direction than a kick, the other side's force takes the probe away.
 TEST(LargestKick, IsLessBesideAJump) {
     const LoopSurface& bump = own("shaded bump");
-    LeastLimit inside = worst_of(least_limits(bump, places_on(bump.name), true)), beside = inside;
+    LeastLimit inside = worst_of(least_limits(bump, places_on(bump.name), settings_of(bump, true))), beside = inside;
     for (const RestPlace& place : places_on(bump.name))
         if (place.kind == PlaceKind::slope && place.depth == bump.deepest)
             (place.edge_distance ? beside : inside).place = place;
@@ -244,7 +263,7 @@ LoopResults results_of(const LoopSurface& surface) {
     LoopResults results;
     results.surfaces = {surface};
     const std::vector<RestPlace> places = rest_places(surface, 20);
-    results.limits = least_limits(surface, places, true);
+    results.limits = least_limits(surface, places, settings_of(surface, true));
     const LeastLimit& worst = *results.worst();
     results.maps = damping_map(engine(), surface, worst, true);
     for (MapLoop& loop : rounding_map(engine(), surface, worst.place, true))

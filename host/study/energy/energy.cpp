@@ -7,7 +7,7 @@
 
 #include "host/error.h"
 #include "host/paths/motions.h"
-#include "host/study/energy/bump_mesh.h"
+#include "host/touch/bump_mesh.h"
 
 namespace forceshade::study {
 namespace {

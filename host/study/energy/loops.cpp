@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/field/case_law.h"
+#include "host/random.h"
 #include "host/reference/motion.h"
 
 namespace forceshade::study {
@@ -81,7 +82,7 @@ void add_between(LoopWork& sum, ForceAt& force, const glm::dvec3& from, const gl
 std::vector<Stroke> drawn_strokes(const StrokeRegion& region, std::size_t count) {
     const glm::dvec2 size = region.high - region.low;
     const double least = 0.25 * std::max(size.x, size.y);
-    Draw draw(3);
+    Random draw(3);
     const auto place = [&] {
         const double x = draw(region.low.x, region.high.x); // in this order
         return glm::dvec2(x, draw(region.low.y, region.high.y));

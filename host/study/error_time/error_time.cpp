@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/angle.h"
+#include "host/touch/angle.h"
 
 namespace forceshade::study {
 namespace error_time {
@@ -20,10 +20,10 @@ double rms_of(const Forces& forces) {
     return std::sqrt(squares / static_cast<double>(forces.size()));
 }
 
-Forces true_forces(const Subject& subject, std::span<const Place> at) {
+Forces true_forces(const Subject& subject, std::span<const TouchPlace> at) {
     Forces forces;
-    for (const Place& place : at)
-        forces.push_back(subject.truth(place));
+    for (const TouchPlace& place : at)
+        forces.push_back(subject.force(place));
     return forces;
 }
 
@@ -97,7 +97,7 @@ void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vec
         }
         KindPlaces own{method.places(), {}, 0};
         own.shared = own.at.size();
-        for (const Place& place : own.at)
+        for (const TouchPlace& place : own.at)
             own.kinds.push_back(kind_of(place));
         errors[i] = errors_of(method, own, true_forces(subject, own.at), typical);
     }
@@ -106,7 +106,7 @@ void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vec
 Round measure_round(std::span<const Method> methods, std::size_t number) {
     std::vector<std::size_t> order(methods.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
-    Draw draw(1000 + number);
+    Random draw(1000 + number);
     for (std::size_t i = order.size(); i > 1; --i) // Fisher & Yates
         std::swap(order[i - 1], order[static_cast<std::size_t>(draw(0, static_cast<double>(i)))]);
     Round round(methods.size());

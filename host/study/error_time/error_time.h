@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "host/study/error_time/kinds.h"
 #include "host/study/error_time/methods.h"
-#include "host/study/error_time/places.h"
 #include "host/study/run/study_run.h"
 
 namespace forceshade::study {

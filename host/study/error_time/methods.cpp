@@ -9,8 +9,8 @@
 #include "host/clock.h"
 #include "host/field/evaluate.h"
 #include "host/paths/scene_paths.h"
-#include "host/study/error_time/law_at.h"
 #include "host/study/error_time/volume.h"
+#include "host/touch/force_at.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -56,7 +56,7 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
 template <typename Volume> struct LookUp {
     Volume& volume;
     bool cubic;
-    static reference::Vector<float> input(const Place& place) { return reference::Vector<float>(place.at); }
+    static reference::Vector<float> input(const TouchPlace& place) { return reference::Vector<float>(place.at); }
     reference::Vector<float> force(const reference::Vector<float>& at) const noexcept {
         return cubic ? volume.tricubic(at) : volume.trilinear(at);
     }
@@ -64,7 +64,7 @@ template <typename Volume> struct LookUp {
 
 // Voxels at which a hand would touch, and the forces there.
 struct TouchedVoxels {
-    std::vector<Place> at;
+    std::vector<TouchPlace> at;
     std::vector<glm::dvec3> forces;
 };
 
@@ -80,7 +80,7 @@ TouchedVoxels touched_voxels(const Subject& subject, const FieldTables<T>& table
         const double size = reference::length(force), depth = size / subject.stiffness;
         if (size == 0 || depth < subject.scale.shallowest() || depth > subject.scale.deepest)
             continue;
-        Place place{{}, force / size, depth};
+        TouchPlace place{{}, force / size, depth};
         for (int k = 0; k < 3; ++k) {
             const auto axis = static_cast<std::size_t>(k);
             place.at[k] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(index[axis]);
@@ -99,12 +99,12 @@ TouchedVoxels touched_voxels(const Subject& subject, const FieldTables<T>& table
 // Adds the methods of a law.
 class MethodBuilder {
     template <typename T> auto direct_law() const {
-        return [&prepared = *variant_.prepared] { return std::make_unique<DirectLaw<T>>(prepared); };
+        return [&prepared = *variant_.prepared] { return std::make_unique<StaticForce<T>>(prepared); };
     }
 
     // By a new instance of a law.
     template <typename Make> static ForcesAt forces_of(Make make) {
-        return [make](std::span<const Place> at) { return forces_by(*make(), at); };
+        return [make](std::span<const TouchPlace> at) { return forces_by(*make(), at); };
     }
 
 public:
@@ -117,7 +117,7 @@ public:
     void add_god_object() {
         add_laws("god-object", kDescent, [&]<typename T>(T) {
             return [&prepared = *variant_.prepared, &scale = subject_.scale] {
-                return std::make_unique<ProxyLaw<T>>(prepared, scale);
+                return std::make_unique<ProxyForce<T>>(prepared, scale);
             };
         });
     }
@@ -148,7 +148,7 @@ public:
         const auto touched = lazily(
             [this_subject = &subject_, tables, &engine] { return touched_voxels<T>(*this_subject, tables(), engine); });
         method.places = [touched] { return touched().at; };
-        method.forces = [touched](std::span<const Place>) { return touched().forces; };
+        method.forces = [touched](std::span<const TouchPlace>) { return touched().forces; };
         method.seconds = [tables, &engine] {
             const auto voxels = static_cast<double>(tables().x.size() * tables().y.size() * tables().z.size());
             // A small grid takes about a millisecond, too short for one measurement: the median of three.
@@ -198,12 +198,12 @@ private:
 
     template <typename Make> Method& set_law(Method& method, std::size_t updates, Make make) const {
         method.forces = forces_of(make);
-        const std::span<const Place> places =
+        const std::span<const TouchPlace> places =
             std::span(subject_.places).first(std::min(kTimedPlaces, subject_.places.size()));
         const auto loop = lazily([make, places] {
             auto law = make();
             std::vector<decltype(law->input(places[0]))> inputs;
-            for (const Place& place : places)
+            for (const TouchPlace& place : places)
                 inputs.push_back(law->input(place));
             return std::pair(std::move(law), std::move(inputs));
         });

@@ -17,7 +17,7 @@ enum class Use { live, volume, loop };
 const char* name_of(Use use);
 
 /// N, at places.
-using ForcesAt = std::function<std::vector<glm::dvec3>(std::span<const Place>)>;
+using ForcesAt = std::function<std::vector<glm::dvec3>(std::span<const TouchPlace>)>;
 
 struct Method {
     std::string name; /* unique: "bump, 64 facets, reference: direct f64" */
@@ -30,7 +30,7 @@ struct Method {
     ForcesAt forces;                      /* empty: has no errors of its own */
     ForcesAt exact;                       /* the same law in double: the reference for precision */
     /// The places at which it has forces, if not any; empty: any.
-    std::function<std::vector<Place>()> places;
+    std::function<std::vector<TouchPlace>()> places;
     /// s of an evaluation, measured now.
     std::function<double()> seconds;
 };

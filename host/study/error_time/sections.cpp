@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/law_at.h"
-#include "host/study/error_time/places.h"
+#include "host/study/error_time/kinds.h"
+#include "host/touch/force_at.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -29,7 +29,7 @@ double stroke_depth(const Subject& subject) {
 
 // A place of a section, and its position in the tables.
 struct SectionPlace {
-    Place place;
+    TouchPlace place;
     glm::dvec3 truth{0};
     double x = 0, height = 0; /* mm: of the cell's middle, or of the step */
 };
@@ -43,11 +43,11 @@ Section section_of(const Subject& subject) {
     const double y = subject.low.y + kSectionAcross * (subject.high.y - subject.low.y),
                  width = subject.high.x - subject.low.x;
     const PreparedCase& finest = *subject.variants.back().prepared;
-    const auto add = [&](std::vector<SectionPlace>& to, const Place& surface, double x, double depth) {
+    const auto add = [&](std::vector<SectionPlace>& to, const TouchPlace& surface, double x, double depth) {
         SectionPlace one{surface, {}, shortened(1e3 * x, 4), -shortened(1e3 * depth, 2)};
         one.place.depth = depth;
         one.place.at -= depth * surface.normal;
-        one.truth = subject.truth(one.place);
+        one.truth = subject.force(one.place);
         if (one.truth != glm::dvec3(0))
             to.push_back(one);
     };
@@ -68,13 +68,13 @@ Section section_of(const Subject& subject) {
 
 // A grid's forces anywhere are those of the same law, one place after the other.
 std::vector<glm::dvec3> forces_of(const Method& method, const std::vector<SectionPlace>& at) {
-    std::vector<Place> places;
+    std::vector<TouchPlace> places;
     for (const SectionPlace& one : at)
         places.push_back(one.place);
     if (!method.places)
         return method.forces(places);
-    return method.precision == "f32" ? forces_by(DirectLaw<float>(*method.variant->prepared), places)
-                                     : forces_by(DirectLaw<double>(*method.variant->prepared), places);
+    return method.precision == "f32" ? forces_by(StaticForce<float>(*method.variant->prepared), places)
+                                     : forces_by(StaticForce<double>(*method.variant->prepared), places);
 }
 
 struct FieldRow {

@@ -7,8 +7,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
-#include "host/study/error_time/law_at.h"
-#include "host/study/error_time/places.h"
+#include "host/touch/force_at.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -110,9 +109,9 @@ struct Cylinder {
 };
 
 // The force K (U(x) - z) of the cylinder along its normal, the depth read as the scene reads it.
-Truth bump_truth(const Scene& scene) {
+ForceAt bump_truth(const Scene& scene) {
     const bool normal = scene.force.depth == DepthReading::normal;
-    return [normal, own = Cylinder(scene)](const Place& place) {
+    return [normal, own = Cylinder(scene)](const TouchPlace& place) {
         const glm::dvec3& at = place.at;
         double depth = reference::cylinder_height(own.half, own.radius, own.centre_depth, at.x) - at.z;
         if (!(depth > 0))
@@ -127,8 +126,8 @@ Truth bump_truth(const Scene& scene) {
 }
 
 // The force K (R - r) along the cylinder's radius.
-Truth mesh_truth(const Scene& scene) {
-    return [own = Cylinder(scene)](const Place& place) {
+ForceAt mesh_truth(const Scene& scene) {
+    return [own = Cylinder(scene)](const TouchPlace& place) {
         const glm::dvec3 from_axis(place.at.x, 0, place.at.z + own.centre_depth);
         const double r = reference::length(from_axis);
         return r < own.radius && r > 0 ? own.stiffness * (own.radius - r) / r * from_axis : glm::dvec3(0);
@@ -136,14 +135,11 @@ Truth mesh_truth(const Scene& scene) {
 }
 
 // Double precision of the closest shading; of a mesh the god-object's, which stays on its side.
-Truth best_truth(const PreparedCase& scene, const TouchScale& scale) {
+ForceAt best_truth(const PreparedCase& scene, const TouchScale& scale) {
     const auto prepared = std::make_shared<PreparedCase>(scene);
     prepared->one.scene.force.shading = shadings_of(scene).back().first;
-    const auto truth = [prepared](auto law) -> Truth {
-        return [law](const Place& place) { return law->force(law->input(place)); };
-    };
-    return scene.images.mesh ? truth(std::make_shared<ProxyLaw<double>>(*prepared, scale))
-                             : truth(std::make_shared<DirectLaw<double>>(*prepared));
+    const auto force = std::make_shared<ContactForce>(*prepared, scale);
+    return [prepared, force](const TouchPlace& place) { return (*force)(place); };
 }
 
 std::vector<double> spacings_within(const Subject& subject, std::vector<double> spacings, double most) {
@@ -162,9 +158,7 @@ void complete(Subject& subject, const std::vector<Base>& bases, const Extents& e
             Variant& variant = subject.variants.emplace_back(variant_of(base, shading, subject.elements));
             variant.thorough = thorough(variant);
         }
-    subject.places = shared_places(subject, *bases.back().prepared, extents.places);
-    if (subject.places.empty())
-        throw UsageError("no sample of the scene's [grid] is in contact: move the grid below the surface");
+    subject.places = touched_places(subject, *bases.back().prepared, extents.places);
 }
 
 // The cylinder's patch as triangles between equal arcs.
@@ -194,7 +188,7 @@ std::shared_ptr<const SceneMesh> cylinder_mesh(const Cylinder& own, unsigned cel
 
 Subject own_bump(const PreparedCase& own, const Extents& extents) {
     Subject subject{"bump", "facets"};
-    subject.truth = bump_truth(own.one.scene);
+    subject.force = bump_truth(own.one.scene);
     set_grid(subject, own.one.scene.grid);
     subject.spacings = extents.spacings;
     subject.notes = {"The bump is the paper's, R = 600 mil and W = 1000 mil on a plane, K = 1000 N/m. Its smooth shape "
@@ -212,7 +206,7 @@ Subject own_bump(const PreparedCase& own, const Extents& extents) {
 
 Subject own_mesh(const PreparedCase& own, const Extents& extents) {
     Subject subject{"mesh", "cells"};
-    subject.truth = mesh_truth(own.one.scene);
+    subject.force = mesh_truth(own.one.scene);
     subject.low = kMeshLow;
     subject.high = kMeshHigh;
     resample(subject, {64, 32, 32});
@@ -257,9 +251,7 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
     const bool bump = own.surface.kind == SurfaceKind::bump, mesh = own.surface.kind == SurfaceKind::mesh;
     if (!own.field && mesh) // of paths alone: no grid was given
         own.grid = fitted_grid(kLongestSide, scene->images.mesh->mesh);
-    Subject subject;
-    subject.name = "scene";
-    subject.elements = bump ? "facets" : "";
+    Subject subject("scene", bump ? "facets" : "");
     set_grid(subject, own.grid);
     const glm::dvec3 size = subject.high - subject.low;
     subject.scale.deepest = std::min(kDeepest, kDeepestShare * std::max({size.x, size.y, size.z}));
@@ -272,11 +264,12 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
     subject.spacings =
         spacings_within(subject, {8 * finest, 4 * finest, 2 * finest, finest}, mesh ? kMostMeshSamples : kMostSamples);
     if (bump && !own.texture) {
-        subject.truth = bump_truth(own);
+        subject.force = bump_truth(own);
         subject.notes.push_back("The smooth shape is the cylinder of the scene's radius and width, with the force K d "
                                 "along the normal above the probe, the depth read as the scene reads it.");
     } else {
-        subject.truth = best_truth(*scene, subject.scale);
+        subject.force = best_truth(*scene, subject.scale);
+        subject.smooth = false;
         subject.against = fmt::format("double precision of {}", shadings_of(*scene).back().second);
         subject.notes.push_back(fmt::format("No smooth shape of this scene is known: errors are against {}, one of the "
                                             "laws, not the truth. They say how far apart methods and shadings "

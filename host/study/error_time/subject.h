@@ -1,14 +1,14 @@
 // A subject of comparison: laws over one surface, at places that a hand touches, against one truth.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host/field/prepared_case.h"
-#include "host/study/run/sampling.h"
+#include "host/study/run/medians.h"
+#include "host/touch/places.h"
 
 namespace forceshade::study::error_time {
 
@@ -24,24 +24,6 @@ struct Extents {
 
 Extents extents_of(bool quick);
 
-/// A place that a hand touches.
-struct Place {
-    glm::dvec3 at{0};           /* m */
-    glm::dvec3 normal{0, 0, 1}; /* of the surface above it */
-    double depth = 0;           /* m: under the surface along the normal; negative above it */
-};
-
-/// Lengths that follow from how deep a hand goes, m.
-struct TouchScale {
-    double deepest = 2e-3;
-    double shallowest() const { return deepest / 100; }
-    double ring() const { return deepest / 20; }
-    double skin() const { return deepest / 40; } /* shallower is boundary */
-};
-
-/// The true force, N, at a place.
-using Truth = std::function<glm::dvec3(const Place&)>;
-
 /// A law among those compared.
 struct Variant {
     std::string name; /* "64 facets, reference" */
@@ -54,19 +36,18 @@ struct Variant {
 /// The reference of errors if it is known; only then is less error closer to the truth.
 constexpr const char* kSmoothShape = "the smooth shape";
 
-struct Subject {
+/// Its force is the truth, its box that of volumes.
+struct Subject : TouchedShape {
+    Subject(std::string of, std::string counted) : name(std::move(of)), elements(std::move(counted)) { smooth = true; }
     std::string name;     /* "bump", "mesh", "scene" */
     std::string elements; /* what Variant::elements counts: "facets", "cells"; empty: none */
     std::string against = kSmoothShape;
-    Truth truth{};
-    double stiffness = 1; /* N/m */
-    TouchScale scale{};
-    std::vector<Place> places{}; /* uniform over the surface, depths log-uniform: all laws meet these */
-    GridSpec grid{};             /* for kernels */
-    glm::dvec3 low{0}, high{0};  /* m: the box of volumes */
-    std::vector<double> spacings{};
-    std::vector<Variant> variants{};
-    std::vector<std::string> notes{};
+    double stiffness = 1;           /* N/m */
+    std::vector<TouchPlace> places; /* that all laws meet */
+    GridSpec grid;                  /* for kernels */
+    std::vector<double> spacings;
+    std::vector<Variant> variants;
+    std::vector<std::string> notes;
 };
 
 /// The paper's bump of R = 600 mil, and the same cylinder as meshes of triangles.

@@ -9,57 +9,10 @@
 #include "host/long_run.h"
 #include "host/output/reading.h"
 #include "host/program.h"
-#include "host/study/run/sampling.h"
 #include "host/sweep/manifest.h"
 #include "host/threads.h"
 
 namespace forceshade::study {
-namespace {
-
-double take_median(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    if (values.size() % 2 == 1)
-        return *middle;
-    return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
-} // namespace
-
-double Draw::operator()(double low, double high) {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t mixed = state_;
-    mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9u;
-    mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111ebu;
-    mixed ^= mixed >> 31;
-    return low + (high - low) * (static_cast<double>(mixed >> 11) * 0x1p-53);
-}
-
-Interval bootstrap_median(const std::vector<double>& values) {
-    constexpr std::size_t kResamples = 1000;
-    if (values.empty())
-        return {};
-    std::vector<double> sample = values, medians;
-    const double median = take_median(sample);
-    Draw draw(7);
-    for (std::size_t i = 0; i < kResamples; ++i) {
-        for (double& one : sample)
-            one = values[static_cast<std::size_t>(draw(0, static_cast<double>(values.size())))];
-        medians.push_back(take_median(sample));
-    }
-    std::ranges::sort(medians);
-    return {medians[kResamples / 40], median, medians[kResamples - 1 - kResamples / 40]};
-}
-
-double quantile(std::vector<double> values, double share) {
-    if (values.empty())
-        return 0;
-    std::ranges::sort(values);
-    const double rank = share * static_cast<double>(values.size() - 1);
-    const auto below = static_cast<std::size_t>(rank);
-    const std::size_t above = std::min(below + 1, values.size() - 1);
-    return std::lerp(values[below], values[above], rank - static_cast<double>(below));
-}
 
 StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
     if (options_.scene)

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/study/error_time/angle.h"
 #include "host/study/stability/stability.h"
+#include "host/touch/angle.h"
 
 namespace forceshade::study {
 namespace {
@@ -49,7 +49,8 @@ std::string sureness_of(const LoopResults& results, const std::string& surface =
 bool is_of_the_grip(const LoopResults& results, const LeastLimit& worst) {
     constexpr double kSame = 0.01;
     return std::ranges::all_of(results.limits, [&](const LeastLimit& one) {
-        const bool easier = damping_of(one.cell) >= damping_of(worst.cell) && one.cell.rate >= worst.cell.rate &&
+        const bool easier = damping_of(one.cell.hand) >= damping_of(worst.cell.hand) &&
+                            one.cell.rate >= worst.cell.rate &&
                             one.cell.hand.delay_samples <= worst.cell.hand.delay_samples;
         const bool there =
             one.surface == worst.surface && one.place.kind == worst.place.kind && one.place.depth == worst.place.depth;
@@ -66,7 +67,7 @@ std::string limit_at(const LoopResults& results, const std::string& surface, dou
 Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     const LoopSurface& surface = results.surfaces.front();
     Finding finding{
-        "loop_least", {}, "loop-kinds", place_of(worst), hand_of(surface), sureness_of(results, worst.surface)};
+        "loop_least", {}, "loop-kinds", place_of(worst), hand_text(surface), sureness_of(results, worst.surface)};
     if (worst.kick)
         finding.interval +=
             fmt::format("; at half that stiffness, displacements up to {:.2g} um decay", 1e6 * *worst.kick);
@@ -126,7 +127,7 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
         {"loop_shading",
          fmt::format("Except at direction discontinuities, force shading changes the largest stable stiffness: for {}.",
                      fmt::join(parts, "; for ")),
-         "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_of(results.surfaces.front()),
+         "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_text(results.surfaces.front()),
          fmt::format("{}", fmt::join(sure, "; "))});
 }
 
@@ -159,7 +160,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
          "loop-edges",
          fmt::format("{}: jump of {:.3g} deg at x = {:.3g} mm, y = {:.3g} mm", most->surface,
                      most->place.jump / kDegree, 1e3 * most->place.at.x, 1e3 * most->place.at.y),
-         fmt::format("{}, {:.2g} mm deep", hand_of(first), 1e3 * depth),
+         fmt::format("{}, {:.2g} mm deep", hand_text(first), 1e3 * depth),
          fmt::format("the largest of eight feet of each surface; {} surfaces have one", all)});
 }
 
@@ -171,7 +172,7 @@ void add_delay(std::vector<Finding>& findings, const LoopResults& results) {
         double least[2] = {0, 0};
         for (const LeastLimit& one : results.limits) {
             const std::uint64_t delay = one.cell.hand.delay_samples;
-            const bool own = damping_of(one.cell) == surface.hand.damping + surface.hand.grip_damping &&
+            const bool own = damping_of(one.cell.hand) == surface.hand.damping + surface.hand.grip_damping &&
                              one.cell.rate == surface.rate;
             if (one.surface == surface.name && own && delay < 2 && one.limit &&
                 (least[delay] == 0 || *one.limit < least[delay]))
@@ -195,7 +196,7 @@ void add_delay(std::vector<Finding>& findings, const LoopResults& results) {
                                      "limit, by the surface.",
                                      100 * low, 100 * high),
          "loop-kinds", fmt::format("the worst place of each of {} surfaces", pairs),
-         hand_of(results.surfaces.front(), false) + ", without delay and one sample late", sureness_of(results)});
+         hand_text(results.surfaces.front(), false) + ", without delay and one sample late", sureness_of(results)});
 }
 
 void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
@@ -218,18 +219,10 @@ void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
              "{} of {} beyond.",
              kept, foreseen, rest, others),
          "loop-rounding", fmt::format("{}, the worst place", any->surface),
-         fmt::format("{}, K = {}", hand_of(results.surfaces.front()), newtons(any->cell.stiffness)), ""});
+         fmt::format("{}, K = {}", hand_text(results.surfaces.front()), newtons(any->cell.stiffness)), ""});
 }
 
 } // namespace
-
-std::string hand_of(const LoopSurface& surface, bool with_delay) {
-    return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz{}", surface.hand.mass,
-                       surface.hand.damping + surface.hand.grip_damping, surface.hand.grip_stiffness, surface.rate,
-                       !with_delay                      ? ""
-                       : surface.hand.delay_samples > 0 ? fmt::format(", {} samples late", surface.hand.delay_samples)
-                                                        : ", no delay");
-}
 
 std::vector<Finding> loop_findings(const LoopResults& results) {
     std::vector<Finding> findings;

@@ -162,12 +162,6 @@ const char* word_of(LoopState state) {
     return "unstable";
 }
 
-std::size_t settling_steps(const LoopCell& cell, double patience) {
-    constexpr double kLeast = 2000, kMost = 1e6;
-    const double loses = -std::expm1(-(cell.hand.damping + cell.hand.grip_damping) / (cell.rate * cell.hand.mass));
-    return static_cast<std::size_t>(std::clamp(patience / loses, kLeast, kMost));
-}
-
 std::vector<LoopOutcome> run_cells(Engine& engine, const LoopSurface& surface, const RestPlace& place,
                                    const std::vector<LoopCell>& cells, const LoopRun& run) {
     LoopRun whole = run;

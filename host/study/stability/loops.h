@@ -4,21 +4,9 @@
 #include <vector>
 
 #include "host/field/engine.h"
-#include "host/study/stability/surfaces.h"
+#include "host/limits/limits.h"
 
 namespace forceshade::study {
-
-/// A hand whose constant force balances the surface's at a place.
-struct LoopCell {
-    HandSpec hand;
-    double rate = 1000;   /* Hz */
-    double stiffness = 1; /* N/m */
-};
-
-/// N s/m: of the device and of the hand that grips it.
-inline double damping_of(const LoopCell& cell) {
-    return cell.hand.damping + cell.hand.grip_damping;
-}
 
 /// The final state of a loop. stable: its largest speed in the last quarter of the time is less than 3/4 of that in the
 /// second, or negligible against the disturbance, or falls and is too slow to move a tenth of the disturbance in that
@@ -48,11 +36,6 @@ struct LoopOutcome {
     double swing = 0; /* m: between its farthest measured positions, along the axis of the most, in the last
                          quarter; with LoopRun::swings or where the hand measures in quanta */
 };
-
-/// Samples in which a loop near its limit shows by its speeds on which side it is: `patience` times the time that
-/// damping takes. With 400 a loop 0.3 % below its limit still decays by a quarter from the second quarter of its time
-/// to the last.
-std::size_t settling_steps(const LoopCell& cell, double patience);
 
 /// All cells at once, in double where the engine has it.
 std::vector<LoopOutcome> run_cells(Engine& engine, const LoopSurface& surface, const RestPlace& place,

@@ -13,7 +13,7 @@
 #include "host/referee/mesh_referee.h"
 #include "host/referee/referee.h"
 #include "host/referee/rounding_bound.h"
-#include "host/study/energy/bump_mesh.h"
+#include "host/touch/bump_mesh.h"
 
 namespace forceshade::study {
 namespace {

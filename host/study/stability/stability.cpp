@@ -7,8 +7,8 @@
 #include "host/mesh/mesh.h"
 #include "host/paths/motions.h"
 #include "host/scene/study.h"
-#include "host/study/energy/bump_mesh.h"
 #include "host/study/stability/number.h"
+#include "host/touch/bump_mesh.h"
 
 namespace forceshade::study {
 namespace {
@@ -58,38 +58,11 @@ LoopSurface own_mesh(const char* name, Shading shading, const std::shared_ptr<co
     return surface;
 }
 
-void refuse_dead_hand(const Scene& scene) {
-    if (!(scene.force.stiffness > 0))
-        throw UsageError("force.stiffness is 0: a loop needs a force; use a stiffness above 0");
-    if (!(scene.hand.damping + scene.hand.grip_damping > 0))
-        throw UsageError("hand.damping and hand.grip_damping are 0: without damping no sampled loop comes to rest at "
-                         "any stiffness");
-}
-
-// The box of a scene's grid; of a scene of paths alone that of its mesh, or of its paths.
-void take_box(LoopSurface& surface, const PathsSpec& paths) {
-    const Scene& scene = surface.prepared.one.scene;
-    if (!scene.field && !surface.is_mesh()) {
-        const PathRegion region = path_region(paths, surface.prepared);
-        const double length = region.length / 2, width = region.width / 2, reach = std::max(length, width);
-        surface.low = {region.centre[0] - length, region.centre[1] - width, region.height - reach};
-        surface.high = {region.centre[0] + length, region.centre[1] + width, region.height + reach};
-        return;
-    }
-    constexpr std::uint64_t kSide = 64; // voxels
-    const GridSpec grid = scene.field ? scene.grid : fitted_grid(kSide, surface.prepared.images.mesh->mesh);
-    for (int i = 0; i < 3; ++i) {
-        const auto axis = static_cast<std::size_t>(i);
-        surface.low[i] = grid.origin[axis];
-        surface.high[i] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
-    }
-}
-
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
     const std::vector<RestPlace> places = rest_places(surface, points);
-    std::ranges::move(least_limits(surface, places, quick), std::back_inserter(results.limits));
+    std::ranges::move(least_limits(surface, places, settings_of(surface, quick)), std::back_inserter(results.limits));
     for (LeastLimit& one : results.limits)
         if (&one == results.worst(surface.name, {}, one.place.kind)) {
             one.simulated = simulated_limit(surface, one);
@@ -128,28 +101,6 @@ std::vector<LoopSurface> own_surfaces() {
     surfaces.push_back(own_mesh("mesh", Shading::none, mesh));
     surfaces.push_back(own_mesh("shaded mesh", Shading::mean_value, mesh));
     return surfaces;
-}
-
-LoopSurface scene_surface(const PreparedCase& given) {
-    constexpr double kDeepestShare = 0.05; // of the box's longest side
-    const Scene& scene = given.one.scene;
-    refuse_dead_hand(scene);
-    PathsSpec paths = scene.paths.value_or(PathsSpec{});
-    if (paths.kind == PathKind::recorded)
-        paths.kind = PathKind::strokes;
-    LoopSurface surface;
-    surface.name = "scene";
-    surface.prepared = given;
-    surface.prepared.one.scene.force.stiffness = 1;
-    if (surface.prepared.one.scene.texture)
-        surface.prepared.one.scene.texture->stiffness /= scene.force.stiffness;
-    surface.hand = scene.hand;
-    surface.rate = paths.rate;
-    surface.stiffness = scene.force.stiffness;
-    take_box(surface, paths);
-    const glm::dvec3 size = surface.high - surface.low;
-    surface.deepest = std::min(surface.deepest, kDeepestShare * std::max({size.x, size.y, size.z}));
-    return surface;
 }
 
 StudyData study_stability(StudyRun& run) {

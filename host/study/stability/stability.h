@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/study/run/study_run.h"
-#include "host/study/stability/limits.h"
+#include "host/study/stability/maps.h"
 
 namespace forceshade::study {
 
@@ -11,6 +11,10 @@ struct ProfilePoint {
     std::string surface;
     double x, z; /* m */
 };
+
+/// With the program's default hand: plane, bump of 2 facets with and without shading, height map of a bump and of a
+/// dip, mesh with and without shading.
+std::vector<LoopSurface> own_surfaces();
 
 struct LoopResults {
     std::vector<LoopSurface> surfaces;
@@ -26,9 +30,6 @@ struct LoopResults {
     const LeastLimit* worst(const std::string& surface = {}, std::optional<double> depth = {},
                             std::optional<PlaceKind> kind = {}) const;
 };
-
-/// "hand of 0.2 kg, 3 N s/m, grip 300 N/m, 1000 Hz", and its delay.
-std::string hand_of(const LoopSurface& surface, bool with_delay = true);
 
 /// Adds tables, figures and notes of the loops.
 void add_loops(StudyData& data, const LoopResults& results);

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/angle.h"
 #include "host/study/stability/stability.h"
+#include "host/touch/angle.h"
 
 namespace forceshade::study {
 namespace {
@@ -39,7 +39,7 @@ Table limit_table(const LoopResults& results) {
             {{"hold", "", "boundary condition: the hand's spring acts across this direction, or on all sides",
               [](const R& r) { return r.hold.name; }},
              {"damping_N_s_per_m", "N s/m", "b of device and hand together",
-              [](const R& r) { return damping_of(r.cell); }},
+              [](const R& r) { return damping_of(r.cell.hand); }},
              {"rate_Hz", "Hz", "samples a second, 1 / T", [](const R& r) { return r.cell.rate; }},
              {"delay_samples", "1", "from measurement to force", [](const R& r) { return r.cell.hand.delay_samples; }},
              {"hand", "", "own: damping, rate and delay are the hand's own; around: varied",
@@ -100,7 +100,8 @@ Table map_table(const LoopResults& results) {
           &R::map},
          {"surface", "", "pressed by the hand", &R::surface},
          {"stiffness_N_per_m", "N/m", "K of the surface", [](const R& r) { return r.cell.stiffness; }},
-         {"damping_N_s_per_m", "N s/m", "b of device and hand together", [](const R& r) { return damping_of(r.cell); }},
+         {"damping_N_s_per_m", "N s/m", "b of device and hand together",
+          [](const R& r) { return damping_of(r.cell.hand); }},
          {"quantum_um", "um", "step of the measured position",
           [](const R& r) { return 1e6 * r.cell.hand.quantisation; }},
          {"friction_N", "N", "Coulomb friction on each axis", [](const R& r) { return r.cell.hand.coulomb; }},
@@ -204,7 +205,7 @@ std::vector<Figure> figures_of(const LoopResults& results) {
         make_figure("loop-kinds", "Largest stable stiffness, by the kind of place",
                     fmt::format("With a {}: the minimum over all places of a kind, depths of {:.2g} to {:.2g} mm and "
                                 "boundary conditions. Places where the direction jumps are in another figure.",
-                                hand_of(first), 1e3 * first.depths().front(), 1e3 * first.deepest),
+                                hand_text(first), 1e3 * first.depths().front(), 1e3 * first.deepest),
                     FigureKind::bars, "loop_kinds", {}, {"surface", "surface"},
                     {"limit_N_per_m", "largest stable stiffness / (N/m)"}, "kind"),
         make_figure("loop-places", "Place of each surface's lowest limit",
@@ -260,7 +261,7 @@ void add_loops(StudyData& data, const LoopResults& results) {
                     "force there; its spring acts across the direction of the hold, or on all sides. Holds along which "
                     "the surface gives way are left out: no probe rests there at any stiffness. The device's "
                     "largest force is left out.",
-                    data.scene.empty() ? "a scene that names none" : "the scene", hand_of(results.surfaces.front())),
+                    data.scene.empty() ? "a scene that names none" : "the scene", hand_text(results.surfaces.front())),
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
         "and the force held over a sample. At the worst place of each kind the loop is stepped through the surface's "
         "own force, too, from a disturbance of a millionth of the depth; kick_um is the largest one that decays at "

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "host/field/case_law.h"
-#include "host/study/energy/bump_mesh.h"
-#include "host/study/error_time/angle.h"
-#include "host/study/run/sampling.h"
+#include "host/random.h"
 #include "host/study/stability/number.h"
+#include "host/touch/angle.h"
+#include "host/touch/bump_mesh.h"
 
 namespace forceshade::study {
 namespace {
@@ -97,17 +97,17 @@ private:
     std::size_t evaluations_ = 0;
 };
 
-double log_uniform(Draw& draw, double low, double high) {
+double log_uniform(Random& draw, double low, double high) {
     return low * std::pow(high / low, draw(0, 1));
 }
 
-glm::dvec3 any_direction(Draw& draw) {
+glm::dvec3 any_direction(Random& draw) {
     const double z = draw(-1, 1), angle = draw(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
 // A point of the surface: a corner, a point of an edge, or one within a facet, moved by 1 nm to 0.1 mm.
-glm::dvec3 aimed_place(const SearchedLaw& law, Draw& draw) {
+glm::dvec3 aimed_place(const SearchedLaw& law, Random& draw) {
     const double depth = log_uniform(draw, kShallowest, kDeepest);
     const glm::dvec3 aside = log_uniform(draw, 1e-9, 1e-4) * any_direction(draw);
     if (!law.prepared.images.mesh) {
@@ -133,7 +133,7 @@ glm::dvec3 aimed_place(const SearchedLaw& law, Draw& draw) {
 }
 
 // Climbs from a place to worse ones of the same kind.
-WorstRounding climbed(BothLaws& both, WorstRounding best, Draw& draw) {
+WorstRounding climbed(BothLaws& both, WorstRounding best, Random& draw) {
     double reach = 1e-5; // m
     for (std::size_t step = 0; step < kClimbSteps; ++step) {
         const auto next = both(best.place + reach * draw(0, 1) * any_direction(draw));
@@ -149,7 +149,7 @@ WorstRounding climbed(BothLaws& both, WorstRounding best, Draw& draw) {
 
 void search(const SearchedLaw& law, std::size_t places, std::vector<WorstRounding>& found) {
     BothLaws both(law);
-    Draw draw(11);
+    Random draw(11);
     std::vector<WorstRounding> seen;
     for (std::size_t i = 0; i < places; ++i)
         if (const auto one = both(aimed_place(law, draw)))

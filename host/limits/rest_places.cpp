@@ -3,15 +3,12 @@
 #include <cmath>
 #include <optional>
 
-#include "host/error.h"
-#include "host/study/error_time/angle.h"
-#include "host/study/error_time/places.h"
-#include "host/study/stability/surfaces.h"
+#include "host/limits/rest_places.h"
+#include "host/touch/angle.h"
+#include "host/touch/places.h"
 
-namespace forceshade::study {
+namespace forceshade {
 namespace {
-
-using error_time::Place;
 
 constexpr double kSharp = 5 * kDegree;    // a jump of the direction; less is smooth
 constexpr double kLevel = 1 * kDegree;    // off upright: flat, if it does not turn
@@ -25,7 +22,7 @@ bool is_nonzero(const glm::dvec3& force) {
 }
 
 // Moved along the normal to where the force over the stiffness is `depth`; empty without a force.
-std::optional<Place> pressed(ContactForce& force, Place place, double depth) {
+std::optional<TouchPlace> pressed(ContactForce& force, TouchPlace place, double depth) {
     constexpr int kSteps = 24; // each leaves half of the way, on slopes up to 70 deg
     for (int i = 0; i < kSteps; ++i) {
         const glm::dvec3 here = force(place);
@@ -38,7 +35,7 @@ std::optional<Place> pressed(ContactForce& force, Place place, double depth) {
     return place;
 }
 
-RestPlace rest_at(const Place& place, const glm::dvec3& force) {
+RestPlace rest_at(const TouchPlace& place, const glm::dvec3& force) {
     RestPlace rest;
     rest.at = place.at;
     rest.normal = place.normal;
@@ -47,7 +44,7 @@ RestPlace rest_at(const Place& place, const glm::dvec3& force) {
     return rest;
 }
 
-glm::dmat3 slope_with(ContactForce& force, const Place& place, double step) {
+glm::dmat3 slope_with(ContactForce& force, const TouchPlace& place, double step) {
     glm::dmat3 slope(0);
     for (int axis = 0; axis < 3; ++axis) {
         glm::dvec3 aside(0);
@@ -82,7 +79,7 @@ PlaceKind smooth_kind(const RestPlace& rest) {
 }
 
 // Empty without a force, or if an edge is within a step.
-std::optional<RestPlace> smooth_place(ContactForce& force, const Place& place) {
+std::optional<RestPlace> smooth_place(ContactForce& force, const TouchPlace& place) {
     constexpr double kStep = 1e-3; // of the depth
     RestPlace rest = rest_at(place, force(place));
     if (!is_nonzero(rest.force))
@@ -96,7 +93,7 @@ std::optional<RestPlace> smooth_place(ContactForce& force, const Place& place) {
     return rest;
 }
 
-std::optional<RestPlace> smooth_at(ContactForce& force, const Place& from, double depth) {
+std::optional<RestPlace> smooth_at(ContactForce& force, const TouchPlace& from, double depth) {
     const auto place = pressed(force, from, depth);
     auto rest = place ? smooth_place(force, *place) : std::nullopt;
     if (rest)
@@ -105,7 +102,7 @@ std::optional<RestPlace> smooth_at(ContactForce& force, const Place& from, doubl
 }
 
 // The largest jump of the direction on a displacement from `from`, below the surface; empty: none.
-std::optional<Place> jump_between(ContactForce& force, const Place& from, const glm::dvec3& displacement) {
+std::optional<TouchPlace> jump_between(ContactForce& force, const TouchPlace& from, const glm::dvec3& displacement) {
     constexpr int kSteps = 32, kHalvings = 22;
     double low = 0, high = 0, most = kSharp / 2; // shares of the displacement
     for (int i = 0; i < kSteps; ++i) {
@@ -128,14 +125,14 @@ std::optional<Place> jump_between(ContactForce& force, const Place& from, const 
             return std::nullopt;
         (angle_between(one, half) > angle_between(half, two) ? high : low) = middle;
     }
-    Place edge = from;
+    TouchPlace edge = from;
     edge.at += 0.5 * (low + high) * displacement;
     return edge;
 }
 
 // m: the force's component away from the jump, above 0 where it turns outwards. Averaged over directions, so that it
 // does not depend on the one that found the jump.
-double spread_at(ContactForce& force, const Place& jump, double step) {
+double spread_at(ContactForce& force, const TouchPlace& jump, double step) {
     double spread = 0;
     for (const int x : {-1, 0, 1})
         for (const int y : {-1, 0, 1})
@@ -148,7 +145,8 @@ double spread_at(ContactForce& force, const Place& jump, double step) {
 }
 
 // The place on the edge at `edge`, the hand balancing the mean of the forces on both sides.
-std::optional<RestPlace> edge_place(ContactForce& force, const Place& edge, const glm::dvec3& along, double depth) {
+std::optional<RestPlace> edge_place(ContactForce& force, const TouchPlace& edge, const glm::dvec3& along,
+                                    double depth) {
     constexpr double kStep = 1e-4; // of the depth
     const double step = kStep * depth;
     const glm::dvec3 aside = step * along;
@@ -165,17 +163,6 @@ std::optional<RestPlace> edge_place(ContactForce& force, const Place& edge, cons
     return rest;
 }
 
-error_time::Subject subject_of(const LoopSurface& surface, ContactForce& force) {
-    error_time::Subject subject;
-    subject.name = surface.name;
-    subject.against = "the law";
-    subject.truth = [&force](const Place& place) { return force(place); };
-    subject.scale.deepest = surface.deepest;
-    subject.low = surface.low;
-    subject.high = surface.high;
-    return subject;
-}
-
 } // namespace
 
 const char* name_of(PlaceKind kind) {
@@ -184,17 +171,16 @@ const char* name_of(PlaceKind kind) {
 }
 
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count) {
-    ContactForce force(surface);
-    const error_time::Subject subject = subject_of(surface, force);
-    std::vector<Place> points = error_time::shared_places(subject, surface.prepared, count);
-    if (points.empty())
-        throw UsageError("no sample of the scene's [grid] is in contact: move the grid below the surface");
-    Draw draw(5);
+    ContactForce force(surface.prepared, surface.scale());
+    const TouchedShape shape{[&](const TouchPlace& place) { return force(place); }, surface.scale(), surface.low,
+                             surface.high};
+    std::vector<TouchPlace> points = touched_places(shape, surface.prepared, count);
+    Random draw(5);
     const auto depths = surface.depths();
     const std::size_t edges = std::max<std::size_t>(4, count / 8);
     std::vector<RestPlace> places;
     std::size_t found = 0;
-    for (Place& point : points) {
+    for (TouchPlace& point : points) {
         for (const double depth : depths)
             if (const auto place = smooth_at(force, point, depth))
                 places.push_back(*place);
@@ -210,7 +196,7 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
         bool any = false;
         for (const double depth : depths) {
             // Deeper down the edge may lie elsewhere, and the force there may differ.
-            std::optional<Place> there = edge;
+            std::optional<TouchPlace> there = edge;
             for (int i = 0; i < 3 && there; ++i) {
                 there = pressed(force, *there, depth);
                 if (there) {
@@ -224,7 +210,7 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
             places.push_back(*place);
             any = true;
             for (const double side : {-kEdgeDistance, kEdgeDistance}) { // a slope is often steepest there
-                Place moved = *there;
+                TouchPlace moved = *there;
                 moved.at += side * depth * along;
                 if (auto smooth = smooth_at(force, moved, depth)) {
                     smooth->edge_distance = kEdgeDistance * depth;
@@ -239,14 +225,14 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
 
 std::vector<std::pair<double, double>> direction_profile(const LoopSurface& surface) {
     constexpr int kPoints = 200;
-    ContactForce force(surface);
+    ContactForce force(surface.prepared, surface.scale());
     const double y = 0.5 * (surface.low.y + surface.high.y), step = (surface.high.x - surface.low.x) / kPoints;
     std::vector<std::pair<double, double>> profile;
     double z = 0;
     for (int i = 0; i < kPoints; ++i) {
         const double x = surface.low.x + (i + 0.5) * step;
         // Down a column to the first force.
-        Place place{{x, y, surface.high.z}, {0, 0, 1}, 0};
+        TouchPlace place{{x, y, surface.high.z}, {0, 0, 1}, 0};
         glm::dvec3 found(0);
         for (int down = 0; down <= kPoints && !is_nonzero(found); ++down) {
             place.at.z = surface.high.z + (surface.low.z - surface.high.z) * down / kPoints;
@@ -260,4 +246,4 @@ std::vector<std::pair<double, double>> direction_profile(const LoopSurface& surf
     return profile;
 }
 
-} // namespace forceshade::study
+} // namespace forceshade

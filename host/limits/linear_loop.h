@@ -10,9 +10,10 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include "host/limits/critical_stiffness.h"
 #include "host/paths/scene_paths.h"
 
-namespace forceshade::study {
+namespace forceshade {
 
 /// Boundary condition of the hand: its spring acts across `along`, along which it presses with a constant force; on all
 /// sides if `along` is 0.
@@ -31,6 +32,18 @@ glm::dmat3 axes_of(const Hold& hold);
 
 /// The hand along those axes: across it is sprung, along only where it is held on all sides.
 std::array<Axis, 3> axes_of(const Hold& hold, const HandSpec& hand);
+
+/// A hand in a loop.
+struct LoopCell {
+    HandSpec hand;
+    double rate = 1000;   /* Hz */
+    double stiffness = 1; /* N/m */
+};
+
+/// N s/m: of the device and of the hand that grips it.
+inline double damping_of(const HandSpec& hand) {
+    return hand.damping + hand.grip_damping;
+}
 
 /// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m. `slope`, 1: -dF/dp for 1 N/m, columns first.
 bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness);
@@ -57,13 +70,9 @@ std::optional<double> least_growing(double from, double to, double close, const 
 /// largest passive stiffness already, empty if it does not at eight times that.
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope);
 
-/// The largest K that is passive with `delay` samples of it, N/m: b = K T (1/2 + delay) (Colgate & Schenkel, without
-/// the wall's own damping).
-inline double passive_stiffness(double damping, double period, std::uint64_t delay) {
-    return damping / (period * (0.5 + static_cast<double>(delay)));
+/// K_crit of a wall with this hand, N/m.
+inline double wall_limit(const HandSpec& hand, double rate) {
+    return critical_stiffness(hand.mass, hand.damping + hand.grip_damping, 1 / rate, hand.delay_samples);
 }
 
-/// That of a wall, N/m: K_crit for any delay.
-double wall_limit(const HandSpec& hand, double rate);
-
-} // namespace forceshade::study
+} // namespace forceshade

@@ -2,14 +2,12 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <vector>
 
 #include "host/study/error_time/subject.h"
+#include "host/touch/force_at.h"
 
 namespace forceshade::study::error_time {
-
-template <typename T> class DirectLaw;
 
 /// The kind of a place, by the forces on a small ring about it. flat: the smooth shape is a plane there; facet: it is
 /// curved, and the law has one facet; edge: facets meet; rim: the smooth shape itself has an edge; boundary: the place
@@ -23,24 +21,17 @@ class KindOf {
 public:
     /// `subject` must outlive it.
     KindOf(const Subject& subject, const Variant& variant);
-    ~KindOf();
-    Kind operator()(const Place& place);
+    Kind operator()(const TouchPlace& place);
 
 private:
     const Subject& subject_;
-    std::unique_ptr<const PreparedCase> plain_; /* without shading */
-    std::unique_ptr<DirectLaw<double>> facets_;
+    PreparedCase plain_; /* without shading */
+    StaticForce<double> facets_;
 };
-
-/// Places for a subject that has all other members: uniform over the surface of `prepared`, depths log-uniform.
-std::vector<Place> shared_places(const Subject& subject, const PreparedCase& prepared, std::size_t count);
-
-/// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; empty: none.
-std::optional<Place> surface_at(const Subject& subject, const PreparedCase& prepared, double x, double y);
 
 /// The places at which a law is compared with the truth, and their kinds.
 struct KindPlaces {
-    std::vector<Place> at; /* the subject's own come first */
+    std::vector<TouchPlace> at; /* the subject's own come first */
     std::vector<Kind> kinds;
     std::size_t shared = 0; /* how many the subject's own are */
 };

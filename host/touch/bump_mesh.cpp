@@ -1,4 +1,4 @@
-#include "host/study/energy/bump_mesh.h"
+#include "host/touch/bump_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "host/mesh/mesh.h"
 #include "host/reference/elementary.h"
 
-namespace forceshade::study {
+namespace forceshade {
 namespace {
 
 constexpr double kBeyond = 1.5; /* of a */
@@ -82,4 +82,4 @@ std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec
     return mesh;
 }
 
-} // namespace forceshade::study
+} // namespace forceshade

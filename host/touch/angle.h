@@ -6,7 +6,7 @@
 
 #include "host/reference/elementary.h"
 
-namespace forceshade::study {
+namespace forceshade {
 
 constexpr double kDegree = std::numbers::pi / 180; /* rad */
 
@@ -16,4 +16,4 @@ inline double angle_between(const reference::Vector<double>& u, const reference:
     return std::atan2(reference::length(normal), reference::dot(u, v));
 }
 
-} // namespace forceshade::study
+} // namespace forceshade

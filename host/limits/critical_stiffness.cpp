@@ -1,11 +1,10 @@
-// K_crit of a sampled wall: the stiffness at which the loop of its force, held for a sample, first stays on the unit
-// circle (the hold and the mass discretised exactly).
+#include "host/limits/critical_stiffness.h"
+
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "host/library/forceshade.h"
-
+namespace forceshade {
 namespace {
 
 /// x' = x + q v + p F, v' = A v + r F over one sample, in units of the sample and of sample^2 / mass; e = b T / m.
@@ -39,8 +38,8 @@ double gain(const Plant& plant, double angle) {
 
 } // namespace
 
-double fs_critical_stiffness(double mass, double damping, double sample_time, unsigned delay_samples) {
-    constexpr unsigned kLongest = 1000000;                                                    // samples
+double critical_stiffness(double mass, double damping, double sample_time, std::uint64_t delay_samples) {
+    constexpr std::uint64_t kLongest = 1000000;                                               // samples
     const double e = damping * sample_time / mass, unit = mass / (sample_time * sample_time); // 1, N/m
     if (!(mass > 0 && damping > 0 && sample_time > 0 && e > 0 && std::isfinite(e) && unit > 0 && std::isfinite(unit)) ||
         delay_samples > kLongest)
@@ -50,7 +49,9 @@ double fs_critical_stiffness(double mass, double damping, double sample_time, un
     double low = 0, high = std::numbers::pi;
     for (int i = 0; i < 200; ++i) {
         const double middle = (low + high) / 2;
-        (phase(plant, middle, delay_samples) > -std::numbers::pi ? low : high) = middle;
+        (phase(plant, middle, static_cast<double>(delay_samples)) > -std::numbers::pi ? low : high) = middle;
     }
     return unit / gain(plant, high);
 }
+
+} // namespace forceshade

@@ -5,7 +5,7 @@
 
 #include "host/field/prepared_case.h"
 
-namespace forceshade::study {
+namespace forceshade {
 
 struct BumpMesh {
     double half_width = 0.0127; /* a, m */
@@ -19,4 +19,4 @@ struct BumpMesh {
 /// Moved by `shift`, m.
 std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift = glm::dvec3(0));
 
-} // namespace forceshade::study
+} // namespace forceshade

@@ -1,4 +1,4 @@
-// The surfaces whose loops are studied, and the places at which a hand may rest on them.
+// The places at which a hand may rest on a surface.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 
 #include <glm/mat3x3.hpp>
 
-#include "host/study/error_time/law_at.h"
+#include "host/touch/force_at.h"
 
-namespace forceshade::study {
+namespace forceshade {
 
 struct LoopSurface {
     std::string name;      /* "shaded bump" */
@@ -23,16 +23,16 @@ struct LoopSurface {
     glm::dvec3 low{0}, high{0}; /* m: places are within this box */
 
     /// m: depths to which probes are pressed: the force over the stiffness.
+    TouchScale scale() const { return {deepest}; }
     std::array<double, 4> depths() const { return {deepest / 10, deepest / 4, deepest / 2, deepest}; }
     bool is_mesh() const { return prepared.images.mesh != nullptr; }
 };
 
-/// With the program's default hand: plane, bump of 2 facets with and without shading, height map of a bump and of a
-/// dip, mesh with and without shading.
-std::vector<LoopSurface> own_surfaces();
-
 /// The user's scene with its own hand. \throws UsageError for one that permits no loop.
 LoopSurface scene_surface(const PreparedCase& scene);
+
+/// "hand of 0.2 kg, 3 N s/m, grip 300 N/m, 1000 Hz", and its delay.
+std::string hand_text(const LoopSurface& surface, bool with_delay = true);
 
 /// By the direction of the force: flat: that of a level plane; crest, hollow: nearly upright, turning
 /// outwards or inwards; slope: tilted; edge, foot: it jumps outwards, or inwards as at the foot of a bump.
@@ -65,29 +65,4 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
 /// where it begins.
 std::vector<std::pair<double, double>> direction_profile(const LoopSurface& surface);
 
-/// A surface's force, by the CPU oracle in double, at a probe that came down to a place.
-class ContactForce {
-public:
-    /// `surface` must outlive it.
-    explicit ContactForce(const LoopSurface& surface) : surface_(surface), probe_(surface.prepared) {
-        scale_.deepest = surface.deepest;
-    }
-
-    /// m, for each N/m of stiffness: at the place, `aside` of it.
-    glm::dvec3 operator()(const error_time::Place& place, const glm::dvec3& aside = glm::dvec3(0)) {
-        const glm::dvec3 at = place.at + aside;
-        if (!surface_.is_mesh())
-            return glm::dvec3(probe_.law().at(at).force);
-        std::vector<glm::dvec3> way = error_time::descent(place, scale_);
-        if (aside != glm::dvec3(0))
-            way.push_back(at);
-        return glm::dvec3(error_time::force_after(probe_, way));
-    }
-
-private:
-    const LoopSurface& surface_;
-    error_time::TouchScale scale_;
-    CaseProbe<double> probe_;
-};
-
-} // namespace forceshade::study
+} // namespace forceshade

@@ -1,20 +1,9 @@
-// Random numbers and the intervals of medians, the same on every machine.
+// Medians with their intervals, the same on every machine.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 namespace forceshade::study {
-
-/// Numbers in [low, high) (splitmix64).
-class Draw {
-public:
-    explicit Draw(std::uint64_t seed) : state_(seed) {}
-    double operator()(double low, double high);
-
-private:
-    std::uint64_t state_;
-};
 
 /// The median of some values, and where 95 % of the medians of bootstrap samples lie (Efron 1979, percentiles).
 struct Interval {

@@ -1,0 +1,136 @@
+#include "host/limits/limits.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace forceshade {
+namespace {
+
+constexpr double kSmall = 1e-6; // of the depth: a disturbance by which the loop is still linear
+
+// How a disturbance of a loop grows: the logarithm of its energy late over early.
+class Simulation {
+public:
+    Simulation(const LoopSurface& surface, const LeastLimit& least)
+        : force_(surface.prepared, surface.scale()),
+          least_(least), place_{least.place.at, least.place.normal, least.place.below}, axes_(axes_of(least.hold)),
+          steps_(settling_steps(least.cell, surface.is_mesh() ? 100 : 400)) {
+        const std::array<Axis, 3> held = axes_of(least.hold, least.cell.hand);
+        for (std::size_t i = 0; i < 3; ++i)
+            maps_[i] = axis_map(held[i], 1 / least.cell.rate);
+    }
+
+    // `disturbance`, m, in the hand's axes.
+    double growth(double stiffness, const glm::dvec3& disturbance) {
+        constexpr double kFar = 1e4, kFarthest = 3; // of the disturbance; depths
+        const double begins = reference::length(disturbance);
+        const double far = std::min(kFar * begins, kFarthest * least_.place.depth);
+        glm::dvec3 at = disturbance, speed(0);
+        std::vector<glm::dvec3> late(least_.cell.hand.delay_samples + 1, glm::dvec3(0));
+        const double quick = stiffness / least_.cell.hand.mass; // 1 / s^2
+        double early = 0, last = 0;
+        for (std::size_t step = 0; step < steps_; ++step) {
+            late[step % late.size()] =
+                stiffness * glm::transpose(axes_) * (force_(place_, axes_ * at) - least_.place.force);
+            const glm::dvec3 delayed = late[(step + 1) % late.size()];
+            for (int i = 0; i < 3; ++i) {
+                const auto& map = maps_[static_cast<std::size_t>(i)];
+                const double before = at[i];
+                at[i] += map.x_error * before + map.x_speed * speed[i] + map.x_force * delayed[i];
+                speed[i] = map.v_error * before + map.v_speed * speed[i] + map.v_force * delayed[i];
+            }
+            const double energy = glm::dot(speed, speed) + quick * glm::dot(at, at);
+            if (energy > quick * far * far)
+                return 1;
+            if (step >= steps_ / 4 && step < steps_ / 2)
+                early = std::max(early, energy);
+            if (step >= steps_ - steps_ / 4)
+                last = std::max(last, energy);
+        }
+        const bool gone = last < 1e-6 * quick * begins * begins;
+        return gone ? -1 : std::log(last / early);
+    }
+    double growth(double stiffness) { return growth(stiffness, kSmall * place_.depth * glm::dvec3(0.5, 0.3, -1)); }
+
+private:
+    ContactForce force_;
+    const LeastLimit& least_;
+    TouchPlace place_;
+    glm::dmat3 axes_;
+    std::array<layout::AxisMap<double>, 3> maps_{};
+    std::size_t steps_;
+};
+
+} // namespace
+
+std::size_t settling_steps(const LoopCell& cell, double patience) {
+    constexpr double kLeast = 2000, kMost = 1e6;
+    const double loses = -std::expm1(-(cell.hand.damping + cell.hand.grip_damping) / (cell.rate * cell.hand.mass));
+    return static_cast<std::size_t>(std::clamp(patience / loses, kLeast, kMost));
+}
+
+std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places,
+                                     const std::vector<LoopCell>& cells) {
+    std::vector<LeastLimit> least;
+    for (const PlaceKind kind : kPlaceKinds)
+        for (const double depth : surface.depths()) {
+            std::vector<const RestPlace*> some;
+            for (const RestPlace& place : places)
+                if (place.kind == kind && !jumps(kind) && place.depth == depth)
+                    some.push_back(&place);
+            for (const LoopCell& cell : cells) {
+                if (some.empty())
+                    continue;
+                LeastLimit one;
+                one.surface = surface.name;
+                one.place = *some.front();
+                one.cell = cell;
+                one.own = &cell == &cells.front();
+                one.places = some.size();
+                one.wall = wall_limit(cell.hand, cell.rate);
+                for (const RestPlace* place : some)
+                    for (const Hold& hold : holds_at(place->force, place->slope)) {
+                        // Only where it is not stable up to the least so far.
+                        if (one.limit && !grows(cell.hand, cell.rate, hold, place->slope, *one.limit * 0.9999))
+                            continue;
+                        const auto limit = linear_limit(cell.hand, cell.rate, hold, place->slope);
+                        if (limit && (!one.limit || *limit < *one.limit)) {
+                            one.limit = limit;
+                            one.place = *place;
+                            one.hold = hold;
+                        }
+                    }
+                least.push_back(one);
+            }
+        }
+    return least;
+}
+
+std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least) {
+    constexpr double kFrom = 0.3, kTo = 3, kClose = 1.0005; // of the linearised loop's limit
+    if (!least.limit || !(*least.limit > 0))
+        return std::nullopt;
+    Simulation simulation(surface, least);
+    return least_growing(kFrom * *least.limit, kTo * *least.limit, kClose,
+                         [&](double stiffness) { return !(simulation.growth(stiffness) < 0); });
+}
+
+std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least) {
+    constexpr double kShare = 0.5, kDies = -0.7; // of the limit; halves its energy
+    if (!least.limit || !(*least.limit > 0))
+        return std::nullopt;
+    Simulation simulation(surface, least);
+    double largest = 0;
+    for (const double kick : {0.1e-6, 0.2e-6, 0.5e-6, 1e-6, 2e-6, 5e-6, 10e-6, 20e-6, 50e-6, 100e-6}) {
+        for (const double way : {-kick, kick})
+            if (simulation.growth(kShare * *least.limit, way / std::sqrt(3.0) * glm::dvec3(1)) > kDies)
+                return largest;
+        largest = kick;
+    }
+    return largest;
+}
+
+} // namespace forceshade

@@ -1,0 +1,70 @@
+// The stiffness up to which a hand's loop is stable on a surface: the least over the places where it may rest and the
+// ways in which it may be held.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/limits/linear_loop.h"
+#include "host/limits/rest_places.h"
+
+namespace forceshade {
+
+/// The least limit of all places of a kind at a depth.
+struct LeastLimit {
+    std::string surface;
+    RestPlace place;                 /* the worst */
+    Hold hold;                       /* the worst */
+    LoopCell cell;                   /* hand and rate */
+    bool own = false;                /* with the hand's own damping and delay, at its own rate */
+    double wall = 0;                 /* N/m: K_crit with this hand */
+    std::optional<double> limit;     /* N/m: of the linearised loop; empty: none below eight times the passive one */
+    std::optional<double> simulated; /* N/m: of the loop stepped through the surface's own force, where that was done */
+    std::optional<double> kick;      /* m: largest_kick, where that was done */
+    std::size_t places = 0;          /* examined */
+};
+
+/// A row for each kind but jumps, depth and cell.
+/// The first of `cells` is marked as the hand's own.
+std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places,
+                                     const std::vector<LoopCell>& cells);
+
+/// The stiffness, N/m, at which a disturbance of a millionth of the depth begins to grow when the loop is stepped
+/// through the surface's own force, from 0.3 of the linearised limit on; empty: none up to three times that.
+std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least);
+
+/// m: of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that decays at half the linearised limit, as all smaller
+/// ones do; 0 if none does.
+std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least);
+
+/// Samples in which a loop near its limit shows by its speeds on which side it is: `patience` times the time that
+/// damping takes. With 400 a loop 0.3 % below its limit still decays by a quarter from the second quarter of its time
+/// to the last.
+std::size_t settling_steps(const LoopCell& cell, double patience);
+
+/// Whether a scene's stiffness is stable with its [hand].
+struct SceneLimits {
+    double stiffness = 0;            /* N/m: the scene's, as the hand feels it */
+    double wall = 0;                 /* N/m: K_crit of a wall; 0 without damping */
+    std::optional<LeastLimit> least; /* the lowest on the scene's surface; none where nothing is touched */
+    std::string hand;                /* hand_text */
+
+    /// N/m: the lower of both.
+    double limit() const { return least && least->limit ? std::min(*least->limit, wall) : wall; }
+    bool stable() const { return stiffness < limit(); }
+    /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)".
+    std::string text() const;
+    /// What is wrong and what would hold; empty if it is stable.
+    std::string warning() const;
+};
+
+/// In a loop of `rate` Hz, as deep as a force of `most` N presses, 2 mm at most, each metre of the hand's being `scale`
+/// m of the scene's; takes some hundredths of a second.
+SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most, double scale = 1);
+
+/// The same for the scene's own closed loop.
+SceneLimits scene_limits(const PreparedCase& prepared);
+
+} // namespace forceshade

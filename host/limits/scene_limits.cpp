@@ -1,0 +1,57 @@
+// Whether a scene is stable with its hand.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/limits/limits.h"
+
+namespace forceshade {
+
+SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most, double scale) {
+    constexpr std::size_t kPoints = 60, kPointsOfMesh = 40;
+    const Scene& scene = prepared.one.scene;
+    SceneLimits found;
+    found.stiffness = scale * scene.force.stiffness;
+    if (!(damping_of(scene.hand) > 0 && found.stiffness > 0))
+        return found;
+    found.wall = wall_limit(scene.hand, rate);
+    LoopSurface surface = scene_surface(prepared);
+    surface.rate = rate;
+    surface.deepest = std::min(surface.deepest, most / scene.force.stiffness);
+    found.hand = hand_text(surface);
+    try {
+        const auto places = rest_places(surface, surface.is_mesh() ? kPointsOfMesh : kPoints);
+        for (const LeastLimit& one : least_limits(surface, places, {{scene.hand, rate, 1}}))
+            if (one.limit && (!found.least || *one.limit < *found.least->limit))
+                found.least = one;
+    } catch (const UsageError&) { // nothing to touch in the scene's box
+    }
+    return found;
+}
+
+SceneLimits scene_limits(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    const PathsSpec paths = scene.paths.value_or(PathsSpec{});
+    return scene_limits(prepared, paths.rate, paths.drive == PathDrive::press ? paths.press : scene.hand.max_force);
+}
+
+std::string SceneLimits::text() const {
+    if (!(wall > 0))
+        return "without damping no sampled loop comes to rest at any stiffness";
+    std::string place;
+    if (least && least->limit && *least->limit < 0.99 * wall)
+        place = fmt::format(" ({}, {:.2g} mm deep, held {}; on a wall below {:.4g} N/m)", name_of(least->place.kind),
+                            1e3 * least->place.depth, least->hold.name, wall);
+    return fmt::format("{:.6g} N/m; a {} comes to rest below {:.4g} N/m{}", stiffness, hand, limit(), place);
+}
+
+std::string SceneLimits::warning() const {
+    if (stable() || !(stiffness > 0))
+        return {};
+    return fmt::format("this loop is unstable: force.stiffness is {}; {}", text(),
+                       wall > 0 ? "a lower force.stiffness, more damping, a faster loop or less delay would hold"
+                                : "set hand.damping or hand.grip_damping");
+}
+
+} // namespace forceshade

@@ -1,0 +1,47 @@
+#include "host/study/run/medians.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/random.h"
+
+namespace forceshade::study {
+namespace {
+
+double take_median(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    if (values.size() % 2 == 1)
+        return *middle;
+    return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+} // namespace
+
+Interval bootstrap_median(const std::vector<double>& values) {
+    constexpr std::size_t kResamples = 1000;
+    if (values.empty())
+        return {};
+    std::vector<double> sample = values, medians;
+    const double median = take_median(sample);
+    Random draw(7);
+    for (std::size_t i = 0; i < kResamples; ++i) {
+        for (double& one : sample)
+            one = values[static_cast<std::size_t>(draw(0, static_cast<double>(values.size())))];
+        medians.push_back(take_median(sample));
+    }
+    std::ranges::sort(medians);
+    return {medians[kResamples / 40], median, medians[kResamples - 1 - kResamples / 40]};
+}
+
+double quantile(std::vector<double> values, double share) {
+    if (values.empty())
+        return 0;
+    std::ranges::sort(values);
+    const double rank = share * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<std::size_t>(rank);
+    const std::size_t above = std::min(below + 1, values.size() - 1);
+    return std::lerp(values[below], values[above], rank - static_cast<double>(below));
+}
+
+} // namespace forceshade::study

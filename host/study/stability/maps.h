@@ -1,0 +1,48 @@
+// The limits of loops for hands like the surface's own, by damping, rate and delay; and maps of the loops' states over
+// stiffness and damping at the lowest limit of a surface, and over the step of the measured position and friction.
+#pragma once
+
+#include "host/study/stability/loops.h"
+
+namespace forceshade::study {
+
+/// The surface's own hand, linear, then others around it.
+std::vector<LoopCell> settings_of(const LoopSurface& surface, bool quick);
+
+/// The oscillation of a probe that rests on a jump of the direction.
+struct EdgeSwing {
+    std::string surface;
+    RestPlace place;
+    double stiffness = 0; /* N/m */
+    LoopOutcome outcome;
+};
+
+/// Of the eight sharpest jumps of each kind and depth, the one with the largest swing, over stiffnesses; with the
+/// surface's own hand pressed down.
+std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, const std::vector<RestPlace>& places);
+
+/// A loop of a map.
+struct MapLoop {
+    std::string map, surface; /* "damping", "rounding" */
+    LoopCell cell;
+    LoopOutcome outcome;
+    bool foreseen = false; /* to come to rest: by the linearised loop; with rounding by
+                              K <= min(2 b / T, 2 f_c / quantum), which is enough on a wall */
+};
+
+/// Over stiffness and damping at a limit's place; its hold must be one that paths have: down or on all sides.
+std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick);
+
+/// Over quantum and friction, the hand pressed down there. The stiffness is the scene's, or 1000 N/m.
+std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+
+/// A point of a line over a map.
+struct MapCurvePoint {
+    std::string map, curve;                       /* "K_crit" */
+    double stiffness, damping, quantum, friction; /* SI; NaN: does not apply */
+};
+
+/// K_crit and the linearised loop over damping, f_c = K quantum / 2 over quantum: within the maps.
+std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least);
+
+} // namespace forceshade::study

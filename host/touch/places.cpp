@@ -1,0 +1,114 @@
+#include "host/touch/places.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/vector_relational.hpp>
+
+#include "host/error.h"
+#include "host/mesh/mesh.h"
+#include "host/reference/elementary.h"
+
+namespace forceshade {
+namespace {
+
+constexpr std::size_t kTriesAPlace = 32; // draws for each place that is kept
+constexpr int kHalvings = 60;
+
+// The true shape's surface point between a place inside and one outside, with its normal; `up` without one.
+std::optional<TouchPlace> surface_between(const TouchedShape& shape, glm::dvec3 inside, glm::dvec3 outside,
+                                          glm::dvec3 up) {
+    if (!touches(shape.force({inside})) || touches(shape.force({outside})))
+        return std::nullopt;
+    for (int i = 0; i < kHalvings; ++i) {
+        const glm::dvec3 middle = 0.5 * (inside + outside);
+        (touches(shape.force({middle})) ? inside : outside) = middle;
+    }
+    const glm::dvec3 force = shape.force({inside - 1e-3 * shape.scale.shallowest() * up});
+    return TouchPlace{inside, touches(force) ? force / reference::length(force) : up, 0};
+}
+
+std::optional<TouchPlace> on_graph(const TouchedShape& shape, double x, double y) {
+    return surface_between(shape, {x, y, shape.low.z}, {x, y, shape.high.z}, {0, 0, 1});
+}
+
+std::array<glm::dvec3, 3> corners_of(const Mesh& mesh, std::size_t triangle) {
+    const auto& at = mesh.triangles.corners[triangle];
+    return {mesh.polygons.vertices[at[0]], mesh.polygons.vertices[at[1]], mesh.polygons.vertices[at[2]]};
+}
+
+std::optional<TouchPlace> on_triangle(const TouchedShape& shape, const Mesh& mesh, std::size_t i, double u, double v) {
+    const auto [a, b, c] = corners_of(mesh, i);
+    const glm::dvec3 at = a + u * (b - a) + v * (c - a), normal = mesh.triangles.normals[i],
+                     reach = shape.scale.deepest * normal;
+    return shape.smooth ? surface_between(shape, at - reach, at + reach, normal) : TouchPlace{at, normal, 0};
+}
+
+bool is_in_box(const TouchedShape& shape, const glm::dvec3& at) {
+    return glm::all(glm::greaterThanEqual(at, shape.low)) && glm::all(glm::lessThanEqual(at, shape.high));
+}
+
+} // namespace
+
+PlaceDraw::PlaceDraw(const TouchedShape& shape, const PreparedCase& prepared, std::uint64_t seed)
+    : shape_(shape), mesh_(prepared.images.mesh ? &prepared.images.mesh->mesh : nullptr), draw_(seed) {
+    for (std::size_t i = 0; mesh_ && i < mesh_->triangles.corners.size(); ++i) {
+        const auto [a, b, c] = corners_of(*mesh_, i);
+        const double area = reference::length(reference::cross(b - a, c - a));
+        areas_.push_back((areas_.empty() ? 0 : areas_.back()) + area);
+    }
+}
+
+std::optional<TouchPlace> PlaceDraw::operator()() {
+    std::optional<TouchPlace> place = mesh_ ? drawn_on_mesh() : drawn_on_graph();
+    const TouchScale& scale = shape_.scale;
+    const double depth = scale.shallowest() * std::pow(scale.deepest / scale.shallowest(), draw_(0, 1));
+    if (!place)
+        return place;
+    place->depth = depth;
+    place->at -= depth * place->normal;
+    return is_in_box(shape_, place->at) && touches(shape_.force(*place)) ? place : std::nullopt;
+}
+
+std::optional<TouchPlace> PlaceDraw::drawn_on_graph() {
+    const double x = draw_(shape_.low.x, shape_.high.x), y = draw_(shape_.low.y, shape_.high.y);
+    return on_graph(shape_, x, y);
+}
+
+std::optional<TouchPlace> PlaceDraw::drawn_on_mesh() {
+    const double share = draw_(0, areas_.back());
+    const auto i = static_cast<std::size_t>(std::ranges::upper_bound(areas_, share) - areas_.begin());
+    const double u = draw_(0, 1), v = draw_(0, 1);
+    return u + v > 1 ? on_triangle(shape_, *mesh_, i, 1 - u, 1 - v) : on_triangle(shape_, *mesh_, i, u, v);
+}
+
+std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count) {
+    PlaceDraw draw(shape, prepared, 1);
+    std::vector<TouchPlace> places;
+    for (std::size_t tries = 0; places.size() < count && tries < kTriesAPlace * count; ++tries)
+        if (const auto place = draw())
+            places.push_back(*place);
+    if (places.empty())
+        throw UsageError("no sample of the scene's [grid] is in contact: move the grid below the surface");
+    return places;
+}
+
+std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCase& prepared, double x, double y) {
+    if (!prepared.images.mesh)
+        return on_graph(shape, x, y);
+    const Mesh& mesh = prepared.images.mesh->mesh;
+    std::optional<TouchPlace> found;
+    for (std::size_t i = 0; i < mesh.triangles.corners.size(); ++i) {
+        const auto [a, b, c] = corners_of(mesh, i);
+        const glm::dvec3 p = b - a, q = c - a, at = glm::dvec3(x, y, 0) - a;
+        const double area = p.x * q.y - p.y * q.x, u = (at.x * q.y - at.y * q.x) / area,
+                     v = (p.x * at.y - p.y * at.x) / area;
+        if (u >= 0 && v >= 0 && u + v <= 1)
+            if (const auto place = on_triangle(shape, mesh, i, u, v); place && (!found || place->at.z > found->at.z))
+                found = place;
+    }
+    return found;
+}
+
+} // namespace forceshade

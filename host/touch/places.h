@@ -1,0 +1,50 @@
+// Where a hand touches a surface: under points anywhere on it, at depths that are log-uniform.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/field/prepared_case.h"
+#include "host/random.h"
+#include "host/touch/place.h"
+
+namespace forceshade {
+
+/// What is touched: where it has a force, and where to look.
+struct TouchedShape {
+    ForceAt force{};
+    TouchScale scale{};
+    glm::dvec3 low{0}, high{0}; /* m: the box that places are within */
+    bool smooth = false; /* of a mesh: `force` is that of the shape that it approximates, and places lie under that */
+};
+
+inline bool touches(const glm::dvec3& force) {
+    return force != glm::dvec3(0);
+}
+
+/// Draws places: of a mesh uniform over the triangles' area, else above or below (x, y) drawn in the box.
+class PlaceDraw {
+public:
+    /// `shape`, and the mesh of `prepared`, must outlive it.
+    PlaceDraw(const TouchedShape& shape, const PreparedCase& prepared, std::uint64_t seed);
+    /// Empty without a surface, or if the place would be outside of the box or not in contact.
+    std::optional<TouchPlace> operator()();
+
+private:
+    std::optional<TouchPlace> drawn_on_graph();
+    std::optional<TouchPlace> drawn_on_mesh();
+
+    const TouchedShape& shape_;
+    const Mesh* mesh_;
+    Random draw_;
+    std::vector<double> areas_; /* up to each triangle */
+};
+
+/// Up to `count` places, always the same. \throws UsageError without contact in the box.
+std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count);
+
+/// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; empty: none.
+std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCase& prepared, double x, double y);
+
+} // namespace forceshade
