@@ -1,11 +1,9 @@
 // The surface of a scene, as loops rest on it.
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "host/error.h"
 #include "host/limits/rest_places.h"
-#include "host/paths/motions.h"
+#include "host/touch/places.h"
 
 namespace forceshade {
 namespace {
@@ -18,34 +16,11 @@ void refuse_dead_hand(const Scene& scene) {
                          "any stiffness");
 }
 
-// The box of a scene's grid; of a scene of paths alone that of its mesh, or of its paths.
-void take_box(LoopSurface& surface, const PathsSpec& paths) {
-    const Scene& scene = surface.prepared.one.scene;
-    if (!scene.field && !surface.is_mesh()) {
-        const PathRegion region = path_region(paths, surface.prepared);
-        const double length = region.length / 2, width = region.width / 2, reach = std::max(length, width);
-        surface.low = {region.centre[0] - length, region.centre[1] - width, region.height - reach};
-        surface.high = {region.centre[0] + length, region.centre[1] + width, region.height + reach};
-        return;
-    }
-    constexpr std::uint64_t kSide = 64; // voxels
-    const GridSpec grid = scene.field ? scene.grid : fitted_grid(kSide, surface.prepared.images.mesh->mesh);
-    for (int i = 0; i < 3; ++i) {
-        const auto axis = static_cast<std::size_t>(i);
-        surface.low[i] = grid.origin[axis];
-        surface.high[i] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
-    }
-}
-
 } // namespace
 
 LoopSurface scene_surface(const PreparedCase& given) {
-    constexpr double kDeepestShare = 0.05; // of the box's longest side
     const Scene& scene = given.one.scene;
     refuse_dead_hand(scene);
-    PathsSpec paths = scene.paths.value_or(PathsSpec{});
-    if (paths.kind == PathKind::recorded)
-        paths.kind = PathKind::strokes;
     LoopSurface surface;
     surface.name = "scene";
     surface.prepared = given;
@@ -53,11 +28,12 @@ LoopSurface scene_surface(const PreparedCase& given) {
     if (surface.prepared.one.scene.texture)
         surface.prepared.one.scene.texture->stiffness /= scene.force.stiffness;
     surface.hand = scene.hand;
-    surface.rate = paths.rate;
+    surface.rate = scene.paths.value_or(PathsSpec{}).rate;
     surface.stiffness = scene.force.stiffness;
-    take_box(surface, paths);
-    const glm::dvec3 size = surface.high - surface.low;
-    surface.deepest = std::min(surface.deepest, kDeepestShare * std::max({size.x, size.y, size.z}));
+    const TouchedShape shape = scene_shape(given);
+    surface.low = shape.low;
+    surface.high = shape.high;
+    surface.deepest = shape.scale.deepest;
     return surface;
 }
 

@@ -8,6 +8,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
+#include "host/paths/motions.h"
 #include "host/reference/elementary.h"
 
 namespace forceshade {
@@ -92,6 +93,35 @@ std::vector<TouchPlace> touched_places(const TouchedShape& shape, const Prepared
     if (places.empty())
         throw UsageError("no sample of the scene's [grid] is in contact: move the grid below the surface");
     return places;
+}
+
+TouchedShape scene_shape(const PreparedCase& prepared) {
+    constexpr double kDeepestShare = 0.05; // of the box's longest side
+    constexpr std::uint64_t kSide = 64;    // voxels
+    const Scene& scene = prepared.one.scene;
+    TouchedShape shape;
+    if (!scene.field && !prepared.images.mesh) {
+        PathsSpec paths = scene.paths.value_or(PathsSpec{});
+        if (paths.kind == PathKind::recorded)
+            paths.kind = PathKind::strokes;
+        const PathRegion region = path_region(paths, prepared);
+        const double length = region.length / 2, width = region.width / 2, reach = std::max(length, width);
+        shape.low = {region.centre[0] - length, region.centre[1] - width, region.height - reach};
+        shape.high = {region.centre[0] + length, region.centre[1] + width, region.height + reach};
+    } else {
+        shape.set_box(scene.field ? scene.grid : fitted_grid(kSide, prepared.images.mesh->mesh));
+    }
+    const glm::dvec3 size = shape.high - shape.low;
+    shape.scale.deepest = std::min(shape.scale.deepest, kDeepestShare * std::max({size.x, size.y, size.z}));
+    return shape;
+}
+
+void TouchedShape::set_box(const GridSpec& grid) {
+    for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        low[i] = grid.origin[axis];
+        high[i] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
+    }
 }
 
 std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCase& prepared, double x, double y) {

@@ -16,7 +16,10 @@ struct TouchedShape {
     ForceAt force{};
     TouchScale scale{};
     glm::dvec3 low{0}, high{0}; /* m: the box that places are within */
-    bool smooth = false; /* of a mesh: `force` is that of the shape that it approximates, and places lie under that */
+    bool smooth = false; /* of a mesh: `force` is that of the shape that it approximates, under which places lie */
+
+    /// Of a grid.
+    void set_box(const GridSpec& grid);
 };
 
 inline bool touches(const glm::dvec3& force) {
@@ -43,6 +46,10 @@ private:
 
 /// Up to `count` places, always the same. \throws UsageError without contact in the box.
 std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count);
+
+/// The box of a scene's grid, or without one that of its mesh, or of its paths; as deep as a hand goes. Without a
+/// force.
+TouchedShape scene_shape(const PreparedCase& prepared);
 
 /// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; empty: none.
 std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCase& prepared, double x, double y);

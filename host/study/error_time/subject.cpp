@@ -12,8 +12,6 @@
 namespace forceshade::study::error_time {
 namespace {
 
-constexpr double kDeepest = 2e-3;                // m: of a hand's touch
-constexpr double kDeepestShare = 0.05;           // of a scene's longest side
 constexpr std::uint64_t kLongestSide = 64;       // voxels of a kernel's grid over a user's scene
 constexpr double kMostSamples = 6e6;             // of a volume
 constexpr double kMostMeshSamples = 1e6;         // of a mesh, whose samples take longer
@@ -40,11 +38,7 @@ const glm::dvec3 kMeshLow(-9e-3, -6e-3, 1.5e-3), kMeshHigh(9e-3, 6e-3, 7e-3); //
 
 void set_grid(Subject& subject, const GridSpec& grid) {
     subject.grid = grid;
-    for (int i = 0; i < 3; ++i) {
-        const auto axis = static_cast<std::size_t>(i);
-        subject.low[i] = grid.origin[axis];
-        subject.high[i] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
-    }
+    subject.set_box(grid);
 }
 
 // The same box by other samples along the axes that differ.
@@ -253,8 +247,7 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
         own.grid = fitted_grid(kLongestSide, scene->images.mesh->mesh);
     Subject subject("scene", bump ? "facets" : "");
     set_grid(subject, own.grid);
-    const glm::dvec3 size = subject.high - subject.low;
-    subject.scale.deepest = std::min(kDeepest, kDeepestShare * std::max({size.x, size.y, size.z}));
+    subject.scale = scene_shape(*scene).scale;
     subject.grid.samples = 0;
     std::array<std::uint64_t, 3> fewer = own.grid.size;
     for (std::uint64_t& count : fewer)

@@ -7,12 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "host/error.h"
-#include "host/field/case_law.h"
-#include "host/field/evaluate.h"
-#include "host/referee/mesh_referee.h"
-#include "host/referee/referee.h"
-#include "host/referee/rounding_bound.h"
+#include "host/reference/elementary.h"
 #include "host/touch/bump_mesh.h"
 
 namespace forceshade::study {
@@ -177,123 +172,6 @@ std::vector<double> number_values(const std::string& surface, const std::string&
     return values;
 }
 
-using Vector = reference::Vector<double>;
-using Forces = std::vector<Vector>;
-using ForceOf = std::function<Vector(const Vector& place)>;
-
-constexpr double kAlike = 1e-12; /* of the largest force: neighbours that differ by less are a period apart */
-
-template <typename T> Forces evaluated(Engine& engine, const PreparedCase& prepared) {
-    const std::vector<T> numbers = evaluate<T>(prepared, engine).force;
-    Forces forces;
-    for (std::size_t i = 0; i < numbers.size() / 3; ++i)
-        forces.emplace_back(reference::vector_at<T>(numbers, i));
-    return forces;
-}
-
-/// Voxel by voxel, x fastest, then z.
-std::vector<Vector> voxels_of(const PreparedCase& prepared) {
-    const GridSpec& grid = prepared.one.scene.grid;
-    std::vector<Vector> places;
-    for (std::size_t k = 0; k < grid.size[2]; ++k)
-        for (std::size_t i = 0; i < grid.size[0]; ++i)
-            places.emplace_back(grid.origin[0] + grid.spacing[0] * static_cast<double>(i), grid.origin[1],
-                                grid.origin[2] + grid.spacing[2] * static_cast<double>(k));
-    return places;
-}
-
-Forces true_forces(const PreparedCase& home, const ForceOf& force) {
-    Forces forces;
-    for (const Vector& place : voxels_of(home))
-        forces.push_back(force(place));
-    return forces;
-}
-
-Forces by_oracle(const PreparedCase& home) {
-    const CaseLaw<double> law(home);
-    return true_forces(home, [&](const Vector& place) { return law.at(place).force; });
-}
-
-Vector vector_of(const brute::Answer& answer) {
-    return {static_cast<double>(answer.force[0]), static_cast<double>(answer.force[1]),
-            static_cast<double>(answer.force[2])};
-}
-
-Forces by_referee(const PreparedCase& home) {
-    if (home.images.mesh) {
-        brute::MeshLaw law;
-        law.stiffness = home.one.scene.force.stiffness;
-        law.shading = brute::MeshShading::mean_value;
-        const brute::MeshReferee referee(home.images.mesh->mesh, law);
-        return true_forces(home, [&](const Vector& place) { return vector_of(referee.at(place)); });
-    }
-    const brute::Referee referee(home.one.scene, home.images);
-    std::optional<brute::Column> column; // finding it loops over all facets
-    Forces forces;
-    const std::size_t columns = home.one.scene.grid.size[0];
-    const std::vector<Vector> places = voxels_of(home);
-    forces.resize(places.size());
-    for (std::size_t i = 0; i < columns; ++i) {
-        column = referee.column(places[i].x, places[i].y);
-        for (std::size_t at = i; at < places.size(); at += columns)
-            forces[at] = vector_of(referee.at(*column, places[at].z));
-    }
-    return forces;
-}
-
-/// Sums over the fields of a case, in N.
-struct Sums {
-    double largest = 0, off = 0, step = 0, step_off = -1, bound = 0;
-};
-
-void add_field(const Forces& found, const Forces& truth, std::size_t columns, Sums& sums) {
-    for (std::size_t at = 0; at < found.size(); ++at) {
-        const double off = reference::length(found[at] - truth[at]);
-        sums.largest = std::max(sums.largest, reference::length(truth[at]));
-        sums.off = std::isfinite(off) ? std::max(sums.off, off) : std::numeric_limits<double>::infinity();
-        if (at % columns == 0)
-            continue;
-        const Vector step = truth[at] - truth[at - 1];
-        sums.step = std::max(sums.step, reference::length(step));
-        sums.step_off = std::max(sums.step_off, reference::length(found[at] - found[at - 1] - step));
-    }
-}
-
-/// The largest bound of a field's voxels, N; where each coordinate is rounded, too.
-double bound_of(const PreparedCase& prepared, Precision precision) {
-    const RoundingBound bound(prepared, precision);
-    const double unit = precision == Precision::f32 ? 0x1p-24 : 0x1p-53;
-    double most = 0;
-    for (const Vector& at : voxels_of(prepared))
-        most = std::max(most, bound.at(at.x, at.y, at.z).force + bound.over(unit * reference::length(at)).force);
-    return most;
-}
-
-template <typename T, typename Truth>
-NumberErrors errors_of(Engine& engine, const NumberCase& one, Precision precision, const Truth& truth_of) {
-    NumberErrors errors;
-    Sums sums;
-    for (const NumberField& field : one) {
-        const PreparedCase& home = field.home;
-        try {
-            add_field(evaluated<T>(engine, field.prepared), truth_of(home), home.one.scene.grid.size[0], sums);
-        } catch (const UsageError& error) {
-            errors.refused = error.what();
-            return errors;
-        }
-        if (!home.images.mesh)
-            sums.bound = std::max(sums.bound, bound_of(field.prepared, precision));
-    }
-    if (!(sums.largest > 0))
-        return errors;
-    errors.force = sums.off / sums.largest;
-    if (sums.step > kAlike * sums.largest)
-        errors.step = sums.step_off / sums.step;
-    if (!one.front().prepared.images.mesh)
-        errors.bound = sums.bound / sums.largest;
-    return errors;
-}
-
 constexpr double kLeastShown = 1e-17; /* errors of 0 are shown there */
 constexpr double kOriginShown = 1e-4; /* m: where an origin of 0 is shown */
 
@@ -333,14 +211,6 @@ NumberCase number_case(const std::string& surface, const std::string& axis, doub
     return result;
 }
 
-NumberErrors single_errors(Engine& engine, const NumberCase& one) {
-    return errors_of<float>(engine, one, Precision::f32, by_oracle);
-}
-
-NumberErrors double_errors(Engine& engine, const NumberCase& one) {
-    return errors_of<double>(engine, one, Precision::f64, by_referee);
-}
-
 std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow>& rows) {
     std::vector<Part> parts;
     for (const std::string& surface : number_surfaces())
@@ -363,7 +233,7 @@ std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow
 
 void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
     using R = NumberRow;
-    const auto number = [](double NumberErrors::*of) {
+    const auto number = [](double PrecisionErrors::*of) {
         return [of](const R& r) { return r.errors.refused.empty() && r.errors.*of >= 0 ? Cell(r.errors.*of) : Cell(); };
     };
     data.tables.push_back(table_of<R>(
@@ -379,14 +249,14 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
           &R::precision},
          {"series", "", "Surface and precision.",
           [](const R& r) { return fmt::format("{}, {}", r.surface, r.precision); }},
-         {"error", "1", "Largest error of a voxel's force, over the largest force.", number(&NumberErrors::force)},
+         {"error", "1", "Largest error of a voxel's force, over the largest force.", number(&PrecisionErrors::force)},
          {"error_shown", "1", "The same, at least 1e-17 for logarithmic axes.",
           [](const R& r) { return r.errors.refused.empty() ? Cell(std::max(r.errors.force, kLeastShown)) : Cell(); }},
          {"bound", "1", "The bound that validate holds to, coordinates rounded too; none of meshes.",
-          number(&NumberErrors::bound)},
+          number(&PrecisionErrors::bound)},
          {"step_error", "1",
           "Largest error of the difference of two neighbours along x, over the largest such difference.",
-          number(&NumberErrors::step)},
+          number(&PrecisionErrors::step)},
          {"refused", "", "Why the field was refused; empty: it was not.", [](const R& r) { return r.errors.refused; }}},
         rows));
     const char* const largest = "Largest error of a voxel's force over the largest force, away from edges. A point "

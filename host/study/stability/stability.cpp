@@ -111,7 +111,7 @@ StudyData study_stability(StudyRun& run) {
     for (const LoopSurface& surface : loops.surfaces)
         parts.push_back({"loops on " + surface.name, [&] { study_surface(run.engine(), surface, quick, loops); }});
     parts.push_back({"maps of loops", [&] { add_maps(run.engine(), quick, loops); }});
-    std::vector<WorstRounding> worst;
+    std::vector<LawRounding> worst;
     std::vector<NumberRow> numbers;
     if (!run.scene()) { // precision is that of plain surfaces of the study's own
         std::ranges::move(number_parts(run.engine(), quick, numbers), std::back_inserter(parts));

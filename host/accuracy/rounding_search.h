@@ -1,0 +1,29 @@
+// Where single precision is furthest from double: a search of a case, not samples of it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/field/prepared_case.h"
+
+namespace forceshade {
+
+/// A place at which single precision is far from double.
+struct WorstRounding {
+    bool same_facet = true; /* both precisions meet the same facet away from edges of the law; else rounding chose */
+    double error = 0;       /* 1: |F32 - F64| over the largest force of the search, the stiffness times the deepest */
+    double local = 0;       /* 1: over the force there */
+    double turn = 0;        /* deg: between both forces */
+    double depth = 0;       /* m */
+    glm::dvec3 place{0};    /* m, in the world */
+    std::size_t evaluations = 0; /* of the law, in each precision */
+};
+
+/// The law without a history, searched as deep as a hand goes (scene_shape) by climbing from the worst of `places` that
+/// are aimed at facets, edges and corners, and of a tenth as many ties, where two facets are equally near. At most two:
+/// the worst of the same facet, and the worst of a choice between two.
+std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::size_t places);
+
+} // namespace forceshade
