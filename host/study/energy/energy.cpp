@@ -7,16 +7,10 @@
 
 #include "host/error.h"
 #include "host/paths/motions.h"
-#include "host/touch/bump_mesh.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
 namespace {
-
-constexpr double kHalf = 0.0127, kRadius = 0.0254; // m: a, and R = 1000 mil
-constexpr const char* kOwnBump = R"(
-surface = {radius = "1000 mil", width = "1000 mil"}
-force.stiffness = "1000 N/m"
-)";
 
 struct Scheme {
     const char* name;
@@ -55,25 +49,19 @@ void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<do
     }
 }
 
-EnergySurface own_bump(const PreparedCase& own, bool quick) {
-    EnergySurface surface{"bump", "facets", {{-kHalf, -0.005}, {kHalf, 0.005}}};
+EnergySurface own_bump(bool quick) {
+    EnergySurface surface{"bump", "facets", {{-kOwnHalfWidth, -0.005}, {kOwnHalfWidth, 0.005}}};
     for (const unsigned facets :
-         quick ? std::vector<unsigned>{1, 2, 8, 32, 512} : std::vector<unsigned>{1, 2, 3, 4, 8, 16, 32, 128, 512}) {
-        PreparedCase base = own;
-        base.one.scene.surface.facets = facets;
-        add_laws(surface, base, facets);
-    }
+         quick ? std::vector<unsigned>{1, 2, 8, 32, 512} : std::vector<unsigned>{1, 2, 3, 4, 8, 16, 32, 128, 512})
+        add_laws(surface, own_case({.facets = facets}), facets);
     return surface;
 }
 
-EnergySurface own_mesh(const PreparedCase& own, bool quick) {
-    EnergySurface surface{"mesh", "cells", {{-kHalf, -0.8 * kHalf}, {kHalf, 0.8 * kHalf}}};
-    for (const unsigned cells : quick ? std::vector<unsigned>{4, 16} : std::vector<unsigned>{4, 8, 16, 32}) {
-        PreparedCase base = own;
-        base.one.scene.surface.kind = SurfaceKind::mesh;
-        base.images.mesh = bump_mesh({kHalf, kRadius, cells, cells});
-        add_laws(surface, base, cells);
-    }
+EnergySurface own_mesh(bool quick) {
+    constexpr double kAcross = 0.8 * kOwnHalfWidth;
+    EnergySurface surface{"mesh", "cells", {{-kOwnHalfWidth, -kAcross}, {kOwnHalfWidth, kAcross}}};
+    for (const unsigned cells : quick ? std::vector<unsigned>{4, 16} : std::vector<unsigned>{4, 8, 16, 32})
+        add_laws(surface, own_case({.kind = SurfaceKind::mesh, .facets = cells, .rows = cells}), cells);
     return surface;
 }
 
@@ -118,8 +106,7 @@ bool is_mapped(const EnergyLaw& law, const std::optional<PreparedCase>& scene) {
 
 // The paper's bump of R = 1000 mil over its facets, and meshes of its cylinder over their cells.
 std::vector<EnergySurface> own_energy_surfaces(bool quick) {
-    const PreparedCase own = CasePreparation().prepare(parse_scene(kOwnBump, "the study's own scene"));
-    return {own_bump(own, quick), own_mesh(own, quick)};
+    return {own_bump(quick), own_mesh(quick)};
 }
 
 } // namespace

@@ -8,14 +8,12 @@
 #include <fmt/format.h>
 
 #include "host/reference/elementary.h"
-#include "host/touch/bump_mesh.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
 namespace {
 
-constexpr double kHalfWidth = 0.0127;  /* a, m */
-constexpr double kWavelength = 0x1p-6; /* m: of the sine; a power of two, so that whole ones add up without error */
-constexpr double kPressed = 0.001;     /* m: how deep fine grids lie */
+constexpr double kPressed = 0.001; /* m: how deep fine grids lie */
 constexpr std::uint64_t kColumns = 41, kRows = 9;
 constexpr double kShare = 0.2937; /* of a: where fine grids lie; no vertex is near */
 
@@ -37,41 +35,26 @@ double& part_of(Setting& setting, const std::string& axis) {
                                   : setting.depth;
 }
 
-Scene surface_of(const std::string& surface, const Setting& setting) {
-    Scene scene;
-    scene.surface.width = 2 * kHalfWidth;
-    scene.surface.radius = setting.ratio * kHalfWidth;
-    scene.surface.facets = setting.facets;
-    scene.force.stiffness = setting.stiffness;
-    if (surface == "shaded bump")
-        scene.force.shading = Shading::reference;
-    if (surface == "cylinder bump")
-        scene.surface.kind = SurfaceKind::cylinder_bump;
-    if (surface == "height map") {
-        scene.surface.kind = SurfaceKind::height_map;
-        scene.force.shading = Shading::height_map;
-        scene.surface.map.function = MapFunction::sine;
-        scene.surface.map.width = kWavelength;
-        scene.surface.map.height = 0.001;
-    }
-    if (surface == "height map, cylinder") {
-        scene.surface.kind = SurfaceKind::height_map;
-        scene.force.shading = Shading::height_map;
-        scene.surface.map.width = 2 * kHalfWidth;
-        scene.surface.map.radius = setting.ratio * kHalfWidth;
-    }
-    if (surface == "mesh") {
-        scene.surface.kind = SurfaceKind::mesh;
-        scene.force.shading = Shading::mean_value;
-    }
-    scene.output.channels = layout::kChannelForce;
-    return scene;
+// By name, with the shading of its kind.
+OwnSurface surface_of(const std::string& surface, const Setting& setting) {
+    OwnSurface own;
+    own.radius = setting.ratio * kOwnHalfWidth;
+    own.facets = setting.facets;
+    own.rows = 4;
+    own.stiffness = setting.stiffness;
+    own.shaded = surface != "bump" && surface != "cylinder bump";
+    own.kind = surface == "mesh"                   ? SurfaceKind::mesh
+               : surface == "cylinder bump"        ? SurfaceKind::cylinder_bump
+               : surface.starts_with("height map") ? SurfaceKind::height_map
+                                                   : SurfaceKind::bump;
+    own.function = surface == "height map" ? MapFunction::sine : MapFunction::cylinder;
+    return own;
 }
 
 double circle_height(double ratio, double x) {
-    const double radius = ratio * kHalfWidth;
-    return (kHalfWidth - x) * (kHalfWidth + x) /
-           (reference::circle_rise(radius, x) + reference::circle_rise(radius, kHalfWidth));
+    const double radius = ratio * kOwnHalfWidth;
+    return (kOwnHalfWidth - x) * (kOwnHalfWidth + x) /
+           (reference::circle_rise(radius, x) + reference::circle_rise(radius, kOwnHalfWidth));
 }
 
 /// The nominal surface above x, m.
@@ -79,13 +62,14 @@ double height_of(const std::string& surface, const Setting& setting, double x) {
     if (surface == "cylinder bump")
         return circle_height(setting.ratio, x);
     if (surface == "mesh") {
-        const double cell = 2 * kHalfWidth / setting.facets, left = std::floor(x / cell) * cell;
+        const double cell = 2 * kOwnHalfWidth / setting.facets, left = std::floor(x / cell) * cell;
         return std::lerp(circle_height(setting.ratio, left), circle_height(setting.ratio, left + cell),
                          (x - left) / cell);
     }
     if (!surface.starts_with("bump"))
         return 0;
-    const FieldTables<double> tables = make_tables<double>(surface_of(surface, setting), {}, Extent::nothing);
+    const FieldTables<double> tables =
+        make_tables<double>(own_case(surface_of(surface, setting)).one.scene, {}, Extent::nothing);
     return reference::facet_at(tables.law(), x).height;
 }
 
@@ -99,9 +83,9 @@ GridSpec grid_of(const Box& box, double y) {
     grid.size = {box.columns, 1, box.rows};
     grid.origin = {box.low[0], y, box.low[1]};
     const auto step = [](double low, double high, std::uint64_t count) {
-        return count > 1 ? (high - low) / static_cast<double>(count - 1) : kHalfWidth;
+        return count > 1 ? (high - low) / static_cast<double>(count - 1) : kOwnHalfWidth;
     };
-    grid.spacing = {step(box.low[0], box.high[0], box.columns), kHalfWidth, step(box.low[1], box.high[1], box.rows)};
+    grid.spacing = {step(box.low[0], box.high[0], box.columns), kOwnHalfWidth, step(box.low[1], box.high[1], box.rows)};
     return grid;
 }
 
@@ -110,27 +94,24 @@ std::vector<Box> boxes_of(const std::string& surface, const Setting& setting) {
     if (setting.depth > 0) {
         std::vector<Box> boxes;
         for (const double share : {-0.8371, -0.4613, kShare, 0.5519, 0.9033}) {
-            const double x = share * kHalfWidth, z = height_of(surface, setting, x) - setting.depth;
+            const double x = share * kOwnHalfWidth, z = height_of(surface, setting, x) - setting.depth;
             boxes.push_back({{x, z}, {x, z}, 1, 1});
         }
         return boxes;
     }
     if (setting.spacing > 0) {
-        const double x = kShare * kHalfWidth, z = height_of(surface, setting, x) - kPressed;
+        const double x = kShare * kOwnHalfWidth, z = height_of(surface, setting, x) - kPressed;
         return {{{x, z}, {x + setting.spacing * static_cast<double>(kColumns - 1), z}, kColumns, 1}};
     }
     const double top = surface.starts_with("height map") ? -0.0001 : 0.9 * circle_height(setting.ratio, 0);
-    return {{{-0.9131 * kHalfWidth, -0.00193}, {0.8873 * kHalfWidth, top}}};
+    return {{{-0.9131 * kOwnHalfWidth, -0.00193}, {0.8873 * kOwnHalfWidth, top}}};
 }
 
 PreparedCase prepared_of(const std::string& surface, const Setting& setting, const Box& box, double away) {
-    PreparedCase prepared;
-    prepared.one.scene = surface_of(surface, setting);
-    GridSpec grid = grid_of(box, 0.0371 * kHalfWidth);
+    PreparedCase prepared = own_case(surface_of(surface, setting), glm::dvec3(away));
+    prepared.one.scene.output.channels = layout::kChannelForce;
+    GridSpec grid = grid_of(box, 0.0371 * kOwnHalfWidth);
     const bool moves = surface == "mesh";
-    if (moves)
-        prepared.images.mesh =
-            bump_mesh({kHalfWidth, setting.ratio * kHalfWidth, setting.facets, 4}, glm::dvec3(away, away, away));
     grid.origin[0] += away;
     grid.origin[1] += moves ? away : 0;
     grid.origin[2] += moves ? away : 0;
@@ -191,10 +172,6 @@ const std::vector<std::string>& number_surfaces() {
     return surfaces;
 }
 
-Scene number_scene(const std::string& surface) {
-    return surface_of(surface, {});
-}
-
 NumberCase number_case(const std::string& surface, const std::string& axis, double value) {
     Setting setting;
     if (axis == "facets")
@@ -202,7 +179,7 @@ NumberCase number_case(const std::string& surface, const std::string& axis, doub
     else
         part_of(setting, axis) = value;
     const double away =
-        surface == "height map" ? std::round(setting.origin / kWavelength) * kWavelength : setting.origin;
+        surface == "height map" ? std::round(setting.origin / kOwnWavelength) * kOwnWavelength : setting.origin;
     NumberCase result;
     for (const Box& box : boxes_of(surface, setting)) {
         const PreparedCase home = prepared_of(surface, setting, box, 0);

@@ -11,8 +11,6 @@ namespace forceshade::study {
 /// A surface with one parameter of a plain scene at one value: the errors of its fields count together. Axes:
 /// "radius_ratio", "facets", "stiffness", "origin", "spacing", "depth"; SI.
 using NumberCase = std::vector<FieldAtHome>;
-/// The plain scene of a surface: R = 2 a, a = 12.7 mm, 8 facets, K = 1000 N/m.
-Scene number_scene(const std::string& surface);
 NumberCase number_case(const std::string& surface, const std::string& axis, double value);
 const std::vector<std::string>& number_surfaces();
 

@@ -3,60 +3,37 @@
 
 #include <algorithm>
 
-#include "host/error.h"
-#include "host/mesh/mesh.h"
-#include "host/paths/motions.h"
-#include "host/scene/study.h"
 #include "host/study/stability/number.h"
-#include "host/touch/bump_mesh.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
 namespace {
 
-struct OwnScene {
-    const char *name, *text;
+struct StudiedSurface {
+    const char* name;
+    OwnSurface own;
     glm::dvec3 low, high; /* m */
 };
 
-// The box of a bump or map goes 2.5 mm beyond it on either side.
-const OwnScene kOwnScenes[] = {
-    {"plane", "surface = {facets = 1}", {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
-    {"bump", "surface = {facets = 2}", {-0.0152, -0.005, -0.003}, {0.0152, 0.005, 0.008}},
+// The box of a bump or map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
+const StudiedSurface kStudied[] = {
+    {"plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
+    {"bump", {.radius = 0.01524, .facets = 2}, {-0.0152, -0.005, -0.003}, {0.0152, 0.005, 0.008}},
     {"shaded bump",
-     "surface = {facets = 2}\nforce.shading = \"reference\"",
+     {.shaded = true, .radius = 0.01524, .facets = 2},
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.008}},
     {"map of a bump",
-     "surface = {kind = \"height_map\", function = \"cylinder\", radius = \"1000 mil\"}\n"
-     "force.shading = \"height_map\"",
+     {.kind = SurfaceKind::height_map, .shaded = true},
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.002}},
     {"map of a dip",
-     "surface = {kind = \"height_map\", function = \"dip\", radius = \"1000 mil\"}\nforce.shading = \"height_map\"",
+     {.kind = SurfaceKind::height_map, .function = MapFunction::dip, .shaded = true},
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.002}},
+    {"mesh", {.kind = SurfaceKind::mesh}, {-0.0105, -0.008, -0.003}, {0.0105, 0.008, 0.008}},
+    {"shaded mesh", {.kind = SurfaceKind::mesh, .shaded = true}, {-0.0105, -0.008, -0.003}, {0.0105, 0.008, 0.008}},
 };
-constexpr glm::dvec3 kMeshLow{-0.0105, -0.008, -0.003}, kMeshHigh{0.0105, 0.008, 0.008}; // m: away from its borders
-
-LoopSurface own_surface(std::string name, const Scene& scene, const glm::dvec3& low, const glm::dvec3& high) {
-    LoopSurface surface;
-    surface.name = std::move(name);
-    surface.prepared.one.scene = scene;
-    surface.prepared.one.scene.force.stiffness = 1;
-    surface.low = low;
-    surface.high = high;
-    return surface;
-}
-
-LoopSurface own_mesh(const char* name, Shading shading, const std::shared_ptr<const SceneMesh>& mesh) {
-    Scene scene;
-    scene.surface.kind = SurfaceKind::mesh;
-    scene.surface.mesh.file = "bump";
-    scene.force.shading = shading;
-    LoopSurface surface = own_surface(name, scene, kMeshLow, kMeshHigh);
-    surface.prepared.images.mesh = mesh;
-    return surface;
-}
 
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
@@ -94,12 +71,14 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
 
 std::vector<LoopSurface> own_surfaces() {
     std::vector<LoopSurface> surfaces;
-    for (const OwnScene& own : kOwnScenes)
-        surfaces.push_back(
-            own_surface(own.name, parse_scene(own.text, "the study's own scene").scene, own.low, own.high));
-    const auto mesh = bump_mesh({0.0127, 0.0254, 8, 8});
-    surfaces.push_back(own_mesh("mesh", Shading::none, mesh));
-    surfaces.push_back(own_mesh("shaded mesh", Shading::mean_value, mesh));
+    for (const auto& [name, own, low, high] : kStudied) {
+        LoopSurface& surface = surfaces.emplace_back();
+        surface.name = name;
+        surface.prepared = own_case(own);
+        surface.prepared.one.scene.force.stiffness = 1;
+        surface.low = low;
+        surface.high = high;
+    }
     return surfaces;
 }
 

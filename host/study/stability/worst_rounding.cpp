@@ -4,12 +4,10 @@
 #include <fmt/format.h>
 
 #include "host/study/stability/number.h"
-#include "host/touch/bump_mesh.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
 namespace {
-
-constexpr double kHalf = 0.0127, kRadius = 2 * kHalf; // m: a and R = 2 a
 
 struct SearchedLaw {
     std::string name;
@@ -17,17 +15,10 @@ struct SearchedLaw {
 };
 
 std::vector<SearchedLaw> searched_laws() {
-    std::vector<SearchedLaw> laws;
-    const auto add = [&](std::string name, const Scene& scene, std::shared_ptr<const SceneMesh> mesh = nullptr) {
-        SearchedLaw law{std::move(name), {}};
-        law.prepared.one.scene = scene;
-        law.prepared.images.mesh = std::move(mesh);
-        laws.push_back(std::move(law));
-    };
-    add("bump of 8 facets, none", number_scene("bump"));
-    add("bump of 8 facets, reference", number_scene("shaded bump"));
-    add("height map of the cylinder", number_scene("height map, cylinder"));
-    Scene scene = number_scene("mesh");
+    std::vector<SearchedLaw> laws{
+        {"bump of 8 facets, none", own_case({})},
+        {"bump of 8 facets, reference", own_case({.shaded = true})},
+        {"height map of the cylinder", own_case({.kind = SurfaceKind::height_map, .shaded = true})}};
     constexpr std::pair<Shading, const char*> kShadings[] = {{Shading::none, "none"},
                                                              {Shading::morgenbesser, "morgenbesser"},
                                                              {Shading::barycentric, "barycentric"},
@@ -35,10 +26,10 @@ std::vector<SearchedLaw> searched_laws() {
                                                              {Shading::two_pass, "two_pass"}};
     for (const auto& [rows, what] :
          {std::pair(4u, "mesh of 8 x 4 cells"), std::pair(256u, "mesh of 8 x 256 thin cells")}) {
-        const auto mesh = bump_mesh({kHalf, kRadius, 8, rows}, glm::dvec3(0));
+        PreparedCase mesh = own_case({.kind = SurfaceKind::mesh, .rows = rows});
         for (const auto& [shading, name] : kShadings) {
-            scene.force.shading = shading;
-            add(fmt::format("{}, {}", what, name), scene, mesh);
+            mesh.one.scene.force.shading = shading;
+            laws.push_back({fmt::format("{}, {}", what, name), mesh});
         }
     }
     return laws;
