@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/touch/angle.h"
+
 namespace forceshade {
 namespace {
 
@@ -64,6 +66,43 @@ private:
     std::size_t steps_;
 };
 
+// The lower of a limit at a hold and the least so far; only where that is not stable up to the least so far.
+void take_lower(std::optional<HoldLimit>& least, const LoopCell& cell, const RestPlace& place, const Hold& hold,
+                double share = 0.9999) {
+    if (least && !grows(cell.hand, cell.rate, hold, place.slope, share * least->limit))
+        return;
+    const auto limit = linear_limit(cell.hand, cell.rate, hold, place.slope);
+    if (limit && (!least || *limit < least->limit))
+        least = HoldLimit{*limit, hold, place};
+}
+
+// Of all places, pressed in any direction: from the least of some directions, and of `lowest`, turned to where it is
+// least.
+std::optional<HoldLimit> least_of_any_press(const LoopCell& cell, const std::vector<const RestPlace*>& places,
+                                            const std::optional<HoldLimit>& lowest) {
+    std::optional<HoldLimit> least;
+    for (const RestPlace* place : places)
+        for (const Hold& hold : all_presses(place->force, place->slope))
+            take_lower(least, cell, *place, hold);
+    if (lowest && (!least || lowest->limit < least->limit))
+        least = lowest;
+    if (least && least->hold.along == glm::dvec3(0))
+        return least;
+    for (double step = 8 * kDegree; least && step > 0.1 * kDegree; step /= 2)
+        for (double before = 0; before != least->limit;) {
+            before = least->limit;
+            const glm::dmat3 frame = axes_of(least->hold);
+            for (int turn = 0; turn < 8; ++turn) {
+                const double angle = turn * 45 * kDegree;
+                const glm::dvec3 side = std::cos(angle) * frame[0] + std::sin(angle) * frame[1];
+                const Hold hold = pressed_along(std::cos(step) * frame[2] + std::sin(step) * side);
+                if (supports(hold.along, least->place.force, least->place.slope))
+                    take_lower(least, cell, RestPlace(least->place), hold, 0.999);
+            }
+        }
+    return least;
+}
+
 } // namespace
 
 std::size_t settling_steps(const LoopCell& cell, double patience) {
@@ -73,7 +112,7 @@ std::size_t settling_steps(const LoopCell& cell, double patience) {
 }
 
 std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places,
-                                     const std::vector<LoopCell>& cells) {
+                                     const std::vector<LoopCell>& cells, bool any_press) {
     std::vector<LeastLimit> least;
     for (const PlaceKind kind : kPlaceKinds)
         for (const double depth : surface.depths()) {
@@ -84,25 +123,23 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
             for (const LoopCell& cell : cells) {
                 if (some.empty())
                     continue;
+                std::optional<HoldLimit> lowest;
+                for (const RestPlace* place : some)
+                    for (const Hold& hold : usual_holds(place->force, place->slope))
+                        take_lower(lowest, cell, *place, hold);
                 LeastLimit one;
                 one.surface = surface.name;
-                one.place = *some.front();
+                one.place = lowest ? lowest->place : *some.front();
+                if (lowest) {
+                    one.hold = lowest->hold;
+                    one.limit = lowest->limit;
+                }
                 one.cell = cell;
                 one.own = &cell == &cells.front();
                 one.places = some.size();
                 one.wall = wall_limit(cell.hand, cell.rate);
-                for (const RestPlace* place : some)
-                    for (const Hold& hold : holds_at(place->force, place->slope)) {
-                        // Only where it is not stable up to the least so far.
-                        if (one.limit && !grows(cell.hand, cell.rate, hold, place->slope, *one.limit * 0.9999))
-                            continue;
-                        const auto limit = linear_limit(cell.hand, cell.rate, hold, place->slope);
-                        if (limit && (!one.limit || *limit < *one.limit)) {
-                            one.limit = limit;
-                            one.place = *place;
-                            one.hold = hold;
-                        }
-                    }
+                if (one.own && any_press)
+                    one.any_press = least_of_any_press(cell, some, lowest);
                 least.push_back(one);
             }
         }

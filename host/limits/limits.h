@@ -12,24 +12,33 @@
 
 namespace forceshade {
 
+/// The limit of a hand that is held so at a place.
+struct HoldLimit {
+    double limit = 0; /* N/m */
+    Hold hold;
+    RestPlace place;
+};
+
 /// The least limit of all places of a kind at a depth.
 struct LeastLimit {
     std::string surface;
-    RestPlace place;                 /* the worst */
-    Hold hold;                       /* the worst */
-    LoopCell cell;                   /* hand and rate */
-    bool own = false;                /* with the hand's own damping and delay, at its own rate */
-    double wall = 0;                 /* N/m: K_crit with this hand */
-    std::optional<double> limit;     /* N/m: of the linearised loop; empty: none below eight times the passive one */
+    RestPlace place;                    /* the worst */
+    Hold hold;                          /* the worst */
+    LoopCell cell;                      /* hand and rate */
+    bool own = false;                   /* with the hand's own damping and delay, at its own rate */
+    double wall = 0;                    /* N/m: K_crit with this hand */
+    std::optional<double> limit;        /* N/m: of the linearised loop; empty: none below eight times the passive one */
+    std::optional<HoldLimit> any_press; /* of the hand that presses in any direction that the surface supports, where
+                                           that was searched */
     std::optional<double> simulated; /* N/m: of the loop stepped through the surface's own force, where that was done */
     std::optional<double> kick;      /* m: largest_kick, where that was done */
     std::size_t places = 0;          /* examined */
 };
 
 /// A row for each kind but jumps, depth and cell.
-/// The first of `cells` is marked as the hand's own.
+/// The first of `cells` is marked as the hand's own; of that `any_press` is searched if asked for.
 std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places,
-                                     const std::vector<LoopCell>& cells);
+                                     const std::vector<LoopCell>& cells, bool any_press = false);
 
 /// The stiffness, N/m, at which a disturbance of a millionth of the depth begins to grow when the loop is stepped
 /// through the surface's own force, from 0.3 of the linearised limit on; empty: none up to three times that.

@@ -1,9 +1,13 @@
 #include "host/limits/linear_loop.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
+
+#include "host/touch/angle.h"
 
 namespace forceshade {
 namespace {
@@ -55,17 +59,37 @@ std::array<Axis, 3> axes_of(const Hold& hold, const HandSpec& hand) {
     return {across, across, {hand.mass, across.damping, all_sides ? hand.grip_stiffness : 0}};
 }
 
-std::vector<Hold> holds_at(const glm::dvec3& force, const glm::dmat3& slope) {
+bool supports(const glm::dvec3& along, const glm::dvec3& force, const glm::dmat3& slope) {
+    constexpr double kHeld = 0.2; // of the force, and of a wall's slope
+    return glm::dot(along, glm::normalize(force)) >= kHeld && glm::dot(along, slope * along) >= kHeld;
+}
+
+Hold pressed_along(const glm::dvec3& along) {
     constexpr double kUpright = 1e-3; // rad: less is down
-    constexpr double kHeld = 0.2;     // of the force, and of a wall's slope
-    const glm::dvec3 against = glm::normalize(force);
-    std::vector<Hold> holds{{"on all sides", glm::dvec3(0)}, {"down", {0, 0, 1}}};
-    if (glm::length(against - glm::dvec3(0, 0, 1)) > kUpright)
-        holds.push_back({"against the force", against});
-    std::erase_if(holds, [&](const Hold& hold) {
-        return hold.along != glm::dvec3(0) &&
-               (glm::dot(hold.along, against) < kHeld || glm::dot(hold.along, slope * hold.along) < kHeld);
-    });
+    const double tilt = std::atan2(std::hypot(along.x, along.y), along.z);
+    return {tilt < kUpright ? "down" : fmt::format("{:.0f} deg off down", tilt / kDegree), along};
+}
+
+std::vector<Hold> usual_holds(const glm::dvec3& force, const glm::dmat3& slope) {
+    std::vector<Hold> holds{{"on all sides", glm::dvec3(0)}};
+    for (const glm::dvec3& along : {glm::dvec3(0, 0, 1), glm::normalize(force)})
+        if (const Hold hold = pressed_along(along); supports(along, force, slope) && hold.name != holds.back().name)
+            holds.push_back(hold);
+    return holds;
+}
+
+std::vector<Hold> all_presses(const glm::dvec3& force, const glm::dmat3& slope) {
+    constexpr int kTilts = 13, kTurns = 16;
+    const glm::dmat3 frame = axes_of(Hold{"", glm::normalize(force)});
+    std::vector<Hold> holds;
+    for (int i = 1; i <= kTilts; ++i)
+        for (int j = 0; j < kTurns; ++j) {
+            const double tilt = i * 6 * kDegree, turn = 2 * std::numbers::pi * j / kTurns;
+            const glm::dvec3 along =
+                frame * glm::dvec3(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
+            if (supports(along, force, slope))
+                holds.push_back(pressed_along(along));
+        }
     return holds;
 }
 

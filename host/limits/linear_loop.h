@@ -18,14 +18,22 @@ namespace forceshade {
 /// Boundary condition of the hand: its spring acts across `along`, along which it presses with a constant force; on all
 /// sides if `along` is 0.
 struct Hold {
-    std::string name; /* "down" */
+    std::string name; /* "down", "on all sides" */
     glm::dvec3 along{0};
 };
 
-/// The holds at a place with `force` and its slope: on all sides, pressed down, and pressed straight against the force;
-/// pressed only if the surface supports the probe along that direction with at least a fifth of the force and of a
-/// wall's stiffness: otherwise the probe gives way at any stiffness.
-std::vector<Hold> holds_at(const glm::dvec3& force, const glm::dmat3& slope);
+/// Whether the surface supports a hand that presses `along`, with at least a fifth of the force and of a wall's
+/// stiffness: otherwise the probe gives way at any stiffness.
+bool supports(const glm::dvec3& along, const glm::dvec3& force, const glm::dmat3& slope);
+
+/// By its name: "down", "14 deg off down".
+Hold pressed_along(const glm::dvec3& along);
+
+/// On all sides; and pressed down, and straight against the force, where the surface supports that.
+std::vector<Hold> usual_holds(const glm::dvec3& force, const glm::dmat3& slope);
+
+/// Pressed 6 to 78 deg off the force in sixteen directions, where the surface supports that.
+std::vector<Hold> all_presses(const glm::dvec3& force, const glm::dmat3& slope);
 
 /// Columns: two directions across, and the one along which the hand presses (z where it is held on all sides).
 glm::dmat3 axes_of(const Hold& hold);

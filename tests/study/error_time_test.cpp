@@ -16,7 +16,7 @@ namespace forceshade::study::error_time {
 namespace {
 
 Extents few() {
-    return {{4, 64}, {8}, {0.8e-3, 0.4e-3}, 400, 60, 3};
+    return {{4, 64}, {8}, {0.8e-3, 0.4e-3}, 400, 60, 3, 6};
 }
 
 const Variant& variant_named(const Subject& subject, const std::string& name) {
@@ -95,7 +95,7 @@ TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
 TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     const Subject bump = own_subjects(few()).front();
     const Variant& shaded = variant_named(bump, "64 facets, reference");
-    const GridSpec grid = volume_grid(bump.low, bump.high, 0.4e-3);
+    const GridSpec grid = volume_grid(bump.low, bump.high, 0.4e-3, glm::dvec3(0));
     const ForceVolume<float, float> volume(grid, sampled(*shaded.prepared, grid));
     const KindPlaces all = places_of(bump, shaded, few());
     std::vector<glm::dvec3> found[2], truth[2];
@@ -108,6 +108,70 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     }
     EXPECT_LT(force_errors(found[0], truth[0], 1).local->p95, 0.02);
     EXPECT_GT(force_errors(found[1], truth[1], 1).local->p95, 0.5);
+}
+
+// The cylinder's force at a place, and a trilinear look-up in samples of it at an offset: the same numbers by other
+// code. Nothing depends on y.
+glm::dvec3 cylinder_force(double x, double z) {
+    const double half = 0.0127, radius = 0.01524, foot = std::sqrt(radius * radius - half * half);
+    const bool over = std::abs(x) < half;
+    const double depth = (over ? std::sqrt(radius * radius - x * x) - foot : 0) - z;
+    if (depth <= 0)
+        return glm::dvec3(0);
+    const double sine = over ? x / radius : 0;
+    return 1000 * depth * glm::dvec3(sine, 0, std::sqrt(1 - sine * sine));
+}
+
+glm::dvec3 looked_up(const glm::dvec3& at, double spacing, double x_offset, double z_offset) {
+    const double x = at.x / spacing + x_offset, z = at.z / spacing + z_offset, i = std::floor(x), k = std::floor(z);
+    const auto sample = [&](double column, double row) {
+        return cylinder_force((i + column - x_offset) * spacing, (k + row - z_offset) * spacing);
+    };
+    return (1 - z + k) * ((1 - x + i) * sample(0, 0) + (x - i) * sample(1, 0)) +
+           (z - k) * ((1 - x + i) * sample(0, 1) + (x - i) * sample(1, 1));
+}
+
+// The error of a look-up depends on where its grid lies: a number that were that of one grid would move with it.
+TEST(LookUps, HaveTheErrorsThatTheirGridsHaveWhereverTheyLie) {
+    Extents extents{{64}, {8}, {0.2e-3}, 1500, 200, 1, 10};
+    const std::vector<Subject> subjects = own_subjects(extents);
+    const Subject& bump = subjects.front();
+    const Variant& shaded = variant_named(bump, "64 facets, reference");
+    EngineOptions options;
+    options.cpu = true;
+    const std::unique_ptr<Engine> engine = make_engine(options);
+    std::vector<Method> methods;
+    add_methods(methods, bump, extents, *engine, *engine);
+    std::erase_if(methods, [&](const Method& one) {
+        return one.variant != &shaded || one.family != "look-up, trilinear" || one.precision != "f32";
+    });
+    ASSERT_EQ(methods.size(), 1u);
+    std::vector<std::optional<MethodErrors>> errors(1);
+    add_errors(errors, methods, bump, shaded, extents);
+    const Interval found =
+        *over_offsets(*errors[0], [](const MethodErrors& one) { return std::optional(one.shared.typical->rms); });
+
+    double typical = 0;
+    for (const TouchPlace& place : bump.places)
+        typical += reference::dot(cylinder_force(place.at.x, place.at.z), cylinder_force(place.at.x, place.at.z));
+    std::vector<double> all;
+    double aligned = 0;
+    for (int i = 0; i <= 40; ++i) {
+        const double x = std::fmod(0.618034 * i, 1),
+                     z = std::fmod(0.754878 * i, 1); // the first: samples on rim and plane
+        double square = 0;
+        for (const TouchPlace& place : bump.places) {
+            const glm::dvec3 off =
+                looked_up(place.at, 0.2e-3, i == 0 ? 0.5 : x, i == 0 ? 0 : z) - cylinder_force(place.at.x, place.at.z);
+            square += reference::dot(off, off);
+        }
+        (i == 0 ? aligned : all.emplace_back()) = std::sqrt(square / typical);
+    }
+    std::ranges::sort(all);
+    EXPECT_LT(found.low, all[20]);
+    EXPECT_GT(found.high, all[20]);
+    EXPECT_NEAR(found.median / all[20], 1, 0.25);
+    EXPECT_LT(aligned, 0.5 * all[20]) << "samples on the rim and on the plane are the exception";
 }
 
 TEST(TouchedPlaces, OfAGodObjectAreReachedFromAbove) {
@@ -125,7 +189,7 @@ TEST(TouchedPlaces, OfAGodObjectAreReachedFromAbove) {
 
 // A volume of a function of the place, and a place within.
 template <typename Function> glm::dvec3 read(const Function& function, bool cubic, const glm::dvec3& at) {
-    const GridSpec grid = volume_grid({0, 0, 0}, {1, 1, 1}, 0.25);
+    const GridSpec grid = volume_grid({0, 0, 0}, {1, 1, 1}, 0.25, glm::dvec3(0.3));
     std::vector<double> forces;
     for (std::size_t k = 0; k < grid.size[2]; ++k)
         for (std::size_t j = 0; j < grid.size[1]; ++j)

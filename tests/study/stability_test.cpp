@@ -9,6 +9,8 @@
 #include "host/scene/study.h"
 #include "host/study/stability/stability.h"
 #include "host/touch/angle.h"
+#include "host/touch/force_at.h"
+#include "host/touch/own_surfaces.h"
 #include "tests/paths/sampled_plants.h"
 
 namespace forceshade::study {
@@ -138,6 +140,51 @@ TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
     }
 }
 
+// Pressed down on a shaded cylinder at x, a hand gives way where the grip's spring k holds less than the turning force
+// takes: K d = k (R^2 - x^2) / R, whatever the damping and the rate (by hand, from the static balance).
+TEST(LeastLimits, OnAShadedSlopeAreTheGrips) {
+    const double R = 0.0254, depth = 2e-3;
+    const double x = 0.0107;
+    for (const double grip : {50.0, 200.0, 400.0}) {
+        LoopSurface surface;
+        surface.prepared = own_case({.shaded = true, .facets = 4096, .stiffness = 1});
+        surface.deepest = 2e-3;
+        ContactForce force(surface.prepared, surface.scale());
+        const double normal = std::sqrt(R * R - x * x) / R, foot = std::sqrt(R * R - 0.0127 * 0.0127);
+        const glm::dvec3 at(x, 0, std::sqrt(R * R - x * x) - foot - depth);
+        glm::dmat3 slope(0); // of the cylinder, not of a facet
+        const double rise = -x / R / normal, turn = -x / (R * R) / normal;
+        slope[0] = -glm::dvec3(rise * x / R + depth / R, 0, rise * normal + depth * turn);
+        slope[2] = glm::dvec3(x / R, 0, normal);
+        EXPECT_NEAR(glm::length(force({at}) / depth - glm::dvec3(x / R, 0, normal)), 0, 1e-3);
+        HandSpec hand;
+        hand.grip_stiffness = grip;
+        const double limit = linear_limit(hand, 1000, pressed_along({0, 0, 1}), slope).value();
+        EXPECT_NEAR(limit / (grip * (R * R - x * x) / R / depth), 1, 0.01) << grip;
+    }
+}
+
+TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
+    const LoopSurface& bump = own("shaded bump");
+    const auto limits = least_limits(bump, places_on(bump.name), {{bump.hand, bump.rate, 1}}, true);
+    for (const LeastLimit& one : limits) {
+        if (one.place.kind != PlaceKind::slope || !one.any_press)
+            continue;
+        double least = std::numeric_limits<double>::infinity();
+        for (int degrees = -75; degrees <= 75; degrees += 5) {
+            const double angle = degrees * kDegree;
+            const glm::dvec3 along(std::sin(angle), 0, std::cos(angle));
+            for (const RestPlace& place : places_on(bump.name))
+                if (place.kind == one.place.kind && place.depth == one.place.depth &&
+                    supports(along, place.force, place.slope))
+                    least = std::min(
+                        least, linear_limit(bump.hand, bump.rate, pressed_along(along), place.slope).value_or(least));
+        }
+        EXPECT_LE(one.any_press->limit, 1.01 * least);
+        EXPECT_LE(one.any_press->limit, *one.limit);
+    }
+}
+
 TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     const LoopSurface& map = own("map of a bump");
     const std::vector<LeastLimit> limits = least_limits(map, places_on(map.name), settings_of(map, true));
@@ -145,7 +192,7 @@ TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     EXPECT_LT(least, 0.9 * worst_of(limits).wall) << "a shaded slope bears less than a wall";
     for (const RestPlace& place : places_on(map.name)) {
         if (!jumps(place.kind)) {
-            for (const Hold& hold : holds_at(place.force, place.slope)) {
+            for (const Hold& hold : usual_holds(place.force, place.slope)) {
                 EXPECT_FALSE(grows(map.hand, map.rate, hold, place.slope, 0.999 * least)) << hold.name;
             }
         }

@@ -27,8 +27,8 @@ Forces true_forces(const Subject& subject, std::span<const TouchPlace> at) {
     return forces;
 }
 
-MethodErrors errors_of(const Method& method, const KindPlaces& places, const Forces& truth, double typical) {
-    const Forces forces = method.forces(places.at);
+MethodErrors errors_of(const Forces& forces, const Forces& exact, const KindPlaces& places, const Forces& truth,
+                       double typical) {
     MethodErrors errors;
     errors.shared =
         force_errors(std::span(forces).first(places.shared), std::span(truth).first(places.shared), typical);
@@ -42,7 +42,23 @@ MethodErrors errors_of(const Method& method, const KindPlaces& places, const For
         if (!some.empty())
             errors.by_kind[static_cast<std::size_t>(kind)] = force_errors(some, true_ones, typical);
     }
-    errors.precision = force_errors(forces, method.exact(places.at), typical).typical;
+    errors.precision = force_errors(forces, exact, typical).typical;
+    return errors;
+}
+
+// At all offsets of a grid, if the method has one.
+MethodErrors errors_of(const Method& method, const KindPlaces& places, const Forces& truth, double typical) {
+    const Forces exact = method.exact(places.at);
+    if (method.shifted.empty())
+        return errors_of(method.forces(places.at), exact, places, truth, typical);
+    std::vector<MethodErrors> all;
+    for (const ForcesAt& shifted : method.shifted)
+        all.push_back(errors_of(shifted(places.at), exact, places, truth, typical));
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::sort(order, {}, [&](std::size_t i) { return all[i].shared.typical ? all[i].shared.typical->rms : 0; });
+    MethodErrors errors = all[order[order.size() / 2]];
+    errors.by_offset = std::move(all);
     return errors;
 }
 
@@ -74,6 +90,7 @@ ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm
             directions.push_back(angle_between(forces[i], truth[i]) / kDegree);
         errors.missed += should && !is;
         errors.phantom += is && !should;
+        errors.above += !should;
     }
     errors.direction = summary_of(std::move(directions));
     errors.local = summary_of(std::move(local));
@@ -195,7 +212,7 @@ StudyData study_error_time(StudyRun& run) {
     const std::unique_ptr<Engine> single_thread = make_engine(one_thread);
     std::vector<Method> methods;
     for (const Subject& subject : subjects)
-        add_methods(methods, subject, run.engine(), *single_thread);
+        add_methods(methods, subject, extents, run.engine(), *single_thread);
     std::vector<std::optional<MethodErrors>> errors(methods.size());
     std::vector<Round> rounds;
     std::vector<Part> parts;

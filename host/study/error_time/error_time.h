@@ -24,6 +24,7 @@ struct ForceErrors {
     std::size_t places = 0;
     std::size_t missed = 0;           /* places without a force that should have one */
     std::size_t phantom = 0;          /* places with a force that should have none */
+    std::size_t above = 0;            /* places that should have none */
     std::optional<Summary> direction; /* deg */
     std::optional<Summary> local;     /* 1: |F - truth| / |truth|, where there should be a force */
     std::optional<Summary> typical;   /* 1: |F - truth| over the root mean square of the true force */
@@ -45,12 +46,25 @@ struct MethodErrors {
     ForceErrors shared;                                            /* over the places that all laws share */
     std::array<std::optional<ForceErrors>, kKinds.size()> by_kind; /* empty: no such place */
     std::optional<Summary> precision; /* 1: |F - same law in double| over the root mean square true force; all places */
+    /// Of each offset of its grid; then the others are those of the offset with the median RMS error.
+    std::vector<MethodErrors> by_offset;
 
     const ForceErrors* of(Kind kind) const {
         const auto& errors = by_kind[static_cast<std::size_t>(kind)];
         return errors ? &*errors : nullptr;
     }
 };
+
+/// Of a number over the offsets of a method's grid: least, median, largest. Empty without offsets or without a number.
+template <typename Number> std::optional<Interval> over_offsets(const MethodErrors& errors, const Number& number) {
+    std::vector<double> values;
+    for (const MethodErrors& one : errors.by_offset)
+        if (const std::optional<double> value = number(one))
+            values.push_back(*value);
+    if (values.empty())
+        return std::nullopt;
+    return Interval{quantile(values, 0), quantile(values, 0.5), quantile(values, 1)};
+}
 
 /// Writes the errors of every method of a law that has errors into `errors`, method by method.
 void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,

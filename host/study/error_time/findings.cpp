@@ -27,7 +27,7 @@ std::string touched_depths(const Subject& subject) {
                        1e3 * subject.scale.deepest);
 }
 
-// Look-up error is largest near the surface: errors of the finest volume.
+// Of the finest volume, wherever its grid lies.
 void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const std::vector<std::size_t> lookups = measured.find([](const Method& method) {
         return method.family == "look-up, trilinear" && method.precision == "f32" && method.variant->shading != "none";
@@ -38,22 +38,35 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         return;
     const Method& method = measured.methods[*finest];
     const MethodErrors& errors = *measured.errors[*finest];
-    const ForceErrors *boundary = errors.of(Kind::boundary), *rim = errors.of(Kind::rim);
-    if (!errors.shared.typical || !boundary || !boundary->local)
+    const auto at_kind = [&](Kind kind, auto number) {
+        return over_offsets(errors, [&](const MethodErrors& one) {
+            const ForceErrors* of_kind = one.of(kind);
+            return of_kind ? std::invoke(number, *of_kind) : std::optional<double>();
+        });
+    };
+    const auto rms = over_offsets(errors, [](const MethodErrors& one) {
+        return one.shared.typical ? std::optional(one.shared.typical->rms) : std::nullopt;
+    });
+    const auto rim = at_kind(Kind::rim, [](const ForceErrors& one) {
+        return one.direction ? std::optional(one.direction->rms) : std::nullopt;
+    });
+    const auto phantom = at_kind(Kind::boundary, [](const ForceErrors& one) {
+        return std::optional(double(one.phantom) / double(std::max<std::size_t>(1, one.above)));
+    });
+    if (!rms || !phantom)
         return;
-    const std::string at_rim =
-        rim && rim->direction
-            ? fmt::format("; at the rim the RMS error of the direction is {:.2g} deg", rim->direction->rms)
-            : "";
-    findings.push_back(
-        {"lookup",
-         fmt::format(
-             "Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force. Within {:.2g} mm of the "
-             "surface the 95th percentile of the local error is {}{}.",
-             1e3 * *method.spacing, percent(errors.shared.typical->rms), 1e3 * method.subject->scale.skin(),
-             percent(boundary->local->p95), at_rim),
-         "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
-         fmt::format("{} places, {} of them near the surface", errors.shared.places, boundary->places)});
+    std::string text =
+        fmt::format("Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force [{}, {}]",
+                    1e3 * *method.spacing, percent(rms->median), percent(rms->low), percent(rms->high));
+    if (rim)
+        text += fmt::format("; at the rim that of the direction is {:.0f} deg [{:.0f}, {:.0f}]", rim->median, rim->low,
+                            rim->high);
+    text += fmt::format("; up to {:.2g} mm above the surface {} of the places have a force, where there is none.",
+                        1e3 * method.subject->scale.skin(), percent(phantom->median));
+    findings.push_back({"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method),
+                        touched_depths(*method.subject),
+                        fmt::format("{} places; least and largest of {} random offsets of the volume's grid",
+                                    errors.shared.places, errors.by_offset.size())});
 }
 
 // Benefit and cost of shading a mesh.
@@ -77,10 +90,10 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     findings.push_back(
         {"shading",
          fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
-                     "error from {:.2g} to {:.2g} deg; a god-object's update then takes {:.2f} times as long.",
-                     without.direction->rms, with.direction->rms, cost.median),
+                     "error from {:.2g} to {:.2g} deg; a god-object's update {}.",
+                     without.direction->rms, with.direction->rms, times_as_long(cost, "without it")),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
-         fmt::format("{:.2f} to {:.2f} times, {}; {} places", cost.low, cost.high, kBootstrap, with.places)});
+         fmt::format("{}; {} places", kBootstrap, with.places)});
 }
 
 // Of the first surface; the table has the others.
@@ -95,17 +108,16 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
         if (within.empty() || subject.against != kSmoothShape)
             continue;
         const auto [cheapest, ties] = cheapest_of(measured.times, within);
-        const Interval time = measured.times.seconds(cheapest);
         findings.push_back(
             {"cheapest_" + subject.name,
              fmt::format(
                  "Of {} methods within 1 deg RMS and, at 95 % of the places, within 10 % of the force there, the "
-                 "cheapest takes {:.2g} ns: {}{}.",
-                 within.size(), 1e9 * time.median, measured.methods[cheapest].name,
+                 "cheapest is {}{}.",
+                 within.size(), measured.methods[cheapest].name,
                  ties.empty() ? std::string(", without a tie")
                               : fmt::format(", tied with {} other{}", ties.size(), ties.size() == 1 ? "" : "s")),
              "error-time-" + subject.name, subject.name, touched_depths(subject) + ", one place after the other",
-             fmt::format("{:.2g} to {:.2g} ns, {}", 1e9 * time.low, 1e9 * time.high, kBootstrap)});
+             fmt::format("cheaper: {} of their ratio below 1", kBootstrap)});
         return;
     }
 }
@@ -114,8 +126,8 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
 void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     double largest = 0;
     std::size_t places = 0;
-    std::vector<double> costs;
-    std::vector<std::string> intervals, names;
+    std::vector<std::string> told;
+    std::size_t untold = 0;
     const std::vector<std::size_t> single =
         measured.find([](const Method& method) { return method.family == "direct" && method.precision == "f32"; });
     for (const std::size_t i : single) {
@@ -128,22 +140,25 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
         const Interval cost = measured.times.ratio(i, measured.find([&](const Method& other) {
             return other.variant == method.variant && other.family == "direct" && other.precision == "f64";
         })[0]);
-        names.push_back(law_name(method));
-        costs.push_back(cost.median);
-        intervals.push_back(fmt::format("{:.2f} to {:.2f}", cost.low, cost.high));
+        if (tells(cost))
+            told.push_back(
+                fmt::format("{:.2f} [{:.2f}, {:.2f}] ({})", cost.median, cost.low, cost.high, law_name(method)));
+        else
+            ++untold;
     }
-    if (costs.empty())
+    if (told.empty() && untold == 0)
         return;
-    const auto [least, most] = std::ranges::minmax(costs);
+    std::string times = told.empty() ? "" : fmt::format("it takes {} of the time of double", fmt::join(told, ", "));
+    if (untold > 0)
+        times += fmt::format("{} no difference in time is told",
+                             told.empty() ? "" : fmt::format("; of {} other{}", untold, untold == 1 ? "" : "s"));
     findings.push_back(
         {"precision",
-         fmt::format("As compiled here single precision takes {} of the time of double{}, and differs by up to {} of "
-                     "the RMS force at random places.",
-                     costs.size() == 1 ? fmt::format("{:.2f}", least) : fmt::format("{:.2f} to {:.2f}", least, most),
-                     costs.size() == 1 ? "" : ", by the law", percent(largest)),
-         "", fmt::format("{}", fmt::join(names, "; ")),
-         fmt::format("direct evaluation on one thread; the difference is the largest of {} laws", single.size()),
-         fmt::format("{}: {}; {} places a law", kBootstrap, fmt::join(intervals, ", "), places)});
+         fmt::format("Single precision differs from double by up to {} of the RMS force at random places (at its worst "
+                     "by far more: study stability); as compiled here {}.",
+                     percent(largest), times),
+         "", fmt::format("{} laws", single.size()), "direct evaluation on one thread",
+         fmt::format("{}; {} places a law", kBootstrap, places)});
 }
 
 // The slowest live method against the period of a loop.

@@ -9,6 +9,7 @@
 #include "host/clock.h"
 #include "host/field/evaluate.h"
 #include "host/paths/scene_paths.h"
+#include "host/random.h"
 #include "host/study/error_time/volume.h"
 #include "host/touch/force_at.h"
 
@@ -54,7 +55,7 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
 
 // A look-up volume, made on first use, as a law.
 template <typename Volume> struct LookUp {
-    Volume& volume;
+    const Volume& volume;
     bool cubic;
     static reference::Vector<float> input(const TouchPlace& place) { return reference::Vector<float>(place.at); }
     reference::Vector<float> force(const reference::Vector<float>& at) const noexcept {
@@ -121,19 +122,17 @@ public:
             };
         });
     }
-    void add_lookups() {
+    void add_lookups(std::size_t offsets) {
+        Random draw(21);
         for (const double spacing : subject_.spacings) {
-            const GridSpec grid = volume_grid(subject_.low, subject_.high, spacing);
-            const auto volume = [&]<typename Stored>(Stored) {
-                return lazily([&prepared = *variant_.prepared, grid] {
-                    const std::vector<float> forces = sampled(prepared, grid);
-                    return ForceVolume<Stored, float>(grid, std::vector<Stored>(forces.begin(), forces.end()));
-                });
-            };
-            const auto floats = volume(0.0F);
-            add_lookup(floats, false, grid, sizeof(float));
-            add_lookup(floats, true, grid, sizeof(float));
-            add_lookup(volume(half()), false, grid, sizeof(half));
+            std::vector<GridSpec> grids;
+            for (std::size_t i = 0; i < offsets; ++i) {
+                const glm::dvec3 offset(draw(0, 1), draw(0, 1), draw(0, 1));
+                grids.push_back(volume_grid(subject_.low, subject_.high, spacing, offset));
+            }
+            add_lookup<float>(false, grids);
+            add_lookup<float>(true, grids);
+            add_lookup<half>(false, grids);
         }
     }
 
@@ -219,16 +218,27 @@ private:
         return method;
     }
 
-    template <typename Volume>
-    void add_lookup(const Volume& volume, bool cubic, const GridSpec& grid, std::size_t stored) {
-        const bool halves = stored == sizeof(half);
+    template <typename Stored> void add_lookup(bool cubic, const std::vector<GridSpec>& grids) {
+        constexpr bool kHalves = std::is_same_v<Stored, half>;
+        const GridSpec& grid = grids.front();
         Method& method =
-            add(Use::live, cubic ? "look-up, tricubic" : "look-up, trilinear", halves ? "f32, half stored" : "f32");
+            add(Use::live, cubic ? "look-up, tricubic" : "look-up, trilinear", kHalves ? "f32, half stored" : "f32");
         method.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, method.family,
-                                  grid.spacing[0] * 1e3, halves ? ", half stored" : "");
+                                  grid.spacing[0] * 1e3, kHalves ? ", half stored" : "");
         method.spacing = grid.spacing[0];
-        method.bytes = static_cast<double>(3 * stored * grid.size[0] * grid.size[1] * grid.size[2]);
-        set_law(method, 1, [volume, cubic] { return std::make_unique<LookUp<decltype(volume())>>(volume(), cubic); });
+        method.bytes = static_cast<double>(3 * sizeof(Stored) * grid.size[0] * grid.size[1] * grid.size[2]);
+        const auto volume_of = [&prepared = *variant_.prepared](const GridSpec& of) {
+            const std::vector<float> forces = sampled(prepared, of);
+            return ForceVolume<Stored, float>(of, std::vector<Stored>(forces.begin(), forces.end()));
+        };
+        for (const GridSpec& shifted : grids) // made anew: all at a time would take too much memory
+            method.shifted.push_back([=](std::span<const TouchPlace> at) {
+                auto volume = volume_of(shifted);
+                return forces_by(LookUp<ForceVolume<Stored, float>>{volume, cubic}, at);
+            });
+        const auto volume = lazily([=] { return volume_of(grid); });
+        set_law(method, 1,
+                [volume, cubic] { return std::make_unique<LookUp<ForceVolume<Stored, float>>>(volume(), cubic); });
     }
 
     std::vector<Method>& methods_;
@@ -238,13 +248,13 @@ private:
 
 } // namespace
 
-GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing) {
+GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset) {
     GridSpec grid;
     for (int i = 0; i < 3; ++i) {
         const auto axis = static_cast<std::size_t>(i);
-        grid.origin[axis] = low[i] - 2 * spacing;
+        grid.origin[axis] = low[i] - (2 + offset[i]) * spacing;
         grid.spacing[axis] = spacing;
-        grid.size[axis] = static_cast<std::uint64_t>(std::ceil((high[i] - low[i]) / spacing)) + 5;
+        grid.size[axis] = static_cast<std::uint64_t>(std::ceil((high[i] - low[i]) / spacing)) + 6;
     }
     return grid;
 }
@@ -263,7 +273,8 @@ const char* name_of(Use use) {
     return kNames[static_cast<std::size_t>(use)];
 }
 
-void add_methods(std::vector<Method>& methods, const Subject& subject, Engine& engine, Engine& single_thread) {
+void add_methods(std::vector<Method>& methods, const Subject& subject, const Extents& extents, Engine& engine,
+                 Engine& single_thread) {
     const EngineReport report = engine.report();
     const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores", by_one = "CPU on one thread";
     for (const Variant& variant : subject.variants) {
@@ -273,7 +284,7 @@ void add_methods(std::vector<Method>& methods, const Subject& subject, Engine& e
             law.add_god_object();
         if (!variant.thorough)
             continue;
-        law.add_lookups();
+        law.add_lookups(extents.offsets);
         law.add_field<float>(by, engine);
         if (report.f64)
             law.add_field<double>(by, engine);

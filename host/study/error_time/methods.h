@@ -28,15 +28,18 @@ struct Method {
     std::string precision;                /* "f64", "f32", "f32, half stored" */
     std::optional<double> spacing, bytes; /* m, B: of a look-up's volume */
     ForcesAt forces;                      /* empty: has no errors of its own */
-    ForcesAt exact;                       /* the same law in double: the reference for precision */
+    /// The same from grids at random offsets, of which `forces` has the first; empty: it has no grid.
+    std::vector<ForcesAt> shifted;
+    ForcesAt exact; /* the same law in double: the reference for precision */
     /// The places at which it has forces, if not any; empty: any.
     std::function<std::vector<TouchPlace>()> places;
     /// s of an evaluation, measured now.
     std::function<double()> seconds;
 };
 
-/// All methods of all laws of a subject, in a fixed order. `subject` and the engines must outlive them; `single_thread`
-/// is the oracle on one thread.
-void add_methods(std::vector<Method>& methods, const Subject& subject, Engine& engine, Engine& single_thread);
+/// All methods of all laws of a subject, in a fixed order, volumes and kernels' grids at random offsets. `subject` and
+/// the engines must outlive them; `single_thread` is the oracle on one thread.
+void add_methods(std::vector<Method>& methods, const Subject& subject, const Extents& extents, Engine& engine,
+                 Engine& single_thread);
 
 } // namespace forceshade::study::error_time

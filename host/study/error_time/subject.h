@@ -20,6 +20,7 @@ struct Extents {
     std::size_t places = 0;         /* that all laws of a surface share */
     std::size_t places_of_kind = 0; /* of each kind, if that many are found */
     std::size_t rounds = 0;         /* of timing; each measures everything once */
+    std::size_t offsets = 0;        /* random ones of each volume's grid */
 };
 
 Extents extents_of(bool quick);

@@ -234,6 +234,41 @@ Table rounds_table(const Measured& measured) {
                        rows);
 }
 
+Table offsets_table(const Measured& measured) {
+    struct R {
+        const Method& method;
+        std::size_t offset;
+        const MethodErrors& errors;
+    };
+    std::vector<R> rows;
+    for (std::size_t i = 0; i < measured.methods.size(); ++i)
+        for (std::size_t offset = 0; measured.errors[i] && offset < measured.errors[i]->by_offset.size(); ++offset)
+            rows.push_back({measured.methods[i], offset + 1, measured.errors[i]->by_offset[offset]});
+    const auto of_kind = [](Kind kind, std::optional<Summary> ForceErrors::*summary, double Summary::*number) {
+        return [=](const R& r) {
+            const ForceErrors* errors = r.errors.of(kind);
+            return errors && errors->*summary ? Cell(*(errors->*summary).*number) : Cell();
+        };
+    };
+    return table_of<R>(
+        "offsets", "Errors of look-ups at random offsets of their grid",
+        {{"way", "", "as in ways", [](const R& r) { return r.method.name; }},
+         {"spacing_mm", "mm", "as in ways", [](const R& r) { return 1e3 * *r.method.spacing; }},
+         {"offset", "1", "its number", &R::offset},
+         {"typical_rms_1", "1", "as in ways",
+          [](const R& r) { return r.errors.shared.typical ? Cell(r.errors.shared.typical->rms) : Cell(); }},
+         {"rim_direction_rms_deg", "deg", "angle to the true force at the rim, root mean square",
+          of_kind(Kind::rim, &ForceErrors::direction, &Summary::rms)},
+         {"boundary_p95_1", "1", "error of the force over the true force near the surface, 95th percentile",
+          of_kind(Kind::boundary, &ForceErrors::local, &Summary::p95)},
+         {"phantom_1", "1", "share of the places just above the surface that have a force",
+          [](const R& r) {
+              const ForceErrors* errors = r.errors.of(Kind::boundary);
+              return errors && errors->above > 0 ? Cell(double(errors->phantom) / double(errors->above)) : Cell();
+          }}},
+        rows);
+}
+
 // Time budgets: an evaluation per period of a loop, or per voxel of a sweep.
 constexpr std::pair<const char*, double> kBudgets[] = {
     {"loop of 4 kHz", 0.25e-3}, {"loop of 1 kHz", 1e-3}, {"1e9 voxels in 10 min", 600e-9}};
@@ -287,18 +322,19 @@ Figure error_over_time(const Subject& subject, bool own) {
 
 // Errors of look-ups over the volume's spacing, kind by kind, of the law that has them.
 Figure lookup_figure(const Subject& subject, const Variant& variant) {
-    Figure figure =
-        make_figure("look-up-" + subject.name,
-                    fmt::format("{}, {}: error of a trilinear look-up by kind of place", subject.name, variant.name),
-                    "95th percentile over the places of a kind, over the force there. A finer volume helps least "
-                    "where contact begins and where facets or surfaces meet.",
-                    FigureKind::scatter, "kinds",
-                    {{"surface", subject.name},
-                     {"family", "look-up, trilinear"},
-                     {"precision", "f32"},
-                     {"shading", variant.shading}},
-                    {"spacing_mm", "spacing of the volume / mm", true},
-                    {"local_p95_1", "error over the force there, 95 % of places", true}, "kind");
+    Figure figure = make_figure(
+        "look-up-" + subject.name,
+        fmt::format("{}, {}: error of a trilinear look-up by kind of place", subject.name, variant.name),
+        "95th percentile over the places of a kind, over the force there, at the offset of the volume's grid that "
+        "has the median error. A finer volume helps least where contact begins and where facets or "
+        "surfaces meet.",
+        FigureKind::scatter, "kinds",
+        {{"surface", subject.name},
+         {"family", "look-up, trilinear"},
+         {"precision", "f32"},
+         {"shading", variant.shading}},
+        {"spacing_mm", "spacing of the volume / mm", true},
+        {"local_p95_1", "error over the force there, 95 % of places", true}, "kind");
     figure.joined = true;
     return figure;
 }
@@ -341,6 +377,7 @@ std::vector<Table> tables_of(const Measured& measured) {
             front_table(measured, front),
             cheapest_table(measured),
             budgets_table(measured),
+            offsets_table(measured),
             std::move(tables[0]),
             std::move(tables[1]),
             rounds_table(measured)};

@@ -12,8 +12,9 @@
 
 namespace forceshade::study::error_time {
 
-/// The grid of cubic samples over a box, with two more on each side than it needs, for the tricubic reading.
-GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing);
+/// The grid of cubic samples over a box, with two more on each side than it needs, for the tricubic reading; moved down
+/// by `offset` spacings, 0 to 1 each.
+GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset);
 
 /// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle on all cores.
 std::vector<float> sampled(const PreparedCase& prepared, const GridSpec& grid);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "host/random.h"
 
 namespace forceshade::study {
@@ -32,6 +34,13 @@ Interval bootstrap_median(const std::vector<double>& values) {
     }
     std::ranges::sort(medians);
     return {medians[kResamples / 40], median, medians[kResamples - 1 - kResamples / 40]};
+}
+
+std::string times_as_long(const Interval& ratio, const char* other) {
+    if (!tells(ratio))
+        return fmt::format("takes as long as {}, as far as these rounds tell [{:.2f}, {:.2f} times]", other, ratio.low,
+                           ratio.high);
+    return fmt::format("takes {:.2f} [{:.2f}, {:.2f}] times as long as {}", ratio.median, ratio.low, ratio.high, other);
 }
 
 double quantile(std::vector<double> values, double share) {

@@ -1,6 +1,7 @@
 // Medians with their intervals, the same on every machine.
 #pragma once
 
+#include <string>
 #include <vector>
 
 namespace forceshade::study {
@@ -10,6 +11,14 @@ struct Interval {
     double low = 0, median = 0, high = 0;
 };
 Interval bootstrap_median(const std::vector<double>& values);
+
+/// Whether a ratio differs from 1: only then is it a finding.
+inline bool tells(const Interval& ratio) {
+    return ratio.high < 1 || ratio.low > 1;
+}
+
+/// "takes 1.30 [1.21, 1.42] times as long as the other"; where 1 is within the interval, that no difference is told.
+std::string times_as_long(const Interval& ratio, const char* other);
 
 /// The quantile at this share, the middle of neighbours between ranks; 0 without values.
 double quantile(std::vector<double> values, double share);

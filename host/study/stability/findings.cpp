@@ -92,6 +92,9 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
                 : "",
             limit_at(results, worst.surface, results.surfaces.front().depths().front()), newtons(worst.wall));
     }
+    if (worst.any_press && *worst.limit > 0 && worst.any_press->limit < 0.99 * *worst.limit)
+        finding.text += fmt::format(" Pressed {} instead of {} it is stable up to {}.", worst.any_press->hold.name,
+                                    worst.hold.name, newtons(worst.any_press->limit));
     return finding;
 }
 

@@ -73,6 +73,10 @@ std::vector<LoopCell> settings_of(const LoopSurface& surface, bool quick) {
                 if (times != 1 || faster != 1 || delay != linear.delay_samples)
                     cells.push_back(cell);
             }
+    for (const double times : {0.1, 4.0}) { // of the grip's spring, on which the limit on a shaded slope depends alone
+        LoopCell& cell = cells.emplace_back(cells.front());
+        cell.hand.grip_stiffness *= times;
+    }
     return cells;
 }
 

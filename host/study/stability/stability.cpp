@@ -39,7 +39,8 @@ const StudiedSurface kStudied[] = {
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
     const std::vector<RestPlace> places = rest_places(surface, points);
-    std::ranges::move(least_limits(surface, places, settings_of(surface, quick)), std::back_inserter(results.limits));
+    std::ranges::move(least_limits(surface, places, settings_of(surface, quick), true),
+                      std::back_inserter(results.limits));
     for (LeastLimit& one : results.limits)
         if (&one == results.worst(surface.name, {}, one.place.kind)) {
             one.simulated = simulated_limit(surface, one);
