@@ -127,4 +127,25 @@ CaseRecord empty_record(const PreparedCase& prepared) {
     return record;
 }
 
+std::string left_out_text(const CaseRecord& record) {
+    std::vector<std::string> voxels, features, channels;
+    for (const std::string& one : record.omitted)
+        if (one == "blocks of free space" || one.ends_with("alike"))
+            voxels.push_back(one);
+        else if (const std::size_t at = one.find(" channel"); at != std::string::npos)
+            channels.push_back(one.substr(0, at));
+        else
+            features.push_back(one);
+    std::vector<std::string> parts;
+    if (record.evaluated < record.voxels)
+        parts.push_back(fmt::format("{:.0f} % of the voxels ({})",
+                                    100 - 100 * double(record.evaluated) / double(record.voxels),
+                                    fmt::join(voxels, ", ")));
+    if (!features.empty())
+        parts.push_back(fmt::format("{}", fmt::join(features, ", ")));
+    if (!channels.empty())
+        parts.push_back(fmt::format("channels {}", fmt::join(channels, ", ")));
+    return parts.empty() ? "left out: nothing" : fmt::format("left out: {}", fmt::join(parts, "; "));
+}
+
 } // namespace forceshade

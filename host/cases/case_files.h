@@ -36,4 +36,8 @@ void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene&
 /// The record of a case without what is computed.
 CaseRecord empty_record(const PreparedCase& prepared);
 
+/// "left out: 94 % of the voxels (15 of 16 y samples, alike); shading, texture; channels depth, facet": what the scene
+/// did not need.
+std::string left_out_text(const CaseRecord& record);
+
 } // namespace forceshade

@@ -90,6 +90,8 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
                    record.error.relative(),
                    record.error.on_edge ? fmt::format(", {} voxels on facet edges excluded", record.error.on_edge)
                                         : "");
+    if (!common.quiet)
+        print_note("{}\n", left_out_text(record));
     if (!common.quiet && record.deviation)
         print_note("{}", deviation_text(*record.deviation));
     if (!common.quiet && record.files.size() > 1)

@@ -110,6 +110,9 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
                result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
     const bool fields = any_case(study, [](const Scene& scene) { return scene.field; });
     const bool paths = any_case(study, [](const Scene& scene) { return scene.paths.has_value(); });
+    if (result.evaluated < result.voxels)
+        print_note("left out: {:.3g} % of {:.4g} million voxels, which are alike or in free space\n",
+                   100 - 100 * double(result.evaluated) / double(result.voxels), double(result.voxels) / 1e6);
     if (fields)
         print_note("largest error against the oracle in double precision: {:.2g} of the largest force\n",
                    result.largest_relative_error);

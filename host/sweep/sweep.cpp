@@ -87,6 +87,8 @@ void prepare_folder(const std::filesystem::path& folder) {
 }
 
 void count(SweepResult& result, const CaseRecord& record) {
+    result.voxels += record.voxels;
+    result.evaluated += record.evaluated;
     result.largest_relative_error = std::max(result.largest_relative_error, record.error.relative());
     result.differing += record.error.differing;
     if (record.paths)

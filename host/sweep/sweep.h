@@ -35,12 +35,13 @@ struct SweepOptions {
 
 struct SweepResult {
     std::size_t chosen = 0, computed = 0, kept = 0;
-    Forecast forecast;                   /* of the missing cases */
-    std::vector<std::string> failures;   /* "CASE: why" */
-    int exit_code = 0;                   /* of the failures; 0 without */
-    std::uint64_t differing = 0;         /* voxels of the chosen cases whose bits are not the oracle's */
-    std::uint64_t differing_samples = 0; /* of their paths */
-    double largest_relative_error = 0;   /* against the oracle in double, over all chosen cases */
+    Forecast forecast;                       /* of the missing cases */
+    std::vector<std::string> failures;       /* "CASE: why" */
+    int exit_code = 0;                       /* of the failures; 0 without */
+    std::uint64_t differing = 0;             /* voxels of the chosen cases whose bits are not the oracle's */
+    std::uint64_t differing_samples = 0;     /* of their paths */
+    std::uint64_t voxels = 0, evaluated = 0; /* of the chosen cases; the others are copies, or free space */
+    double largest_relative_error = 0;       /* against the oracle in double, over all chosen cases */
     RunAccount account;
 };
 
