@@ -83,7 +83,8 @@ std::string opening(const Contents& contents) {
           {"none", "no shading: the direction is the facet's normal"},
           {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
                          "of corners; the size of the force stays"},
-          {"two_pass", "shading of a mesh by Ruspini 1997: the force grows with the angle by which it is turned"},
+          {"two_pass",
+           "shading of a mesh by Ruspini 1997: the force grows with the angle by which it is turned, without a bound"},
           {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
           {"gain, effort", "the energy that a round gives the hand, and the integral of |F dl| along it"}})
         words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);

@@ -306,7 +306,7 @@ void add_force(std::vector<Key>& keys) {
         "where the force's direction comes from: the surface itself; the smooth cylinder (kind bump only); the height "
         "map (kind height_map only); of a mesh its vertex normals, interpolated as in the paper, by barycentric "
         "coordinates (triangles only), by mean value coordinates, or those with a force that is as strong along the "
-        "facet's normal as the unshaded one (Ruspini 1997)");
+        "facet's normal as the unshaded one (Ruspini 1997), and so grows without bound the further it is turned");
     Table(keys, "force", Subject::surface, kFormBump)
         .choice<&ForceSpec::depth>(
             "depth", "\"vertical\"", kDepthReadings,
