@@ -11,6 +11,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/threads.h"
+#include "host/touch/force_errors.h"
 
 namespace forceshade {
 
@@ -138,6 +139,7 @@ private:
         if (!transfer.chunks.whole())
             return false;
         record = output.finish();
+        record.touch = touched_error(transfer.job->prepared);
         record.engine_times = transfer.times;
         record.engine_times.prepare = transfer.job->prepared.seconds;
         if (transfer.job->prepared.images.mesh)

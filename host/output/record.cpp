@@ -70,6 +70,15 @@ template <typename Field, typename Deviation> void list_deviation(const Field& f
     field("largest_magnitude_error_N", deviation.largest_magnitude_error);
 }
 
+template <typename Field, typename Touch> void list_touch(const Field& field, Touch& touch) {
+    field("against", touch.against);
+    field("places", touch.places);
+    field("deepest_m", touch.deepest);
+    field("direction_rms_deg", touch.direction_rms);
+    field("force_error_median", touch.median_error);
+    field("force_error_p95", touch.p95_error);
+}
+
 template <typename Field, typename Paths> void list_paths(const Field& field, Paths& paths) {
     field("paths", paths.paths);
     field("steps", paths.steps);
@@ -140,6 +149,8 @@ Json to_json(const CaseRecord& record) {
     json["oracle"]["relative_error"] = record.error.relative();
     if (record.deviation)
         json["compare"] = deviation_json(*record.deviation);
+    if (record.touch)
+        list_touch(JsonWriter{json["touch"]}, *record.touch);
     if (record.paths) {
         list_paths(JsonWriter{json["paths"]}, *record.paths);
         if (record.paths->deviation)
@@ -168,6 +179,8 @@ CaseRecord from_json(const Json& json) {
             list_deviation(JsonReader{from.at("compare")}, deviation.emplace());
     };
     read_deviation(json, record.deviation);
+    if (json.contains("touch"))
+        list_touch(JsonReader{json.at("touch")}, record.touch.emplace());
     if (json.contains("paths")) {
         list_paths(JsonReader{json.at("paths")}, record.paths.emplace());
         read_deviation(json.at("paths"), record.paths->deviation);

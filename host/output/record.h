@@ -82,6 +82,15 @@ struct DeviationRecord {
 nlohmann::ordered_json deviation_json(const DeviationRecord& deviation);
 std::string deviation_text(const DeviationRecord& deviation);
 
+/// How far the forces of a case are from those of the shape that its surface stands for, where a hand touches it.
+struct TouchRecord {
+    std::string against;                    /* "the smooth shape", or the law that comes closest to it */
+    std::uint64_t places = 0;               /* under points anywhere on the surface, depths log-uniform */
+    double deepest = 0;                     /* m */
+    double direction_rms = 0;               /* deg */
+    double median_error = 0, p95_error = 0; /* 1: |F - F_true| / |F_true| */
+};
+
 // What is known of paths that were taken through an engine.
 
 /// What became of paths.
@@ -131,6 +140,7 @@ struct CaseRecord {
     std::array<std::uint64_t, 3> largest_voxel{};
     OracleError error;                        /* against the oracle */
     std::optional<DeviationRecord> deviation; /* with [compare] */
+    std::optional<TouchRecord> touch;         /* of a field whose box has a surface */
     std::optional<PathRecord> paths;          /* without files, which stand above, and warnings */
     EngineTimes engine_times;
     VolumeTimings volume_times;

@@ -52,12 +52,12 @@ std::string contents_list(const Contents& contents, bool viewer) {
         html += entry("troubles", "What is missing or damaged");
     for (const StudyPart& part : contents.studies)
         html += entry(anchor(part), title(part));
+    for (const Sweep& sweep : contents.sweeps)
+        html += entry(anchor(sweep), title(sweep));
     if (viewer)
         html += entry("viewer", "Viewer");
     if (!contents.studies.empty() || !contents.sweeps.empty())
         html += entry("device", "My device");
-    for (const Sweep& sweep : contents.sweeps)
-        html += entry(anchor(sweep), title(sweep));
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
 }
 
@@ -134,8 +134,8 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
         (no_results.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
-        troubles_section(contents.troubles) + no_results + glance(contents.studies) + studies + viewer + device +
-        sweeps + "</main>\n";
+        troubles_section(contents.troubles) + no_results + glance(contents.studies) + studies + sweeps + viewer +
+        device + "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 

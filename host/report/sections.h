@@ -38,6 +38,11 @@ std::string study_section(const std::filesystem::path& root, const StudyPart& pa
 /// Cases of a sweep: errors, times, what was left out, files.
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep);
 
+/// Errors where a hand touches, over what the sweep varies most: a table and two figures, if something varies.
+void add_touch_figures(const Sweep& sweep, study::StudyData& data);
+/// The same in a sentence; empty without such errors.
+std::string touch_finding(const Sweep& sweep);
+
 /// The findings of a sweep, a sentence each, computed from the cases alone; may be empty.
 std::vector<study::Finding> sweep_findings(const Sweep& sweep);
 

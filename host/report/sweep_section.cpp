@@ -30,7 +30,7 @@ std::string agreement(const std::vector<const CaseRecord*>& cases) {
     if (compared == 0)
         return "No voxel was compared with the CPU oracle.";
     if (differing == 0)
-        return text + "all are equal bit for bit.";
+        return cases.front()->engine.engine == "cpu" ? "" : text + "all are equal bit for bit.";
     text += fmt::format("{} differ{}", count_text(differing), differing == 1 ? "s" : "");
     return text + (beyond == 0 ? ", none by more than rounding allows."
                                : fmt::format(", {} of them by more than rounding allows: those volumes are not to be "
@@ -181,8 +181,11 @@ study::StudyData tables_of(const Sweep& sweep) {
             if (has && rows->size() < kMostCases)
                 rows->push_back(&record);
     study::StudyData data;
-    if (!fields.empty())
-        data.tables = {cases_table(sweep, fields), times_table(fields)};
+    add_touch_figures(sweep, data);
+    if (!fields.empty()) {
+        data.tables.push_back(cases_table(sweep, fields));
+        data.tables.push_back(times_table(fields));
+    }
     if (!paths.empty())
         data.tables.push_back(paths_table(paths));
     return data;
@@ -220,6 +223,7 @@ std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
         if (!text.empty())
             findings.push_back({name, text});
     };
+    add("touch", touch_finding(sweep));
     if (const std::vector<const CaseRecord*> cases = with_field(sweep); !cases.empty()) {
         add("agreement", agreement(cases));
         add("largest_error", error(cases));
@@ -232,8 +236,12 @@ std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
 }
 
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep) {
-    std::string html = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", anchor(sweep), escaped(title(sweep)),
-                                   sweep.findings.empty() ? "" : findings_list(anchor(sweep), sweep.findings));
+    const std::string id = anchor(sweep);
+    std::string html =
+        fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div>"
+                    "<div id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" "
+                    "id=\"{0}-data-figures\"></div>\n",
+                    id, escaped(title(sweep)), sweep.findings.empty() ? "" : findings_list(id, sweep.findings));
     html += facts({{"Program", sweep.program.empty() ? "" : "forceshade " + sweep.program},
                    {"Device", sweep.device},
                    {"Driver", sweep.driver},
@@ -254,9 +262,8 @@ std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep)
     for (const CaseRecord& record : std::span(sweep.cases).first(std::min(sweep.cases.size(), kMostCases)))
         for (const FileRecord& file : record.files)
             files += file_link(root, sweep.folder, file.name, fmt::format(" <small>{}</small>", size_text(file.bytes)));
-    const std::string id = anchor(sweep) + "-data";
-    return html + fmt::format("<div id=\"{}-tables\"></div>\n", id) + omitted_list(sweep) +
-           folded("Files", "<ul class=\"files\">\n" + files + "</ul>\n") + page_data(id, tables_of(sweep)) +
+    return html + fmt::format("<div id=\"{}-data-tables\"></div>\n", id) + omitted_list(sweep) +
+           folded("Files", "<ul class=\"files\">\n" + files + "</ul>\n") + page_data(id + "-data", tables_of(sweep)) +
            "</section>\n";
 }
 

@@ -138,9 +138,9 @@ std::string summary(const Study& study, const std::vector<std::optional<CaseReco
     csv.add("case");
     for (const std::string& key : keys)
         csv.add(key);
-    for (const char* column :
-         {"precision", "voxels", "voxels_evaluated", "largest_force_N", "oracle_voxels", "oracle_differing",
-          "oracle_largest_error_N", "oracle_relative_error", "exr_bytes", "exr_sha256"})
+    for (const char* column : {"precision", "voxels", "voxels_evaluated", "largest_force_N", "oracle_voxels",
+                               "oracle_differing", "oracle_largest_error_N", "oracle_relative_error",
+                               "touch_direction_deg", "touch_force_error", "exr_bytes", "exr_sha256"})
         csv.add(column);
     const auto any = [&](auto has) { return std::ranges::any_of(study.cases, has, &Case::scene); };
     const bool paths = any([](const Scene& scene) { return scene.paths.has_value(); });
@@ -168,7 +168,12 @@ std::string summary(const Study& study, const std::vector<std::optional<CaseReco
         }
         csv.add(record.precision).add(record.voxels).add(record.evaluated).add(record.largest_force);
         csv.add(record.error.compared).add(record.error.differing).add(record.error.largest);
-        csv.add(record.error.relative()).add(record.files.front().bytes).add(record.files.front().sha256);
+        csv.add(record.error.relative());
+        if (record.touch)
+            csv.add(record.touch->direction_rms).add(record.touch->median_error);
+        else
+            csv.add("").add("");
+        csv.add(record.files.front().bytes).add(record.files.front().sha256);
         if (compared)
             add_deviation(record.deviation, csv);
         if (paths)

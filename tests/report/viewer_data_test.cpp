@@ -152,6 +152,28 @@ TEST(SweepFindings, FollowTheData) {
     EXPECT_EQ(finding(sweep, "dearest_case"), "The dearest case took 500 ms in the kernel, b; that is 2 times the "
                                               "cheapest, a.");
     EXPECT_EQ(finding(sweep, "evaluated"), "");
+    EXPECT_EQ(finding(sweep, "touch"), "");
+    sweep.cases[0].parameters = {{"facets", "2"}, {"shading", "none"}};
+    sweep.cases[1].parameters = {{"facets", "2"}, {"shading", "reference"}};
+    sweep.cases[0].touch = {"the smooth shape", 200, 2e-3, 7.9, 0.47, 1};
+    sweep.cases[1].touch = {"the smooth shape", 200, 2e-3, 1e-15, 0.049, 1};
+    EXPECT_NE(finding(sweep, "touch")
+                  .find("from 7.9 deg to 0 deg (RMS, by case), and that of the whole force from 47 "
+                        "% to 4.9 %"),
+              std::string::npos);
+    study::StudyData data;
+    add_touch_figures(sweep, data);
+    EXPECT_TRUE(data.figures.empty()) << "no number varies";
+    sweep.cases[1].parameters[0].second = "3";
+    add_touch_figures(sweep, data);
+    ASSERT_EQ(data.figures.size(), 2u);
+    EXPECT_EQ(data.figures[0].x.column, "facets");
+    EXPECT_EQ(data.table("touch").rows.size(), 2u);
+    for (CaseRecord& one : sweep.cases)
+        one.engine.engine = "cpu";
+    EXPECT_EQ(finding(sweep, "agreement"), "") << "an oracle that equals itself says nothing";
+    for (CaseRecord& one : sweep.cases)
+        one.engine.engine = "gpu";
     sweep.cases[0].error.differing = 3;
     sweep.cases[0].error.beyond = 1;
     sweep.cases[0].evaluated = 10;

@@ -64,40 +64,6 @@ MethodErrors errors_of(const Method& method, const KindPlaces& places, const For
 
 } // namespace
 
-std::optional<Summary> summary_of(std::vector<double> values) {
-    if (values.empty())
-        return std::nullopt;
-    std::ranges::sort(values);
-    double squares = 0;
-    for (const double value : values)
-        squares += value * value;
-    const auto count = static_cast<double>(values.size());
-    const auto at = [&](double share) { return values[static_cast<std::size_t>(std::ceil(share * count)) - 1]; };
-    return Summary{std::sqrt(squares / count), at(0.5), at(0.95), values.back()};
-}
-
-ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth, double typical) {
-    ForceErrors errors;
-    errors.places = forces.size();
-    std::vector<double> directions, local, of_typical;
-    for (std::size_t i = 0; i < forces.size(); ++i) {
-        const double off = reference::length(forces[i] - truth[i]);
-        const bool is = forces[i] != glm::dvec3(0), should = truth[i] != glm::dvec3(0);
-        of_typical.push_back(off / typical);
-        if (should)
-            local.push_back(off / reference::length(truth[i]));
-        if (is && should)
-            directions.push_back(angle_between(forces[i], truth[i]) / kDegree);
-        errors.missed += should && !is;
-        errors.phantom += is && !should;
-        errors.above += !should;
-    }
-    errors.direction = summary_of(std::move(directions));
-    errors.local = summary_of(std::move(local));
-    errors.typical = summary_of(std::move(of_typical));
-    return errors;
-}
-
 void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
                 const Subject& subject, const Variant& variant, const Extents& extents) {
     const KindPlaces places = places_of(subject, variant, extents);

@@ -7,7 +7,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
-#include "host/touch/force_at.h"
+#include "host/touch/true_force.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -53,26 +53,6 @@ void resample(Subject& subject, std::array<std::uint64_t, 3> size) {
     }
 }
 
-using NamedShading = std::pair<Shading, const char*>;
-
-// The shadings that a surface has; the last comes closest to the smooth shape.
-std::vector<NamedShading> shadings_of(const PreparedCase& scene) {
-    std::vector<NamedShading> shadings{{Shading::none, "none"}};
-    const SurfaceKind kind = scene.one.scene.surface.kind;
-    if (kind == SurfaceKind::bump)
-        shadings.push_back({Shading::reference, "reference"});
-    if (kind == SurfaceKind::height_map)
-        shadings.push_back({Shading::height_map, "height_map"});
-    if (kind != SurfaceKind::mesh)
-        return shadings;
-    const PolygonSoup& polygons = scene.images.mesh->mesh.polygons;
-    shadings.push_back({Shading::morgenbesser, "morgenbesser"});
-    if (polygons.corners.size() == 3 * polygons.facets())
-        shadings.push_back({Shading::barycentric, "barycentric"});
-    shadings.insert(shadings.end(), {{Shading::two_pass, "two_pass"}, {Shading::mean_value, "mean_value"}});
-    return shadings;
-}
-
 // A surface of which one quantity may differ.
 struct Base {
     std::shared_ptr<const PreparedCase> prepared;
@@ -94,46 +74,13 @@ Variant variant_of(const Base& base, const NamedShading& shading, const std::str
             std::move(prepared), shading.second, base.elements};
 }
 
-// The cylinder that a bump's facets approximate.
-struct Cylinder {
-    explicit Cylinder(const Scene& scene)
-        : half(scene.surface.width / 2), radius(scene.surface.radius), stiffness(scene.force.stiffness),
-          centre_depth(std::sqrt((radius - half) * (radius + half))) {}
-    double half, radius /* m */, stiffness /* N/m */, centre_depth /* m: of the axis, below the plane */;
-};
-
-// The force K (U(x) - z) of the cylinder along its normal, the depth read as the scene reads it.
-ForceAt bump_truth(const Scene& scene) {
-    const bool normal = scene.force.depth == DepthReading::normal;
-    return [normal, own = Cylinder(scene)](const TouchPlace& place) {
-        const glm::dvec3& at = place.at;
-        double depth = reference::cylinder_height(own.half, own.radius, own.centre_depth, at.x) - at.z;
-        if (!(depth > 0))
-            return glm::dvec3(0);
-        glm::dvec3 direction(0, 0, 1);
-        if (std::abs(at.x) < own.half)
-            direction = {at.x / own.radius, 0, reference::circle_rise(own.radius, at.x) / own.radius};
-        if (normal)
-            depth *= direction.z;
-        return own.stiffness * depth * direction;
-    };
-}
-
 // The force K (R - r) along the cylinder's radius.
 ForceAt mesh_truth(const Scene& scene) {
-    return [own = Cylinder(scene)](const TouchPlace& place) {
+    return [own = SmoothCylinder(scene)](const TouchPlace& place) {
         const glm::dvec3 from_axis(place.at.x, 0, place.at.z + own.centre_depth);
         const double r = reference::length(from_axis);
         return r < own.radius && r > 0 ? own.stiffness * (own.radius - r) / r * from_axis : glm::dvec3(0);
     };
-}
-
-// Double precision of the closest shading; of a mesh the god-object's, which stays on its side.
-ForceAt best_truth(const PreparedCase& scene, const TouchScale& scale) {
-    const auto prepared = std::make_shared<PreparedCase>(scene);
-    prepared->one.scene.force.shading = shadings_of(scene).back().first;
-    const auto force = std::make_shared<ContactForce>(*prepared, scale);
-    return [prepared, force](const TouchPlace& place) { return (*force)(place); };
 }
 
 std::vector<double> spacings_within(const Subject& subject, std::vector<double> spacings, double most) {
@@ -156,7 +103,7 @@ void complete(Subject& subject, const std::vector<Base>& bases, const Extents& e
 }
 
 // The cylinder's patch as triangles between equal arcs.
-std::shared_ptr<const SceneMesh> cylinder_mesh(const Cylinder& own, unsigned cells) {
+std::shared_ptr<const SceneMesh> cylinder_mesh(const SmoothCylinder& own, unsigned cells) {
     const double half_angle = std::asin(own.half / own.radius);
     PolygonSoup polygons;
     const auto vertex = [&](unsigned i, unsigned j) { return j * (cells + 1) + i; };
@@ -182,7 +129,7 @@ std::shared_ptr<const SceneMesh> cylinder_mesh(const Cylinder& own, unsigned cel
 
 Subject own_bump(const PreparedCase& own, const Extents& extents) {
     Subject subject{"bump", "facets"};
-    subject.force = bump_truth(own.one.scene);
+    subject.force = cylinder_force(own.one.scene);
     set_grid(subject, own.one.scene.grid);
     subject.spacings = extents.spacings;
     subject.notes = {"The bump is the paper's, R = 600 mil and W = 1000 mil on a plane, K = 1000 N/m. Its smooth shape "
@@ -212,7 +159,7 @@ Subject own_mesh(const PreparedCase& own, const Extents& extents) {
     for (const unsigned cells : extents.cells) {
         auto prepared = std::make_shared<PreparedCase>(own);
         prepared->one.scene.surface.kind = SurfaceKind::mesh;
-        prepared->images.mesh = cylinder_mesh(Cylinder(own.one.scene), cells);
+        prepared->images.mesh = cylinder_mesh(SmoothCylinder(own.one.scene), cells);
         bases.push_back({prepared, cells});
     }
     complete(subject, bases, extents, [](const Variant& one) {
@@ -257,19 +204,17 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
     const double finest = *std::ranges::min_element(own.grid.spacing);
     subject.spacings =
         spacings_within(subject, {8 * finest, 4 * finest, 2 * finest, finest}, mesh ? kMostMeshSamples : kMostSamples);
-    if (bump && !own.texture) {
-        subject.force = bump_truth(own);
-        subject.notes.push_back("The smooth shape is the cylinder of the scene's radius and width, with the force K d "
-                                "along the normal above the probe, the depth read as the scene reads it.");
-    } else {
-        subject.force = best_truth(*scene, subject.scale);
-        subject.smooth = false;
-        subject.against = fmt::format("double precision of {}", shadings_of(*scene).back().second);
-        subject.notes.push_back(fmt::format("No smooth shape of this scene is known: errors are against {}, one of the "
-                                            "laws, not the truth. They say how far apart methods and shadings "
-                                            "are, not which of them is right.",
-                                            subject.against));
-    }
+    const TrueForce truth = true_force(*scene, subject.scale);
+    subject.force = truth.force;
+    subject.smooth = truth.smooth;
+    subject.against = truth.against;
+    subject.notes.push_back(
+        truth.smooth
+            ? "The smooth shape is the cylinder of the scene's radius and width, with the force K d along the normal "
+              "above the probe, the depth read as the scene reads it."
+            : fmt::format("No smooth shape of this scene is known: errors are against {}, one of the laws, not the "
+                          "truth. They say how far apart methods and shadings are, not which of them is right.",
+                          truth.against));
     complete(subject, {{scene, bump ? std::optional<double>(own.surface.facets) : std::nullopt}}, extents,
              [&](const Variant& one) { return one.prepared->one.scene.force.shading == own.force.shading; });
     return subject;

@@ -9,6 +9,7 @@
 #include "host/field/prepared_case.h"
 #include "host/study/run/medians.h"
 #include "host/touch/places.h"
+#include "host/touch/true_force.h"
 
 namespace forceshade::study::error_time {
 
@@ -33,9 +34,6 @@ struct Variant {
     std::optional<double> elements; /* facets of a bump, cells of a mesh along a side */
     bool thorough = false;          /* also from volumes, over grids and along closed loops */
 };
-
-/// The reference of errors if it is known; only then is less error closer to the truth.
-constexpr const char* kSmoothShape = "the smooth shape";
 
 /// Its force is the truth, its box that of volumes.
 struct Subject : TouchedShape {
