@@ -168,16 +168,20 @@ def felt(name, text, precision):
 
 def validated(name, text):
     stem = f"validate-{name}"
-    return {stem: hashlib.sha256(run("validate", write(stem + ".toml", text))).hexdigest()}
+    said = run("validate", write(stem + ".toml", text))
+    searched = (b"f32 against f64", b"where two facets")  # a search, which the machine's cosine steers
+    kept = b"".join(line for line in said.splitlines(True) if not line.startswith(searched))
+    return {stem: hashlib.sha256(kept).hexdigest()}
 
 
 def swept():
     run("sweep", "--out", "sweep", "--only", "bump_radius-600mil_*", "--engine", "gpu")
     made = sorted(os.listdir(os.path.join(folder, "sweep")))
     out = {f"sweep {name}": pixels(os.path.join(folder, "sweep", name)) for name in made if name.endswith(".exr")}
-    # without the volumes' sizes and hashes, in which the version counts
+    # without the errors where a hand touches, at places by the machine's pow, and the volumes' sizes and hashes, in which the
+    # version counts
     with open(os.path.join(folder, "sweep", "summary.csv"), encoding="ascii") as file:
-        rows = "".join(line.rsplit(",", 2)[0] + "\n" for line in file)
+        rows = "".join(line.rsplit(",", 4)[0] + "\n" for line in file)
     out["sweep summary.csv"] = hashlib.sha256(rows.encode()).hexdigest()
     return out
 
