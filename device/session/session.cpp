@@ -161,7 +161,8 @@ public:
     explicit Session(const SessionOptions& options)
         : options_(checked(options)), line_(options.quiet), prepared_(options.read()),
           opened_(open_for_loop(options, prepared_)),
-          scenes_(options.scene, options.read, prepared_, kept_stem(), is_sim(options.device)) {
+          scenes_(
+              options.scene, [this] { return read_stable(); }, prepared_, kept_stem(), is_sim(options.device)) {
         for (const std::string& warning : opened_.warnings)
             warn(warning);
         look_at_stability(prepared_);
@@ -236,9 +237,17 @@ private:
     void warn(const std::string& text) { say(text, "warning: "); }
     void warn_now(const std::string& text) { warn(fmt::format("{:.3f} s: {}", loop_->status().seconds.load(), text)); }
 
+    // For the loop that runs.
+    PreparedCase read_stable() const {
+        PreparedCase prepared = options_.read();
+        refuse_unstable(limits_on(opened_, prepared).warning(), opened_, options_);
+        return prepared;
+    }
+
     void look_at_stability(const PreparedCase& prepared) {
         const SceneLimits limits = limits_on(opened_, prepared);
         stability_ = limits.text();
+        refuse_unstable(limits.warning(), opened_, options_);
         if (const std::string warning = limits.warning(); !warning.empty())
             warn(warning);
     }
@@ -399,6 +408,12 @@ SceneLimits limits_on(const OpenDevice& opened, const PreparedCase& prepared) {
     const bool presses = opened.facts.simulated && paths && paths->drive == PathDrive::press;
     return scene_limits(prepared, opened.settings.rate, presses ? paths->press : opened.settings.limits.max_force,
                         opened.settings.mapping.scale);
+}
+
+void refuse_unstable(const std::string& warning, const OpenDevice& opened, const SessionOptions& options) {
+    if (!warning.empty() && !opened.facts.simulated && !options.unstable)
+        throw UsageError(
+            fmt::format("{}; set [hand] to what the device is, or feel it all the same with --unstable", warning));
 }
 
 std::string manner_text(const LoopSettings& settings) {

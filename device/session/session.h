@@ -40,6 +40,7 @@ struct SessionOptions {
     std::optional<UdpAddress> send;         // also receives the samples
     std::optional<std::uint16_t> view_port; // of a page that shows them, 0 for any that is free; none: no page
     bool watch = false;                     // whether the loop reads the scene again when its file changes
+    bool unstable = false;                  // feel a scene on hardware, too, whose stiffness is above its limit
     bool quiet = false;
 };
 
@@ -66,6 +67,9 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
 
 /// Whether the scene is stable on the device: pressed as hard as the device displays, a simulated hand as it presses.
 SceneLimits limits_on(const OpenDevice& opened, const PreparedCase& prepared);
+
+/// \throws UsageError for a warning of these limits on hardware, unless the options permit it.
+void refuse_unstable(const std::string& warning, const OpenDevice& opened, const SessionOptions& options);
 
 /// The mapping and the functions of the buttons, for the user; one line.
 std::string manner_text(const LoopSettings& settings);

@@ -195,6 +195,8 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
         "--workspace LENGTHS", [&session](const std::string& text) { session.workspace = workspace(text); },
         "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas, in the device's axes "
         "from the scene's origin (default: the device's)");
+    options.flag("--unstable", session.unstable,
+                 "feel a scene on hardware even if its stiffness is above what the hand of [hand] comes to rest at");
     options.flag("--passivity", limits.passivity,
                  "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
     add(options, "--damping DAMPING", arguments.damping, Dimension::damping, Accepted::positive,

@@ -69,7 +69,7 @@ public:
         require_check(options.check);
         for (const std::string& warning : opened_.warnings)
             print_note("warning: {}\n", warning);
-        warn_of_instability();
+        warn_of_instability(options.session);
         if (!manner_.empty())
             print_note("{}\n", manner_);
         loop_.suspend(true);
@@ -155,7 +155,7 @@ private:
     }
 
     // Of the case that is furthest above its limit.
-    void warn_of_instability() const {
+    void warn_of_instability(const device::SessionOptions& session) const {
         CasePreparation preparation;
         double worst = 0;
         std::size_t unstable = 0;
@@ -171,6 +171,7 @@ private:
                 warning = fmt::format("{}: {}", one.name, limits.warning());
             }
         }
+        refuse_unstable(warning, opened_, session);
         if (unstable > 0)
             print_note("warning: cases that are unstable: {} of {}; {}\n", unstable, experiment_.study.cases.size(),
                        warning);

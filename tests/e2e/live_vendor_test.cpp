@@ -102,6 +102,12 @@ TEST_P(LiveVendor, is_not_begun_without_device_or_library) {
     expect_failure(3, launch, {"none.so", GetParam().variable});
 }
 
+TEST_P(LiveVendor, feels_a_stiffness_that_the_hand_cannot_hold_only_if_it_is_told_to) {
+    write("scene.toml", "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n");
+    expect_failure(2, live({"--duration", "0.2 s"}), {"20000 N/m", "comes to rest below", "--unstable"});
+    EXPECT_EQ(run(live({"--duration", "0.2 s", "--unstable"})).code, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Vendors, LiveVendor, ::testing::Values(kDhd, kHd),
                          [](const auto& instance) { return std::string(instance.param.device); });
 

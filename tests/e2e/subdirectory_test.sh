@@ -11,7 +11,7 @@ cmake -DCMAKE_INSTALL_PREFIX="$folder/installed" -P "$1/host/library/cmake_insta
 cmake -S "$here/../../host/library/examples" -B with_package -DCMAKE_PREFIX_PATH="$folder/installed" > /dev/null
 cmake --build with_package > /dev/null
 without=
-for package in Vulkan OpenEXR Imath OpenSSL spdlog nlohmann_json CLI11 Python pybind11; do
+for package in Eigen3 Vulkan OpenEXR Imath OpenSSL spdlog nlohmann_json CLI11 Python pybind11; do
     without="$without -DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"
 done
 cmake -S "$here/../../host/library/examples" -B beside -DFORCESHADE_SOURCE="$here/../.." -DCMAKE_BUILD_TYPE=Debug $without > /dev/null
