@@ -96,7 +96,7 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     const Subject bump = own_subjects(few()).front();
     const Variant& shaded = variant_named(bump, "64 facets, reference");
     const GridSpec grid = volume_grid(bump.low, bump.high, 0.4e-3, glm::dvec3(0));
-    const ForceVolume<float, float> volume(grid, sampled(*shaded.prepared, grid));
+    const Volume<float, float, 3> volume(grid, sampled(*shaded.prepared, grid));
     const KindPlaces all = places_of(bump, shaded, few());
     std::vector<glm::dvec3> found[2], truth[2];
     for (std::size_t i = 0; i < all.at.size(); ++i) {
@@ -198,7 +198,7 @@ template <typename Function> glm::dvec3 read(const Function& function, bool cubi
                 const glm::dvec3 force = function(origin + grid.spacing[0] * glm::dvec3(i, j, k));
                 forces.insert(forces.end(), {force.x, force.y, force.z});
             }
-    const ForceVolume<double, double> volume(grid, std::move(forces));
+    const Volume<double, double, 3> volume(grid, std::move(forces));
     return cubic ? volume.tricubic(at) : volume.trilinear(at);
 }
 

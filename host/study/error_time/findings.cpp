@@ -10,9 +10,10 @@ namespace forceshade::study::error_time {
 namespace {
 
 constexpr const char* kBootstrap = "95 % bootstrap interval of paired rounds";
-constexpr double kLoopPeriod = 1e-3; // s
 
 std::string percent(double share) {
+    if (share == 0)
+        return "0 %";
     if (share < 1e-4)
         return fmt::format("{:.1e} %", 100 * share);
     return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 3 : share < 0.01 ? 2 : share < 0.1 ? 1 : 0);
@@ -27,17 +28,14 @@ std::string touched_depths(const Subject& subject) {
                        1e3 * subject.scale.deepest);
 }
 
-// Of the finest volume, wherever its grid lies.
-void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
-    const std::vector<std::size_t> lookups = measured.find([](const Method& method) {
-        return method.family == "look-up, trilinear" && method.precision == "f32" && method.variant->shading != "none";
-    });
-    const auto finest =
-        std::ranges::min_element(lookups, {}, [&](std::size_t i) { return *measured.methods[i].spacing; });
-    if (finest == lookups.end())
-        return;
-    const Method& method = measured.methods[*finest];
-    const MethodErrors& errors = *measured.errors[*finest];
+// How far a look-up errs over the offsets of its grid.
+struct LookUpErrors {
+    Interval rms;                /* 1: of the RMS force */
+    std::optional<Interval> rim; /* deg */
+    Interval phantom;            /* 1: of the places just above the surface */
+};
+
+std::optional<LookUpErrors> lookup_errors(const MethodErrors& errors) {
     const auto at_kind = [&](Kind kind, auto number) {
         return over_offsets(errors, [&](const MethodErrors& one) {
             const ForceErrors* of_kind = one.of(kind);
@@ -53,20 +51,45 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const auto phantom = at_kind(Kind::boundary, [](const ForceErrors& one) {
         return std::optional(double(one.phantom) / double(std::max<std::size_t>(1, one.above)));
     });
-    if (!rms || !phantom)
+    return rms && phantom ? std::optional(LookUpErrors{*rms, rim, *phantom}) : std::nullopt;
+}
+
+std::string percents(const Interval& share) {
+    return fmt::format("{} [{}, {}]", percent(share.median), percent(share.low), percent(share.high));
+}
+
+// Of the finest volume, wherever its grid lies; and of one that holds depth and direction in place of the force.
+void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
+    const auto of_family = [&](const std::string& family) {
+        return measured.find([&](const Method& method) {
+            return method.family == family && method.precision == "f32" && method.variant->shading != "none";
+        });
+    };
+    const std::vector<std::size_t> lookups = of_family("look-up, trilinear");
+    const auto finest =
+        std::ranges::min_element(lookups, {}, [&](std::size_t i) { return *measured.methods[i].spacing; });
+    if (finest == lookups.end())
         return;
-    std::string text =
-        fmt::format("Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force [{}, {}]",
-                    1e3 * *method.spacing, percent(rms->median), percent(rms->low), percent(rms->high));
-    if (rim)
-        text += fmt::format("; at the rim that of the direction is {:.0f} deg [{:.0f}, {:.0f}]", rim->median, rim->low,
-                            rim->high);
+    const Method& method = measured.methods[*finest];
+    const auto errors = lookup_errors(*measured.errors[*finest]);
+    if (!errors)
+        return;
+    std::string text = fmt::format("Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force",
+                                   1e3 * *method.spacing, percents(errors->rms));
+    if (errors->rim)
+        text += fmt::format("; at the rim that of the direction is {:.0f} deg [{:.0f}, {:.0f}]", errors->rim->median,
+                            errors->rim->low, errors->rim->high);
     text += fmt::format("; up to {:.2g} mm above the surface {} of the places have a force, where there is none.",
-                        1e3 * method.subject->scale.skin(), percent(phantom->median));
-    findings.push_back({"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method),
-                        touched_depths(*method.subject),
-                        fmt::format("{} places; least and largest of {} random offsets of the volume's grid",
-                                    errors.shared.places, errors.by_offset.size())});
+                        1e3 * method.subject->scale.skin(), percent(errors->phantom.median));
+    for (const std::size_t i : of_family("look-up, depth and direction"))
+        if (const auto of_depth = lookup_errors(*measured.errors[i]);
+            of_depth && measured.methods[i].variant == method.variant && measured.methods[i].spacing == method.spacing)
+            text += fmt::format(" A volume of signed depth and direction errs by {}, with {} of such places.",
+                                percents(of_depth->rms), percent(of_depth->phantom.median));
+    findings.push_back(
+        {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
+         fmt::format("{} places; least and largest of {} random offsets of the volume's grid",
+                     measured.errors[*finest]->shared.places, measured.errors[*finest]->by_offset.size())});
 }
 
 // Benefit and cost of shading a mesh.
@@ -161,26 +184,25 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
          fmt::format("{}; {} places a law", kBootstrap, places)});
 }
 
-// The slowest live method against the period of a loop.
-void add_budget(std::vector<Finding>& findings, const Measured& measured) {
+// What separates the live methods in time, as a ratio: absolute times are those of a machine and stand in the tables.
+void add_slowest(std::vector<Finding>& findings, const Measured& measured) {
     const std::vector<std::size_t> live = measured.find([](const Method& method) { return method.use == Use::live; });
     const auto slowest =
         std::ranges::max_element(live, {}, [&](std::size_t i) { return measured.times.seconds(i).median; });
-    const Method& method = measured.methods[*slowest];
-    const Interval time = measured.times.seconds(*slowest);
-    findings.push_back({"budget",
-                        fmt::format("The slowest live method takes {:.2g} us, {} of the period of a 1 kHz loop.",
-                                    1e6 * time.median, percent(time.median / kLoopPeriod)),
-                        "error-time-" + method.subject->name, method.name,
-                        "mean of an evaluation on one thread; a single one may take longer",
-                        fmt::format("{:.3g} to {:.3g} us, {}", 1e6 * time.low, 1e6 * time.high, kBootstrap)});
+    const Method &method = measured.methods[*slowest], &unit = measured.methods[measured.times.unit()];
+    findings.push_back(
+        {"slowest",
+         fmt::format("The slowest live method, {}, {}.", method.name,
+                     times_as_long(measured.times.ratio(*slowest, measured.times.unit()), unit.name.c_str())),
+         "error-time-" + method.subject->name, method.name,
+         "mean of an evaluation on one thread; a single one may take longer", kBootstrap});
 }
 
 } // namespace
 
 std::vector<Finding> findings_of(const Measured& measured) {
     std::vector<Finding> findings;
-    for (const auto add : {add_lookup, add_shading, add_cheapest, add_precision, add_budget})
+    for (const auto add : {add_lookup, add_shading, add_cheapest, add_precision, add_slowest})
         add(findings, measured);
     return findings;
 }

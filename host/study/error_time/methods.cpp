@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/clock.h"
+#include "host/field/case_law.h"
 #include "host/field/evaluate.h"
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
@@ -53,14 +54,39 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
     };
 }
 
-// A look-up volume, made on first use, as a law.
-template <typename Volume> struct LookUp {
-    const Volume& volume;
-    bool cubic;
+// How a volume is read.
+enum class Reading { trilinear, tricubic, depth };
+
+// A look-up volume as a law.
+template <Reading R, typename Stored> class LookUp {
+public:
+    LookUp(const PreparedCase& prepared, const GridSpec& grid)
+        : volume_(grid, values_of(prepared, grid)), stiffness_(float(prepared.one.scene.force.stiffness)) {}
+    static constexpr std::size_t kChannels = R == Reading::depth ? 4 : 3;
+
     static reference::Vector<float> input(const TouchPlace& place) { return reference::Vector<float>(place.at); }
     reference::Vector<float> force(const reference::Vector<float>& at) const noexcept {
-        return cubic ? volume.tricubic(at) : volume.trilinear(at);
+        if constexpr (R == Reading::tricubic) {
+            return volume_.tricubic(at);
+        } else if constexpr (R == Reading::trilinear) {
+            return volume_.trilinear(at);
+        } else {
+            const auto read = volume_.trilinear(at);
+            const reference::Vector<float> direction(read.y, read.z, read.w);
+            return read.x > 0 ? stiffness_ * read.x / reference::length(direction) * direction
+                              : reference::Vector<float>(0.0F);
+        }
     }
+
+private:
+    static std::vector<Stored> values_of(const PreparedCase& prepared, const GridSpec& grid) {
+        const std::vector<float> values =
+            R == Reading::depth ? sampled_depths(prepared, grid) : sampled(prepared, grid);
+        return {values.begin(), values.end()};
+    }
+
+    Volume<Stored, float, int(kChannels)> volume_;
+    float stiffness_; /* N/m */
 };
 
 // Voxels at which a hand would touch, and the forces there.
@@ -130,9 +156,11 @@ public:
                 const glm::dvec3 offset(draw(0, 1), draw(0, 1), draw(0, 1));
                 grids.push_back(volume_grid(subject_.low, subject_.high, spacing, offset));
             }
-            add_lookup<float>(false, grids);
-            add_lookup<float>(true, grids);
-            add_lookup<half>(false, grids);
+            add_lookup<Reading::trilinear, float>(grids);
+            add_lookup<Reading::tricubic, float>(grids);
+            add_lookup<Reading::trilinear, half>(grids);
+            if (has_depths(*variant_.prepared))
+                add_lookup<Reading::depth, float>(grids);
         }
     }
 
@@ -218,27 +246,23 @@ private:
         return method;
     }
 
-    template <typename Stored> void add_lookup(bool cubic, const std::vector<GridSpec>& grids) {
+    template <Reading R, typename Stored> void add_lookup(const std::vector<GridSpec>& grids) {
+        using Law = LookUp<R, Stored>;
         constexpr bool kHalves = std::is_same_v<Stored, half>;
+        constexpr const char* kFamilies[] = {"look-up, trilinear", "look-up, tricubic", "look-up, depth and direction"};
         const GridSpec& grid = grids.front();
-        Method& method =
-            add(Use::live, cubic ? "look-up, tricubic" : "look-up, trilinear", kHalves ? "f32, half stored" : "f32");
+        Method& method = add(Use::live, kFamilies[std::size_t(R)], kHalves ? "f32, half stored" : "f32");
         method.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, method.family,
                                   grid.spacing[0] * 1e3, kHalves ? ", half stored" : "");
         method.spacing = grid.spacing[0];
-        method.bytes = static_cast<double>(3 * sizeof(Stored) * grid.size[0] * grid.size[1] * grid.size[2]);
-        const auto volume_of = [&prepared = *variant_.prepared](const GridSpec& of) {
-            const std::vector<float> forces = sampled(prepared, of);
-            return ForceVolume<Stored, float>(of, std::vector<Stored>(forces.begin(), forces.end()));
-        };
+        method.bytes =
+            static_cast<double>(Law::kChannels * sizeof(Stored) * grid.size[0] * grid.size[1] * grid.size[2]);
+        const PreparedCase& prepared = *variant_.prepared;
         for (const GridSpec& shifted : grids) // made anew: all at a time would take too much memory
-            method.shifted.push_back([=](std::span<const TouchPlace> at) {
-                auto volume = volume_of(shifted);
-                return forces_by(LookUp<ForceVolume<Stored, float>>{volume, cubic}, at);
-            });
-        const auto volume = lazily([=] { return volume_of(grid); });
-        set_law(method, 1,
-                [volume, cubic] { return std::make_unique<LookUp<ForceVolume<Stored, float>>>(volume(), cubic); });
+            method.shifted.push_back(
+                [&prepared, shifted](std::span<const TouchPlace> at) { return forces_by(Law(prepared, shifted), at); });
+        const auto law = lazily([&prepared, grid] { return std::make_shared<Law>(prepared, grid); });
+        set_law(method, 1, [law] { return law(); });
     }
 
     std::vector<Method>& methods_;
@@ -266,6 +290,31 @@ std::vector<float> sampled(const PreparedCase& prepared, const GridSpec& grid) {
     EngineOptions oracle;
     oracle.cpu = true;
     return evaluate<float>(there, *make_engine(oracle)).force;
+}
+
+bool has_depths(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    return scene.surface.kind != SurfaceKind::mesh && scene.force.depth == DepthReading::vertical && !scene.texture;
+}
+
+std::vector<float> sampled_depths(const PreparedCase& prepared, const GridSpec& grid) {
+    const CaseLaw<double> law(prepared);
+    const double below = grid.origin[2] - 1; // m: far below any surface
+    std::vector<glm::dvec4> columns;         // height above `below`, direction
+    for (std::size_t j = 0; j < grid.size[1]; ++j)
+        for (std::size_t i = 0; i < grid.size[0]; ++i) {
+            const auto found = law.at(
+                {grid.origin[0] + grid.spacing[0] * double(i), grid.origin[1] + grid.spacing[1] * double(j), below});
+            const glm::dvec3 direction = glm::dvec3(found.force) / reference::length(found.force);
+            columns.emplace_back(found.depth, direction.x, direction.y, direction.z);
+        }
+    std::vector<float> values;
+    for (std::size_t k = 0; k < grid.size[2]; ++k)
+        for (const glm::dvec4& column : columns) {
+            const double depth = column.x - (grid.origin[2] + grid.spacing[2] * double(k) - below);
+            values.insert(values.end(), {float(depth), float(column.y), float(column.z), float(column.w)});
+        }
+    return values;
 }
 
 const char* name_of(Use use) {

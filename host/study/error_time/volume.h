@@ -1,5 +1,5 @@
-// A volume of precomputed forces, read between its samples: trilinear, or tricubic (Catmull & Rom 1974; as a
-// convolution: Keys 1981).
+// A volume of precomputed forces, or of depths with directions, read between its samples: trilinear, or tricubic
+// (Catmull & Rom 1974; as a convolution: Keys 1981).
 #pragma once
 
 #include <Imath/half.h>
@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstddef>
 #include <vector>
+
+#include <glm/vec4.hpp>
 
 #include "host/field/prepared_case.h"
 
@@ -19,36 +21,42 @@ GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spaci
 /// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle on all cores.
 std::vector<float> sampled(const PreparedCase& prepared, const GridSpec& grid);
 
-/// Forces as Stored (half, float, double), read in the arithmetic of T at places of the world, m.
-template <typename Stored, typename T> class ForceVolume {
+/// Of a surface over x and y whose depth is read vertically: depth, m, below 0 above the surface, and the direction of
+/// the force below it, 4 a sample.
+std::vector<float> sampled_depths(const PreparedCase& prepared, const GridSpec& grid);
+bool has_depths(const PreparedCase& prepared);
+
+/// N numbers a sample, as Stored (half, float, double), read in the arithmetic of T at places of the world, m.
+template <typename Stored, typename T, int N> class Volume {
 public:
-    /// `forces`: 3 a sample, N.
-    ForceVolume(const GridSpec& grid, std::vector<Stored> forces)
-        : grid_(grid), forces_(std::move(forces)), origin_(grid.origin[0], grid.origin[1], grid.origin[2]),
+    using Value = glm::vec<N, T, glm::highp>;
+
+    Volume(const GridSpec& grid, std::vector<Stored> values)
+        : grid_(grid), values_(std::move(values)), origin_(grid.origin[0], grid.origin[1], grid.origin[2]),
           inverse_(T(1 / grid.spacing[0])) {}
 
-    reference::Vector<T> trilinear(const reference::Vector<T>& place) const noexcept {
+    Value trilinear(const reference::Vector<T>& place) const noexcept {
         const Cell x = cell_at(place, 0), y = cell_at(place, 1), z = cell_at(place, 2);
-        reference::Vector<T> result(T(0));
+        Value result(T(0));
         for (std::size_t k = 0; k < 2; ++k)
             for (std::size_t j = 0; j < 2; ++j) {
                 const std::size_t at = ((z.first + k) * grid_.size[1] + y.first + j) * grid_.size[0] + x.first;
-                const reference::Vector<T> row = force_at(at) + x.share * (force_at(at + 1) - force_at(at));
+                const Value row = value_at(at) + x.share * (value_at(at + 1) - value_at(at));
                 result += (k ? z.share : T(1) - z.share) * (j ? y.share : T(1) - y.share) * row;
             }
         return result;
     }
 
-    reference::Vector<T> tricubic(const reference::Vector<T>& place) const noexcept {
+    Value tricubic(const reference::Vector<T>& place) const noexcept {
         const Cell x = cell_at(place, 0), y = cell_at(place, 1), z = cell_at(place, 2);
         const Weights along_x = weights(x.share), along_y = weights(y.share), along_z = weights(z.share);
-        reference::Vector<T> result(T(0));
+        Value result(T(0));
         for (std::size_t k = 0; k < 4; ++k)
             for (std::size_t j = 0; j < 4; ++j) {
                 const std::size_t at =
                     ((z.first + k - 1) * grid_.size[1] + y.first + j - 1) * grid_.size[0] + x.first - 1;
-                const reference::Vector<T> row = along_x[0] * force_at(at) + along_x[1] * force_at(at + 1) +
-                                                 along_x[2] * force_at(at + 2) + along_x[3] * force_at(at + 3);
+                const Value row = along_x[0] * value_at(at) + along_x[1] * value_at(at + 1) +
+                                  along_x[2] * value_at(at + 2) + along_x[3] * value_at(at + 3);
                 result += along_z[k] * along_y[j] * row;
             }
         return result;
@@ -75,13 +83,16 @@ private:
                 T(0.5) * t + (square + square) - T(1.5) * cube, T(0.5) * (cube - square)};
     }
 
-    reference::Vector<T> force_at(std::size_t sample) const noexcept {
-        const Stored* force = forces_.data() + 3 * sample;
-        return {T(force[0]), T(force[1]), T(force[2])};
+    Value value_at(std::size_t sample) const noexcept {
+        const Stored* of = values_.data() + N * sample;
+        Value value;
+        for (int i = 0; i < N; ++i)
+            value[i] = T(of[i]);
+        return value;
     }
 
     GridSpec grid_;
-    std::vector<Stored> forces_;
+    std::vector<Stored> values_;
     reference::Vector<T> origin_;
     T inverse_; /* 1/m */
 };
