@@ -134,8 +134,8 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
         (no_results.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
-        troubles_section(contents.troubles) + no_results + glance(contents.studies) + studies + sweeps + viewer +
-        device + "</main>\n";
+        troubles_section(contents.troubles) + no_results + verdict_section(contents) + glance(contents.studies) +
+        studies + sweeps + viewer + device + "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 

@@ -35,6 +35,9 @@ std::string page_data(const std::string& id, const study::StudyData& data);
 /// A study: findings next to the first figure, the other figures, methods, tables and files.
 std::string study_section(const std::filesystem::path& root, const StudyPart& part);
 
+/// Of the studies' own surfaces: what each scheme costs and gives, in one table; empty without error-time.
+std::string verdict_section(const Contents& contents);
+
 /// Cases of a sweep: errors, times, what was left out, files.
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep);
 

@@ -129,6 +129,54 @@ std::string finding(const Sweep& sweep, const std::string& name) {
     return "";
 }
 
+// A row for each scheme that error-time has; a ratio of times that is told from 1, or none.
+TEST(Verdict, SetsSchemesSideBySide) {
+    struct Way {
+        const char *surface, *family, *shading;
+        double elements, direction, median, p95;
+    };
+    const std::vector<Way> ways{{"mesh", "god-object", "none", 8, 4.2, 0.33, 1},
+                                {"mesh", "god-object", "mean_value", 8, 0.2, 0.32, 1}};
+    StudyPart part;
+    study::StudyData& data = part.data;
+    data.study = "error-time";
+    data.tables.push_back(study::table_of<Way>("ways", "",
+                                               {{"surface", "", "", &Way::surface},
+                                                {"family", "", "", &Way::family},
+                                                {"precision", "", "", [](const Way&) { return "f64"; }},
+                                                {"shading", "", "", &Way::shading},
+                                                {"elements", "1", "", &Way::elements},
+                                                {"direction_rms_deg", "deg", "", &Way::direction},
+                                                {"local_median_1", "1", "", &Way::median},
+                                                {"local_p95_1", "1", "", &Way::p95}},
+                                               ways));
+    const auto with_times = [&](double shaded) {
+        struct Time {
+            double round, way, time;
+        };
+        std::vector<Time> times;
+        for (int round = 0; round < 9; ++round) {
+            times.push_back({double(round), 1, 100.0 + round});
+            times.push_back({double(round), 2, shaded * (100.0 + round) * (1 + 0.02 * (round % 3 - 1))});
+        }
+        Contents contents{{}, {part}, {}};
+        contents.studies[0].data.tables.push_back(study::table_of<Time>(
+            "rounds", "",
+            {{"round", "1", "", &Time::round}, {"way", "1", "", &Time::way}, {"time_ns", "ns", "", &Time::time}},
+            times));
+        return verdict_section(contents);
+    };
+    const std::string slower = with_times(1.5);
+    EXPECT_NE(slower.find("mesh, mean_value</th><td class=\"n\">0.2</td><td class=\"n\">32 (100)</td><td "
+                          "class=\"n\">1.50 [1.47, 1.53]"),
+              std::string::npos)
+        << slower;
+    EXPECT_EQ(slower.find("two_pass"), std::string::npos);
+    EXPECT_NE(with_times(1).find("no difference [0.98, 1.02]"), std::string::npos);
+    EXPECT_EQ(verdict_section({{}, {part}, {}}), "") << "without its rounds";
+    EXPECT_EQ(verdict_section({}), "");
+}
+
 TEST(SweepFindings, FollowTheData) {
     Sweep sweep;
     EXPECT_TRUE(sweep_findings(sweep).empty());

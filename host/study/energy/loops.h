@@ -9,7 +9,7 @@
 #include <glm/vec2.hpp>
 
 #include "host/field/prepared_case.h"
-#include "host/study/run/medians.h"
+#include "host/study/data/medians.h"
 
 namespace forceshade::study {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/field/prepared_case.h"
-#include "host/study/run/medians.h"
+#include "host/study/data/medians.h"
 #include "host/touch/places.h"
 #include "host/touch/true_force.h"
 

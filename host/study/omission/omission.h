@@ -4,7 +4,7 @@
 
 #include "host/field/evaluate.h"
 #include "host/mesh/block_plan.h"
-#include "host/study/run/medians.h"
+#include "host/study/data/medians.h"
 #include "host/study/run/study_run.h"
 
 namespace forceshade::study {

@@ -1,4 +1,4 @@
-#include "host/study/run/medians.h"
+#include "host/study/data/medians.h"
 
 #include <algorithm>
 #include <cmath>
