@@ -4,7 +4,7 @@ const WIDTH = 720, NARROWEST = 300, HEIGHT = 440, PLOT = { left: 74, right: 16, 
 const MARKS = [d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond, d3.symbolCross, d3.symbolStar, d3.symbolWye];
 const SERIES_COLOURS = 8, MOST_LABELS = 8, MOST_MARKS = 100;
 
-// The same colour and mark for the same name everywhere: on the page and, of known names (chart_style.cpp), in pictures.
+// The same colour and mark for the same name everywhere: on the page and, of known names (picture/colours.cpp), in pictures.
 const styles = new Map(Object.entries(KNOWN_SERIES)), FIRST_UNKNOWN = 32, known = styles.size;
 function styleOf(name) {
   if (!styles.has(name))
