@@ -124,13 +124,13 @@ std::string verdict_rows(const Contents& contents) {
         }
         const auto force = stability ? stable_force(*stability, scheme.felt_on) : std::nullopt;
         const auto gain = energy ? gain_of(*energy, scheme) : std::nullopt;
-        rows += fmt::format(
-            "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
-            "<td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
-            scheme.name, shown(ways.needed(*way, "direction_rms_deg")),
-            fmt::format("{} ({})", number_text(100 * ways.needed(*way, "local_median_1"), 2),
-                        number_text(100 * ways.needed(*way, "local_p95_1"), 2)),
-            time, force ? number_text(*force, 2) : "–", gain ? shown(*gain) : "–", scheme.use_when);
+        rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+                            "class=\"n\">{}</td>"
+                            "<td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+                            scheme.name, scheme.use_when, shown(ways.needed(*way, "direction_rms_deg")),
+                            fmt::format("{} ({})", number_text(100 * ways.needed(*way, "local_median_1"), 2),
+                                        number_text(100 * ways.needed(*way, "local_p95_1"), 2)),
+                            time, force ? number_text(*force, 2) : "–", gain ? shown(*gain) : "–");
     }
     return rows;
 }
@@ -146,11 +146,12 @@ std::string verdict_section(const Contents& contents) {
     if (rows.empty())
         return "";
     return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" "
-           "aria-label=\"Which shading?\"><table>\n<thead><tr><th scope=\"col\">scheme</th><th scope=\"col\">error of "
-           "the direction <small>deg RMS</small></th><th scope=\"col\">error of the force <small>% of it, median "
-           "(95 %)</small></th><th scope=\"col\">time <small>of unshaded</small></th><th scope=\"col\">largest "
-           "stable force K·d <small>N, 2 mm deep</small></th><th scope=\"col\">energy given <small>mJ a "
-           "loop</small></th><th scope=\"col\">take it when</th></tr></thead>\n<tbody>\n" +
+           "aria-label=\"Which shading?\"><table>\n<thead><tr><th scope=\"col\">scheme</th><th scope=\"col\">take it "
+           "when</th><th scope=\"col\" class=\"n\">error of the direction <small>deg RMS</small></th><th "
+           "scope=\"col\" class=\"n\">error of the force <small>% of it, median (95 %)</small></th><th scope=\"col\" "
+           "class=\"n\">time <small>of unshaded</small></th><th scope=\"col\" class=\"n\">largest stable force K·d "
+           "<small>N, 2 mm deep</small></th><th scope=\"col\" class=\"n\">energy given <small>mJ a "
+           "loop</small></th></tr></thead>\n<tbody>\n" +
            rows +
            "</tbody>\n</table></div>\n<p class=\"note\">Shading mends the direction, not the size of the force, which "
            "stays that of the facets. Errors: a bump of 16 facets and a mesh of 8 cells over the width, where a hand "

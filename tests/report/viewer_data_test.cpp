@@ -167,7 +167,8 @@ TEST(Verdict, SetsSchemesSideBySide) {
         return verdict_section(contents);
     };
     const std::string slower = with_times(1.5);
-    EXPECT_NE(slower.find("mesh, mean_value</th><td class=\"n\">0.2</td><td class=\"n\">32 (100)</td><td "
+    EXPECT_NE(slower.find("mesh, mean_value</th><td>it should feel round</td><td class=\"n\">0.2</td><td "
+                          "class=\"n\">32 (100)</td><td "
                           "class=\"n\">1.50 [1.47, 1.53]"),
               std::string::npos)
         << slower;
