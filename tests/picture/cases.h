@@ -9,11 +9,21 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 namespace forceshade::picture::test {
 
-/// Whether two texts are drawn over each other.
-inline bool texts_overlap(const Box& a, const Box& b) {
-    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+/// Every text stands on the sheet and clear of the others.
+inline void expect_clear_texts(const Picture& picture) {
+    for (std::size_t i = 0; i < picture.texts.size(); ++i) {
+        const auto& [text, a] = picture.texts[i];
+        EXPECT_TRUE(a.x >= 0 && a.y >= 0 && a.x + a.width <= picture.width && a.y + a.height <= picture.height) << text;
+        for (std::size_t k = 0; k < i; ++k) {
+            const Box& b = picture.texts[k].ink;
+            EXPECT_FALSE(a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height)
+                << text << " over " << picture.texts[k].text;
+        }
+    }
 }
 
 /// Force (N) of a position (m).

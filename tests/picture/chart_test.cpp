@@ -63,16 +63,7 @@ TEST(Chart, HasNoTextThatIsCutOrDrawnOver) {
     for (const Chart& chart : {sample(), map_sample(false), map_sample(true), bar_sample(), Chart{}}) {
         const Picture picture = draw_chart(chart);
         EXPECT_GT(picture.png.size(), 1000u);
-        for (std::size_t i = 0; i < picture.texts.size(); ++i) {
-            const auto& [text, ink] = picture.texts[i];
-            EXPECT_GE(ink.x, 0) << text;
-            EXPECT_GE(ink.y, 0) << text;
-            EXPECT_LE(ink.x + ink.width, picture.width) << text;
-            EXPECT_LE(ink.y + ink.height, picture.height) << text;
-            for (std::size_t k = 0; k < i; ++k)
-                EXPECT_FALSE(test::texts_overlap(ink, picture.texts[k].ink))
-                    << text << " over " << picture.texts[k].text;
-        }
+        test::expect_clear_texts(picture);
     }
 }
 
@@ -95,24 +86,6 @@ std::vector<std::string> texts_of(const Chart& chart) {
     for (const PlacedText& text : draw_chart(chart).texts)
         texts.push_back(text.text);
     return texts;
-}
-
-TEST(Chart, WritesEveryTickAsTheNumberThatItIs) {
-    Chart chart;
-    chart.series = {{"a", {{0, 1, {}, {}, {}, {}, ""}, {400000, 2, {}, {}, {}, {}, ""}}, true, false, false}};
-    const std::vector<std::string> wide = texts_of(chart);
-    EXPECT_EQ(std::ranges::count(wide, "2×10⁵"), 1);
-    EXPECT_EQ(std::ranges::count(wide, "1.5×10⁵"), 1);
-    chart.series[0].points = {{2.3, 2.3, {}, {}, {}, {}, ""}, {4.2, 4.2, {}, {}, {}, {}, ""}};
-    chart.x.logarithmic = chart.y.logarithmic = true;
-    EXPECT_GE(texts_of(chart).size(), 6u) << "less than a decade has ticks, too";
-}
-
-TEST(Chart, HasBarsThatBeginAtNothing) {
-    Chart chart = bar_sample();
-    for (ChartSeries& series : chart.series)
-        series.points = {{0, 80, {}, {}, {}, {}, ""}, {1, 100, {}, {}, {}, {}, ""}};
-    EXPECT_EQ(std::ranges::count(texts_of(chart), "0"), 1);
 }
 
 Chart named(const std::vector<std::string>& names) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/picture/canvas.h"
-#include "host/picture/picture.h"
+#include "tests/picture/cases.h"
 
 namespace forceshade::picture::test {
 namespace {
@@ -24,7 +24,7 @@ PathDrawing sample() {
     return drawing;
 }
 
-TEST(PathPlot, normals_lean_away_from_the_slope) {
+TEST(PathPlot, NormalsLeanAwayFromTheSlope) {
     const std::vector<LinePoint> normals = normals_of({{0, 0}, {1, 1}, {2, 1}, {3, 0}});
     ASSERT_EQ(normals.size(), 6u);
     EXPECT_NEAR(normals[0].z, -45, 1e-12) << "uphill to the right: the normal points to the left";
@@ -34,7 +34,7 @@ TEST(PathPlot, normals_lean_away_from_the_slope) {
     EXPECT_TRUE(normals_of({{0, 0}}).empty());
 }
 
-TEST(PathPlot, shows_the_surface_about_paths_that_are_hardly_wide) {
+TEST(PathPlot, ShowsTheSurfaceAboutPathsThatAreHardlyWide) {
     DrawnPath tap{"tap", {{0.003, 0.001}, {0.003, -0.001}}, {}};
     EXPECT_NEAR(drawn_breadth({tap}).low, 0.002, 1e-15);
     EXPECT_NEAR(drawn_breadth({tap}).high, 0.004, 1e-15);
@@ -45,25 +45,14 @@ TEST(PathPlot, shows_the_surface_about_paths_that_are_hardly_wide) {
     EXPECT_EQ(drawn_breadth({stroke}).high, 0.02);
 }
 
-TEST(PathPlot, is_the_same_every_time_and_its_texts_are_on_the_sheet) {
+TEST(PathPlot, IsTheSameEveryTimeAndItsTextsAreOnTheSheet) {
     const Picture one = draw_paths(sample()), other = draw_paths(sample());
     EXPECT_EQ(one.png, other.png);
     EXPECT_GT(one.texts.size(), 15u);
-    for (std::size_t i = 0; i < one.texts.size(); ++i) {
-        const Box& a = one.texts[i].ink;
-        EXPECT_GE(a.x, 0) << one.texts[i].text;
-        EXPECT_LE(a.x + a.width, one.width) << one.texts[i].text;
-        EXPECT_LE(a.y + a.height, one.height) << one.texts[i].text;
-        for (std::size_t j = 0; j < i; ++j) {
-            const Box& b = one.texts[j].ink;
-            const bool apart =
-                a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
-            EXPECT_TRUE(apart) << one.texts[i].text << " over " << one.texts[j].text;
-        }
-    }
+    expect_clear_texts(one);
 }
 
-TEST(PathPlot, of_a_path_that_stands_still_is_drawn) {
+TEST(PathPlot, OfAPathThatStandsStillIsDrawn) {
     PathDrawing drawing = sample();
     drawing.paths.resize(1);
     drawing.paths[0].way = {{0.001, 0.002}};

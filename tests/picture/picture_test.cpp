@@ -1,4 +1,3 @@
-#include "host/picture/colours.h"
 #include "tests/picture/cases.h"
 
 #include <algorithm>
@@ -11,89 +10,41 @@
 namespace forceshade::picture {
 namespace {
 
-struct Decoded {
-    int width = 0, height = 0;
-    std::vector<std::uint8_t> rgb;
-};
-
-Decoded decode(const Picture& picture) {
+void expect_sound(const Picture& picture, int width = 1400) {
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
-    Decoded decoded;
-    if (!png_image_begin_read_from_memory(&image, picture.png.data(), picture.png.size()))
-        return decoded;
-    image.format = PNG_FORMAT_RGB;
-    decoded.rgb.resize(PNG_IMAGE_SIZE(image));
-    if (png_image_finish_read(&image, nullptr, decoded.rgb.data(), 0, nullptr)) {
-        decoded.width = static_cast<int>(image.width);
-        decoded.height = static_cast<int>(image.height);
-    }
-    return decoded;
-}
-
-void expect_sound(const Picture& picture, int width = 1400) {
-    const Decoded decoded = decode(picture);
-    EXPECT_EQ(decoded.width, picture.width);
-    EXPECT_EQ(decoded.height, picture.height);
+    ASSERT_TRUE(png_image_begin_read_from_memory(&image, picture.png.data(), picture.png.size()));
+    std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
+    EXPECT_TRUE(png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr));
+    EXPECT_EQ(static_cast<int>(image.width), picture.width);
+    EXPECT_EQ(static_cast<int>(image.height), picture.height);
     EXPECT_EQ(picture.width, width);
     EXPECT_GT(picture.height, 200);
     EXPECT_LT(picture.height, 1400);
     EXPECT_LT(picture.png.size(), 500'000U);
-    for (std::size_t i = 0; i < picture.texts.size(); ++i) {
-        const auto& [text, ink] = picture.texts[i];
-        EXPECT_GE(ink.x, 1) << text;
-        EXPECT_GE(ink.y, 1) << text;
-        EXPECT_LE(ink.x + ink.width, picture.width - 1) << text;
-        EXPECT_LE(ink.y + ink.height, picture.height - 1) << text;
-        for (std::size_t j = 0; j < i; ++j)
-            EXPECT_FALSE(test::texts_overlap(ink, picture.texts[j].ink)) << text << " over " << picture.texts[j].text;
-    }
+    test::expect_clear_texts(picture);
 }
-
-bool says(const Picture& picture, std::string_view part) {
-    return std::any_of(picture.texts.begin(), picture.texts.end(),
-                       [&](const PlacedText& placed) { return placed.text.find(part) != std::string::npos; });
-}
-
-class EveryCase : public ::testing::TestWithParam<test::Case> {};
-
-TEST_P(EveryCase, IsDrawnWithoutCutOrOverlappingText) {
-    const test::Slices slices = test::collect(GetParam().grid, GetParam().law);
-    const Picture mosaic = draw_mosaic({GetParam().name}, slices.tiles);
-    const Picture arrows = draw_arrows({GetParam().name}, slices.xz, GetParam().lines);
-    expect_sound(mosaic);
-    expect_sound(arrows);
-    EXPECT_TRUE(says(mosaic, "x / ") || says(mosaic, "(x "));
-    EXPECT_TRUE(says(mosaic, "y / ") || says(mosaic, "(y "));
-    EXPECT_TRUE(says(mosaic, "z = ") || says(mosaic, " m = "));
-    EXPECT_TRUE(says(arrows, "z / ") || says(arrows, "(z "));
-    const double largest = take_census(values_of(slices.xz, Quantity::magnitude).value).largest;
-    EXPECT_EQ(says(arrows, "force magnitude / "), largest > 0);
-    EXPECT_EQ(says(arrows, "in-plane force of "), largest > 0);
-}
-
-INSTANTIATE_TEST_SUITE_P(Picture, EveryCase, ::testing::ValuesIn(test::cases()),
-                         [](const auto& tested) { return tested.param.file; });
 
 const test::Case& case_named(const std::string& file) {
     static const std::vector<test::Case> all = test::cases();
     return *std::find_if(all.begin(), all.end(), [&](const test::Case& one) { return one.file == file; });
 }
 
-TEST(Picture, SaysWhereThereIsNoForceOrNoNumber) {
-    const test::Case& empty = case_named("no_force");
-    const test::Slices nothing = test::collect(empty.grid, empty.law, true);
-    EXPECT_TRUE(says(draw_mosaic({""}, nothing.tiles), "no force in this field"));
-    EXPECT_TRUE(says(draw_mosaic({""}, nothing.tiles), "no force in this slice"));
-    EXPECT_TRUE(says(draw_arrows({""}, nothing.xz), "no force in this slice"));
+TEST(Picture, OfEveryCaseHasNoTextThatIsCutOrDrawnOver) {
+    for (const test::Case& one : test::cases()) {
+        SCOPED_TRACE(one.file);
+        const test::Slices slices = test::collect(one.grid, one.law);
+        expect_sound(draw_mosaic({one.name}, slices.tiles));
+        expect_sound(draw_arrows({one.name}, slices.xz, one.lines));
+    }
+}
+
+TEST(Picture, SaysThatThereIsNoNumber) {
     const test::Case& broken = case_named("broken");
-    const test::Slices some = test::collect(broken.grid, broken.law, true);
-    EXPECT_TRUE(says(draw_arrows({""}, some.xz), "not a finite number (4480 of 32768 samples)"));
-    const test::Case& hopeless = case_named("all_broken");
-    const test::Slices none = test::collect(hopeless.grid, hopeless.law);
-    EXPECT_TRUE(says(draw_mosaic({""}, none.tiles), "not a finite number (64 of 64 samples)"));
-    EXPECT_TRUE(says(draw_arrows({""}, none.xz), "not a finite number (16 of 16 samples)"));
-    EXPECT_FALSE(says(draw_arrows({""}, none.xz), "no force"));
+    const Picture picture = draw_arrows({""}, test::collect(broken.grid, broken.law, true).xz);
+    EXPECT_TRUE(std::ranges::any_of(picture.texts, [](const PlacedText& placed) {
+        return placed.text.find("not a finite number (4480 of 32768 samples)") != std::string::npos;
+    }));
 }
 
 TEST(Picture, SameInputSameBytesInAnyLocale) {
@@ -110,41 +61,11 @@ TEST(Picture, SameInputSameBytesInAnyLocale) {
     EXPECT_EQ(first, second);
 }
 
-TEST(Picture, RepeatedRowsGiveTheSamePicture) {
-    const test::Case& usual = case_named("shaded");
-    EXPECT_EQ(draw_mosaic({""}, test::collect(usual.grid, usual.law, true).tiles).png,
-              draw_mosaic({""}, test::collect(usual.grid, usual.law, false).tiles).png);
-}
-
 TEST(Picture, HoldsNoDateAndNoProgramName) {
     const test::Case& usual = case_named("shaded");
     const auto png = draw_arrows({""}, test::collect(usual.grid, usual.law, true).xz).png;
     for (const std::string_view chunk : {"tIME", "tEXt", "iTXt", "zTXt"})
         EXPECT_EQ(std::search(png.begin(), png.end(), chunk.begin(), chunk.end()), png.end()) << chunk;
-}
-
-ColourScale newtons(double largest) {
-    return scale_for(Quantity::magnitude, largest, {0, 2, 1});
-}
-
-std::uint32_t viridis(double share) {
-    return packed(colour_at(ColourMap::sequential, share));
-}
-
-TEST(Raster, ShowsTheNearestSampleWithTheLargestVOnTop) {
-    const ValueSlice slice{{{0, 1}, {0, 1}, 1, 1, 1, 0}, {kNoForce, 1, 2, 4}};
-    const auto pixels = rasterise(slice, 4, 4, newtons(4));
-    EXPECT_EQ(pixels[0], viridis(0.5));            // (0, 1): 2 of 4 N
-    EXPECT_EQ(pixels[3], viridis(1));              // (1, 1): 4 of 4 N
-    EXPECT_EQ(pixels[12], packed(kNoForceColour)); // (0, 0): none
-    EXPECT_EQ(pixels[4 * 2 + 2], viridis(0.25));   // (1, 0): 1 of 4 N
-}
-
-TEST(Raster, MarksWhatIsNoNumber) {
-    const ValueSlice slice{{{0}, {0}, 1, 1, 1, 0}, {std::numeric_limits<double>::quiet_NaN()}};
-    const auto pixels = rasterise(slice, 16, 16, newtons(1));
-    for (const Rgb8 colour : kNonFiniteColours)
-        EXPECT_NE(std::ranges::find(pixels, packed(colour)), pixels.end());
 }
 
 TEST(Raster, NoComponentHidesWhatIsNoNumber) {
@@ -170,19 +91,6 @@ TEST(Raster, EverySampleGetsItsShareOfPixels) {
     const auto nearest = nearest_samples(samples, 0.1, 400);
     for (std::size_t sample = 0; sample < samples.size(); ++sample)
         EXPECT_NEAR(static_cast<double>(std::count(nearest.begin(), nearest.end(), sample)), 100, 1);
-}
-
-// The two shapes of the drawn field must show in the arrows: the plot of the shaded bump differs from the unshaded one
-// although their magnitudes are equal.
-TEST(Picture, ArrowsShowTheDirection) {
-    const test::Slices plain = test::collect(case_named("unshaded").grid, case_named("unshaded").law, true);
-    const test::Slices shaded = test::collect(case_named("shaded").grid, case_named("shaded").law, true);
-    const Decoded a = decode(draw_arrows({""}, plain.xz)), b = decode(draw_arrows({""}, shaded.xz));
-    ASSERT_EQ(a.rgb.size(), b.rgb.size());
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); i += 3)
-        different += a.rgb[i] != b.rgb[i];
-    EXPECT_GT(different, 5000U);
 }
 
 TEST(Values, OfAForceInThePlaneOfTheSlice) {
@@ -219,29 +127,6 @@ const FieldSlice& xz_of(const std::string& file) {
     return all[file].xz;
 }
 
-TEST(Shading, ShowsByHowMuchTheForceTurns) {
-    const Picture picture = draw_shading({"A bump"}, xz_of("unshaded"), xz_of("shaded"), test::two_facet_lines());
-    expect_sound(picture);
-    EXPECT_TRUE(says(picture, "angle between unshaded and shaded force"));
-    EXPECT_TRUE(says(picture, "angle / °"));
-    // At the apex the unshaded normal leans by the slope of the facets, the shaded one not at all.
-    EXPECT_TRUE(says(picture, "shading turns the force by up to 28."));
-    EXPECT_TRUE(says(picture, "the magnitude stays"));
-    const Picture same = draw_shading({"A bump"}, xz_of("shaded"), xz_of("shaded"));
-    expect_sound(same);
-    EXPECT_TRUE(says(same, "shading turns the force nowhere"));
-    EXPECT_FALSE(says(same, "angle / °")) << "no scale without a value";
-}
-
-TEST(Mosaic, ShowsTheContactAlone) {
-    const test::Case& usual = case_named("shaded");
-    const test::Slices slices = test::collect(usual.grid, usual.law, true);
-    const Picture picture = draw_mosaic({""}, slices.tiles);
-    EXPECT_FALSE(says(picture, "no force in this slice"));
-    EXPECT_FALSE(says(picture, "z = 8")) << "above the bump";
-    EXPECT_TRUE(says(picture, "in 12 slices"));
-}
-
 TEST(Picture, KeepsToTheSizeThatIsAskedFor) {
     const test::Slices slices = test::collect(case_named("shaded").grid, case_named("shaded").law, true);
     for (const Look& look : {Look{"narrow", 700, 0}, Look{"flat", 1000, 420}, Look{"wide", 2400, 900}})
@@ -255,17 +140,11 @@ TEST(Picture, KeepsToTheSizeThatIsAskedFor) {
 TEST(Picture, ShowsEveryQuantityInEveryPlane) {
     const test::Case& usual = case_named("textured");
     for (std::size_t q = 0; q < kQuantityNames.size(); ++q) {
-        const Picture picture =
-            draw_arrows({"A bump"}, xz_of("textured"), {}, static_cast<Quantity>(q), xz_of("unshaded"));
-        expect_sound(picture);
-        EXPECT_TRUE(says(picture, q < 4 ? "N" : "°"));
+        expect_sound(draw_arrows({"A bump"}, xz_of("textured"), {}, static_cast<Quantity>(q), xz_of("unshaded")));
     }
     for (const std::size_t axis : {0, 2}) {
         const test::Slices slices = test::collect(usual.grid, usual.law, false, {axis, 0.001, Quantity::magnitude});
-        const Picture picture = draw_arrows({"A bump"}, slices.xz);
-        expect_sound(picture);
-        EXPECT_TRUE(says(picture, axis == 0 ? "y–z slice at x = 1 mm" : "x–y slice at z = 1 mm"));
-        EXPECT_TRUE(says(picture, axis == 0 ? "(Fy, Fz)" : "(Fx, Fy)"));
+        expect_sound(draw_arrows({"A bump"}, slices.xz));
     }
 }
 
