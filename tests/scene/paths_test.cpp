@@ -1,4 +1,4 @@
-// Scenes with exploration paths and a hand: keys, defaults, spreads, refusals, sweeps.
+// Scenes with a mesh, with exploration paths and a hand: keys, defaults, spreads, refusals, sweeps.
 #include <gtest/gtest.h>
 
 #include "host/scene/study.h"
@@ -6,7 +6,7 @@
 
 namespace forceshade {
 namespace {
-
+using test::expect_places;
 using test::study_error;
 
 PathsSpec paths_of(const std::string& keys) {
@@ -56,44 +56,33 @@ bound = "1 m"
 TEST(PathScene, ForcesCloseTheLoopAndReplaceTheDepth) {
     EXPECT_TRUE(paths_of("push = [\"1 N\", \"0 N\", \"-1 N\"]\n").closed());
     EXPECT_TRUE(paths_of("loop = \"closed\"\n").closed());
-    EXPECT_EQ(study_error("[paths]\npress = \"1 N\"\ndepth = \"1 mm\"\n"),
-              "f.toml:3:1: give \"depth\" or \"press\", not both");
     EXPECT_EQ(study_error("[paths]\nspeed = \"1 m/s\"\nspeed.min = \"1 m/s\"\n").substr(0, 9), "f.toml:3:");
-    EXPECT_EQ(study_error("[paths]\nspeed = { mean = \"1 m/s\", max = \"1 m/s\" }\n"),
-              "f.toml:2:27: give \"speed.mean\" or \"speed.max\", not both");
-    EXPECT_EQ(study_error("[paths]\nloop = \"open\"\npress = \"1 N\"\n").substr(0, 12), "f.toml:3:9: ");
-    EXPECT_EQ(study_error("[paths]\nkind = \"taps\"\npress = \"1 N\"\n"),
-              "f.toml:3:9: taps go down to a depth: give depth instead of press");
+    expect_places({
+        {"[paths]\npress = \"1 N\"\ndepth = \"1 mm\"\n", "3:1"},
+        {"[paths]\nspeed = { mean = \"1 m/s\", max = \"1 m/s\" }\n", "2:27"},
+        {"[paths]\nloop = \"open\"\npress = \"1 N\"\n", "3:9"},
+        {"[paths]\nkind = \"taps\"\npress = \"1 N\"\n", "3:9"},
+    });
 }
 
 TEST(PathScene, Refusals) {
-    EXPECT_EQ(study_error("[paths]\ncuont = 2\n"),
-              "f.toml:2:1: unknown key \"cuont\" in [paths]; did you mean \"count\"?");
-    EXPECT_EQ(study_error("[hand]\nmas = \"1 kg\"\n"),
-              "f.toml:2:1: unknown key \"mas\" in [hand]; did you mean \"mass\"?");
-    EXPECT_EQ(study_error("[paths]\nspeed = { men = \"1 m/s\", sd = \"0 m/s\" }\n"),
-              "f.toml:2:11: unknown key \"speed.men\" in [paths]; did you mean \"speed.mean\"?");
-    EXPECT_EQ(study_error("[paths]\nspeed = { mean = \"1 m/s\" }\n"),
-              "f.toml:2:18: speed = { mean, sd } needs both; sd is missing");
-    EXPECT_EQ(study_error("[paths]\ndepth = { min = \"3 mm\", max = \"1 mm\" }\n"),
-              "f.toml:2:17: depth: min 3 mm is more than max 1 mm");
-    EXPECT_EQ(study_error("[paths]\nspeed = \"0 m/s\"\n"), "f.toml:2:9: speed must be positive, got 0 m/s");
-    EXPECT_EQ(study_error("[paths]\nspeed = \"1 m\"\n"),
-              "f.toml:2:9: \"m\" is a length, not a speed; write for example \"100 mm/s\"");
-    EXPECT_EQ(study_error("[paths]\nlines = 4\n"),
-              "f.toml:2:1: \"lines\" does not apply to kind \"strokes\"; it applies to kind raster or spiral");
-    EXPECT_EQ(study_error("[paths]\nbound = \"1 m\"\n"),
-              "f.toml:2:1: \"bound\" does not apply to an open loop; it applies to a closed loop");
-    EXPECT_EQ(study_error("[paths]\nkind = \"recorded\"\n"),
-              "f.toml:2:8: kind \"recorded\" needs a file: file = \"NAME.csv\" in [paths]");
-    EXPECT_EQ(study_error("[paths]\ntremor = \"1 mm\"\n").substr(0, 12), "f.toml:2:1: ");
-    EXPECT_EQ(study_error("[paths]\nspeed = {}\n"), "f.toml:2:1: speed is a table without a key");
-    EXPECT_EQ(study_error("[paths]\npress = \"1 N\"\n[hand]\ndelay_samples = 2\n"),
-              "f.toml:4:17: delay_samples must be from 0 to 1, got 2");
-    EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\n[paths]\nfollow = \"surface\"\n").substr(0, 12),
-              "f.toml:4:10:");
-    EXPECT_EQ(study_error("[paths]\nlength = \"1e16 m\"\n"),
-              "f.toml:2:10: paths.length must be at most 1e+15 m in f32; got 1e16 m");
+    expect_places({
+        {"[paths]\ncuont = 2\n", "2:1"},
+        {"[hand]\nmas = \"1 kg\"\n", "2:1"},
+        {"[paths]\nspeed = { men = \"1 m/s\", sd = \"0 m/s\" }\n", "2:11"},
+        {"[paths]\nspeed = { mean = \"1 m/s\" }\n", "2:18"},
+        {"[paths]\ndepth = { min = \"3 mm\", max = \"1 mm\" }\n", "2:17"},
+        {"[paths]\nspeed = \"0 m/s\"\n", "2:9"},
+        {"[paths]\nspeed = \"1 m\"\n", "2:9"},
+        {"[paths]\nlines = 4\n", "2:1"},
+        {"[paths]\nbound = \"1 m\"\n", "2:1"},
+        {"[paths]\nkind = \"recorded\"\n", "2:8"},
+        {"[paths]\ntremor = \"1 mm\"\n", "2:1"},
+        {"[paths]\nspeed = {}\n", "2:1"},
+        {"[paths]\npress = \"1 N\"\n[hand]\ndelay_samples = 2\n", "4:17"},
+        {"[surface]\nkind = \"height_map\"\n[paths]\nfollow = \"surface\"\n", "4:10"},
+        {"[paths]\nlength = \"1e16 m\"\n", "2:10"},
+    });
 }
 
 TEST(PathScene, HandIsForClosedLoops) {
@@ -139,6 +128,65 @@ TEST(PathScene, VariantsMayDriveOtherwise) {
     const std::vector<Override> overrides{{"paths.depth", "3 mm"}};
     for (const Case& one : parse_study("[paths]\npress = \"1 N\"\n", "f.toml", {}, overrides).cases)
         EXPECT_EQ(one.scene.paths->depth, fixed_spread(0.003));
+}
+
+constexpr const char* kScene = R"([surface]
+kind = "mesh"
+file = "spot.obj"
+unit = "mm"
+normals = "angle"
+inside = "winding"
+transform = { scale = 0.05, rotate = ["90 deg", "0 deg", "0 deg"], translate = ["1 mm", "0 m", "0 m"] }
+[force]
+shading = "mean_value"
+)";
+
+const std::string kGrid = "[grid]\nsize = [4, 5, 6]\norigin = [\"0 m\", \"0 m\", \"0 m\"]\nspacing = \"1 mm\"\n";
+
+TEST(MeshScene, Keys) {
+    const Case one = parse_scene(kScene, "f.toml", "/folder");
+    const MeshSpec& mesh = one.scene.surface.mesh;
+    EXPECT_EQ(one.scene.surface.kind, SurfaceKind::mesh);
+    EXPECT_EQ(mesh.file, "spot.obj");
+    EXPECT_EQ(mesh.path, "/folder/spot.obj");
+    EXPECT_EQ(mesh.unit, 0.001);
+    EXPECT_EQ(mesh.normals, NormalWeights::angle);
+    EXPECT_EQ(mesh.inside, InsideTest::winding);
+    EXPECT_EQ(mesh.scale, 0.05);
+    EXPECT_NEAR(mesh.rotate[0], 1.5707963267948966, 1e-15);
+    EXPECT_EQ(mesh.translate[0], 0.001);
+    EXPECT_EQ(one.scene.force.shading, Shading::mean_value);
+    EXPECT_TRUE(parse_scene(resolved_toml(one), "f.toml", "/folder").scene == one.scene);
+}
+
+TEST(MeshScene, GridFollowsFromTheMeshUnlessItIsGiven) {
+    EXPECT_EQ(parse_scene(kScene, "f.toml").scene.grid.samples, 128u);
+    EXPECT_EQ(parse_scene(std::string(kScene) + "[grid]\nsamples = 9\n", "f.toml").scene.grid.samples, 9u);
+    const Case given = parse_scene(std::string(kScene) + kGrid, "f.toml");
+    EXPECT_EQ(given.scene.grid.samples, 0u);
+    EXPECT_EQ(given.scene.grid.size[1], 5u);
+    EXPECT_EQ(parse_scene("", "f.toml").scene.grid.samples, 0u);
+    const Case later = parse_scene(std::string(kScene) + kGrid + "[[variant]]\ngrid.samples = 7\n", "f.toml");
+    EXPECT_EQ(later.scene.grid.samples, 7u);
+}
+
+TEST(MeshScene, Refusals) {
+    const std::string start = "[surface]\nkind = \"mesh\"\n";
+    expect_places({{start, "2:8"}});
+    const std::string mesh = start + "file = \"a.obj\"\n";
+    expect_places({
+        {mesh + "unit = \"kg\"\n", "4:8"},
+        {mesh + "unit = 1\n", "4:8"},
+        {mesh + "transform = { scale = \"2\" }\n", "4:23"},
+        {mesh + "transform = { scale = -1 }\n", "4:23"},
+        {mesh + "transform = { turn = 1 }\n", "4:15"},
+        {mesh + "[force]\nshading = \"reference\"\n", "5:11"},
+        {"[texture]\neffect = \"normal\"\n", "2:10"},
+        {mesh + "transform = 3\n", "4:1"},
+        {mesh + "[grid]\nsize = [1, 2, 3]\n", "5:9"},
+        {mesh + kGrid + "samples = 3\n", "5:1"},
+        {"[surface]\nunit = \"mm\"\n", "2:1"},
+    });
 }
 
 } // namespace
