@@ -1,5 +1,4 @@
-#include "host/output/files.h"
-
+#include <clocale>
 #include <csignal>
 #include <fstream>
 
@@ -8,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host/output/files.h"
+#include "host/output/raw_formats.h"
 #include "host/output/reading.h"
 #include "tests/io/folder.h"
 
@@ -185,6 +186,30 @@ TEST(ReadableFile, says_what_stands_in_its_way) {
     EXPECT_NE(message_of<IoError>([&] { read_file(folder / "missing"); }).find("missing: No such file or directory"),
               std::string::npos);
     EXPECT_NE(message_of<IoError>([&] { read_file(folder.path()); }).find("not a regular file"), std::string::npos);
+}
+
+TEST(Sha256, agrees_with_the_standards_examples) {
+    EXPECT_EQ(sha256_of(std::string_view("")), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    EXPECT_EQ(sha256_of(std::string_view("abc")), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    EXPECT_EQ(sha256_of(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST(Sha256, of_a_file_is_that_of_its_bytes) {
+    const testing::Folder folder;
+    const std::string text(1000003, 'q');
+    write_file_atomically(folder / "q", text);
+    EXPECT_EQ(sha256_of_file(folder / "q"), sha256_of(text));
+    EXPECT_THROW(sha256_of_file(folder / "missing"), IoError);
+}
+
+TEST(Csv, quotes_what_needs_it_and_prints_numbers_exactly) {
+    std::setlocale(LC_ALL, "de_DE.UTF-8"); // changes nothing where it is installed
+    CsvText csv;
+    csv.add("plain").add("a,b").add("say \"x\"").add("two\nlines").add("").add(" a b\t").end();
+    csv.add(0.1).add(0.1f).add(1e300).add(-0.0).add(3u).add(std::uint64_t{18446744073709551615u}).end();
+    std::setlocale(LC_ALL, "C");
+    EXPECT_EQ(csv.text(), "plain,\"a,b\",\"say \"\"x\"\"\",\"two\nlines\",,\" a b\t\"\n"
+                          "0.1,0.1,1e+300,-0,3,18446744073709551615\n");
 }
 
 } // namespace
