@@ -56,33 +56,6 @@ TEST(Energy, ShadedPlaneGivesTheClosedForm) {
     }
 }
 
-TEST(Energy, HeightMapOnPlaneGivesTheSame) {
-    for (const double radius : kRadii) {
-        HeightMapSpec map;
-        map.function = MapFunction::cylinder;
-        map.width = 2 * kHalfWidth;
-        map.radius = radius;
-        Scene scene = height_map(map);
-        scene.force.stiffness = kStiffness;
-        const study::Work loop = round(OwnedLaw<double>(scene), rectangle(kX, kD1, kD2));
-        EXPECT_NEAR(loop.work / closed_form(radius), 1, 1e-9);
-    }
-}
-
-TEST(Energy, ShareOfTheEffort) {
-    const double printed[] = {0.25, 0.24, 0.22};
-    for (int i = 0; i < 3; ++i) {
-        const study::Work loop =
-            round(OwnedLaw<double>(bump(kRadii[i], 1, Shading::reference)), rectangle(kX, kD1, kD2));
-        EXPECT_NEAR(loop.work / loop.effort, printed[i], 0.005);
-    }
-}
-
-TEST(Energy, UnshadedPlaneGivesNone) {
-    const study::Work loop = round(OwnedLaw<double>(bump(kRadii[0], 1)), rectangle(kX, kD1, kD2));
-    EXPECT_LT(std::abs(loop.work), 1e-15 * loop.effort);
-}
-
 // Out along the polygon at depth d1, back at d2, over the middle vertex of four facets.
 TEST(Energy, EachBreakOfUnshadedFacetsGives) {
     for (const DepthReading depth : {DepthReading::vertical, DepthReading::normal}) {
@@ -108,41 +81,6 @@ TEST(Energy, EachBreakOfUnshadedFacetsGives) {
         // At constant vertical depth the normal reading's d^2 shrinks by one more cosine, which the exponent holds.
         EXPECT_NEAR(sum, 0.5 * kStiffness * gain * (kD1 * kD1 - kD2 * kD2), 1e-9 * std::abs(sum) + 1e-15);
         EXPECT_GT(std::abs(sum), 1e-6);
-    }
-}
-
-TEST(Energy, CurlOfTheShadedPlane) {
-    for (const double radius : kRadii) {
-        const OwnedLaw<double> law(bump(radius, 1, Shading::reference));
-        const double k = law.tables.params.stiffness;
-        for (const double x : {-0.009, -0.003, 0.0, 0.004, 0.01}) {
-            const double z = -0.0017, step = 1e-6;
-            const double dfx_dz = (law(x, 0, z + step).force.x - law(x, 0, z - step).force.x) / (2 * step);
-            const double dfz_dx = (law(x + step, 0, z).force.z - law(x - step, 0, z).force.z) / (2 * step);
-            const double normal_x = x / radius, dnz_dx = -x / (radius * radius * std::sqrt(1 - normal_x * normal_x));
-            EXPECT_NEAR(dfx_dz - dfz_dx, -k * normal_x + k * z * dnz_dx, 1e-6 * k);
-        }
-    }
-}
-
-TEST(Energy, StiffnessAtTheJunction) {
-    // Eigenvalues K (1 +- cos gamma), gamma the angle between the two normals.
-    const double printed[] = {1.55, 1.87, 1.93};
-    for (int i = 0; i < 3; ++i) {
-        const OwnedLaw<double> law(cylinder_bump(kRadii[i]));
-        const double k = law.tables.params.stiffness, step = 1e-8;
-        const double x = kHalfWidth - 1e-6, z = -1e-6; // just inside both solids at the edge
-        const auto along = [&](double dx, double dz) {
-            const auto plus = law(x + dx * step, 0, z + dz * step).force,
-                       minus = law(x - dx * step, 0, z - dz * step).force;
-            return std::array<double, 2>{-(plus.x - minus.x) / (2 * step), -(plus.z - minus.z) / (2 * step)};
-        };
-        const auto column_x = along(1, 0), column_z = along(0, 1);
-        const double mean = (column_x[0] + column_z[1]) / 2;
-        const double half = std::hypot((column_x[0] - column_z[1]) / 2, (column_x[1] + column_z[0]) / 2);
-        EXPECT_NEAR((mean + half) / k, printed[i], 0.006);
-        EXPECT_NEAR((mean + half) / k, 1 + std::cos(std::asin(kHalfWidth / kRadii[i])), 2e-3);
-        EXPECT_NEAR(column_x[1] / k, column_z[0] / k, 1e-5) << "a conservative field's stiffness is symmetric";
     }
 }
 

@@ -57,6 +57,17 @@ TEST(Extremes, FiniteForAllRadiiFacetsAndStiffnesses) {
                 }
 }
 
+TEST(Extremes, PlaneIsASpring) {
+    const OwnedLaw<double> law(bump(kRadii[0], 1));
+    EXPECT_EQ(law(0.003, 0, -0.002).force.z, 1000 * 0.002);
+    EXPECT_EQ(law(0.003, 0, -0.002).force.x, 0);
+    EXPECT_EQ(law(0.003, 0, 0).force.z, 0);
+    EXPECT_EQ(law(0.003, 0, 0.001).force.z, 0);
+    EXPECT_EQ(law(0.003, 0, 0).facet, layout::kNoFacet);
+    EXPECT_EQ(law(0.003, 0, -1e-12).facet, 0u);
+    EXPECT_EQ(law(0.02, 0, -1e-12).facet, 1u);
+}
+
 TEST(Extremes, HalfCircle) {
     // R = a: the bump is a half circle, its rim vertical, its axis on the plane.
     const OwnedLaw<double> law(bump(kHalfWidth, 2, Shading::reference));

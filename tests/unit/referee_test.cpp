@@ -1,9 +1,13 @@
-// The oracle in double precision against the closed forms, which are derived differently.
+// The oracle in double precision against the closed forms, which are derived differently; and the gradients of height
+// maps (G3 and L5).
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "host/error.h"
+#include "host/field/tables.h"
 #include "host/norm.h"
 #include "host/output/height_image.h"
 #include "host/referee/referee.h"
@@ -32,6 +36,9 @@ void expect_agreement(const Scene& scene, const SceneImages& images = {}) {
         }
         EXPECT_NEAR(oracle.depth, double(answer.depth), 1e-14);
         EXPECT_EQ(oracle.facet, answer.facet);
+        if (scene.force.shading == Shading::reference && !scene.texture) { // it keeps the magnitude
+            EXPECT_NEAR(norm(oracle.force), norm(oracle.unshaded), 1e-15 * norm(oracle.unshaded));
+        }
     }
 }
 
@@ -84,6 +91,91 @@ TEST(Referee, HeightMapsAndTextures) {
         textured.force.shading = Shading::none;
         expect_agreement(textured, images);
     }
+}
+
+TEST(HeightMap, FlatBeyondTheCylinder) {
+    HeightMapSpec map;
+    map.function = MapFunction::cylinder;
+    map.width = 2 * kHalfWidth;
+    map.radius = kRadii[0];
+    const OwnedLaw<double> law(height_map(map));
+    EXPECT_EQ(law(kHalfWidth, 0, -0.001).force.x, 0);
+    EXPECT_EQ(law(-0.02, 0, -0.001).force.z, 1);
+}
+
+HeightMapSpec sampled(double size_x, double size_y) {
+    HeightMapSpec map;
+    map.function = MapFunction::file;
+    map.size = {size_x, size_y};
+    map.height = 1;
+    return map;
+}
+
+TEST(HeightMap, CentralDifferencesWithinAndOneSidedAtTheBorder) {
+    const std::vector<double> samples{0, 1, 4, 9}; // one row, spaced 1 m
+    const std::vector<double> gradients = map_gradients<double>(samples, 4, 1, 3.0, 1.0, 2.0, "");
+    const double expected[] = {2, 4, 8, 10};
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_DOUBLE_EQ(gradients[2 * i], expected[i]);
+        EXPECT_EQ(gradients[2 * i + 1], 0);
+    }
+}
+
+TEST(HeightMap, ImageRowZeroIsTheLargestY) {
+    const std::vector<double> samples{5, 1}; // two rows of one column: 5 on top
+    const std::vector<double> gradients = map_gradients<double>(samples, 1, 2, 1.0, 1.0, 1.0, "");
+    EXPECT_DOUBLE_EQ(gradients[1], 4);
+    EXPECT_DOUBLE_EQ(gradients[3], 4);
+}
+
+TEST(HeightMap, OnePixelIsFlat) {
+    SceneImages images;
+    auto image = std::make_shared<HeightImage>();
+    image->columns = image->rows = 1;
+    image->samples = {0.5};
+    images.map = image;
+    const OwnedLaw<float> law(height_map(sampled(0.01, 0.01)), images);
+    EXPECT_EQ(law(0.001f, 0.002f, -0.001f).force.x, 0);
+    EXPECT_EQ(law(0.001f, 0.002f, -0.001f).force.z, 1000 * 0.001f);
+}
+
+// What the refusal of these samples, 3 x 2 of them 1 m apart, says in precision T; empty if there is none.
+template <typename T> std::string refusal(const std::vector<double>& samples) {
+    try {
+        map_gradients<T>(samples, 3, 2, 2.0, 1.0, 1.0, "steps.exr");
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(HeightMap, SlopesWhoseSquareOverflowsAreRefusedWithTheirPixel) {
+    EXPECT_EQ(refusal<float>({0, 0, 0, 0, 9e14, 9e14}), "");
+    const std::string single = refusal<float>({0, 0, 0, 0, 0, 1e25}); // the largest y is row 0: these are in row 1
+    EXPECT_NE(single.find("steps.exr"), std::string::npos) << single;
+    EXPECT_NE(single.find("row 1, column 1"), std::string::npos) << single;
+    EXPECT_NE(single.find("f32 allows 1e+15"), std::string::npos) << single;
+    EXPECT_NE(single.find("precision f64"), std::string::npos) << single;
+    EXPECT_EQ(refusal<double>({0, 0, 0, 0, 0, 1e25}), "");
+    const std::string twice = refusal<double>({0, 1e200, 0, 0, 0, 0});
+    EXPECT_NE(twice.find("row 1, column 1"), std::string::npos) << "its y slope comes first: " << twice;
+    EXPECT_NE(twice.find("f64 allows 1e+150"), std::string::npos) << twice;
+    EXPECT_EQ(twice.find("precision f64"), std::string::npos) << "there is nothing beyond: " << twice;
+    EXPECT_NE(refusal<double>({1e308, 0, -1e308, 0, 0, 0}), "") << "an infinite difference";
+    EXPECT_NE(refusal<float>({1e308, 0, -1e308, 0, 0, 0}), "");
+}
+
+TEST(HeightMap, SteepestSamplesStillTurnTheForceNotItsLength) {
+    SceneImages images;
+    const auto image = std::make_shared<HeightImage>();
+    image->columns = 2;
+    image->rows = 1;
+    image->samples = {0, 9e14 * 0.01};
+    images.map = image;
+    const Scene scene = height_map(sampled(0.01, 0.01));
+    const auto single = OwnedLaw<float>(scene, images)(0.001f, 0, -0.001f).force;
+    EXPECT_NEAR(single.x, -1, 1e-6);
+    EXPECT_NEAR(OwnedLaw<double>(scene, images)(0.001, 0, -0.001).force.x, -1, 1e-12);
 }
 
 } // namespace
