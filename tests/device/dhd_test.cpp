@@ -18,7 +18,7 @@ protected:
     StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", DHD_STUB};
 };
 
-TEST_F(Dhd, tells_what_it_is) {
+TEST_F(Dhd, TellsWhatItIs) {
     const auto device = open_dhd("");
     EXPECT_EQ(device->facts().name, "omega.3 (serial number 417)");
     EXPECT_EQ(device->facts().software, "DHD SDK 3.17.6.1");
@@ -32,7 +32,7 @@ TEST_F(Dhd, tells_what_it_is) {
 }
 
 // The vendor's x points to the user, y to the right, z up; ours x to the right, y away from the user, z up.
-TEST_F(Dhd, turns_its_axes_into_the_worlds) {
+TEST_F(Dhd, TurnsItsAxesIntoTheWorlds) {
     const auto device = open_dhd("");
     stub_.place(0.01, 0, 0);
     EXPECT_EQ(device->read().position, dvec3(0, -0.01, 0)) << "nearer to the user";
@@ -50,7 +50,7 @@ TEST_F(Dhd, turns_its_axes_into_the_worlds) {
     EXPECT_EQ(stub_.force(), dvec3(-2, 1, 3));
 }
 
-TEST_F(Dhd, tells_its_buttons) {
+TEST_F(Dhd, TellsItsButtons) {
     const auto device = open_dhd("");
     EXPECT_EQ(device->facts().buttons, 32u);
     EXPECT_EQ(device->read().buttons, 0u);
@@ -62,7 +62,7 @@ TEST_F(Dhd, tells_its_buttons) {
     EXPECT_EQ(device->read().buttons, 4u) << "of now, even if the position is not";
 }
 
-TEST_F(Dhd, is_refused_where_units_cannot_be_metres_and_newtons) {
+TEST_F(Dhd, IsRefusedWhereUnitsCannotBeMetresAndNewtons) {
     stub_.place(30, 0.02, 0.01);
     expect_words(refusal(), {"omega.3", "(30, 0.02, 0.01)", "metres"});
     stub_.place(0.03, -20, 0.01);
@@ -79,7 +79,7 @@ TEST_F(Dhd, is_refused_where_units_cannot_be_metres_and_newtons) {
     EXPECT_EQ(stub_.calls("dhdClose"), 6);
 }
 
-TEST_F(Dhd, is_chosen_by_its_index) {
+TEST_F(Dhd, IsChosenByItsIndex) {
     stub_.devices(2);
     EXPECT_NO_THROW(open_dhd("1"));
     EXPECT_EQ(stub_.calls("dhdOpenID"), 1);
@@ -92,7 +92,7 @@ TEST_F(Dhd, is_chosen_by_its_index) {
     EXPECT_EQ(find_dhd().devices.size(), 0u);
 }
 
-TEST_F(Dhd, is_absent_when_what_it_needs_fails_at_opening) {
+TEST_F(Dhd, IsAbsentWhenWhatItNeedsFailsAtOpening) {
     const std::map<std::string, std::string> calls{{"dhdGetDeviceCount", "no driver found"},
                                                    {"dhdOpen", "device in use"},
                                                    {"dhdGetStatus", "communication error"},
@@ -106,7 +106,7 @@ TEST_F(Dhd, is_absent_when_what_it_needs_fails_at_opening) {
     }
 }
 
-TEST_F(Dhd, does_without_what_it_can_do_without) {
+TEST_F(Dhd, DoesWithoutWhatItCanDoWithout) {
     for (const char* call : {"dhdGetSystemName", "dhdGetSystemType", "dhdGetSerialNumber", "dhdGetMaxForce",
                              "dhdEnableExpertMode", "dhdDisableExpertMode", "dhdSetWatchdog", "dhdStop", "dhdClose"}) {
         stub_.call<void()>("stub_reset")();
@@ -125,7 +125,7 @@ TEST_F(Dhd, does_without_what_it_can_do_without) {
     EXPECT_EQ(old.force(), dvec3(0, 0, 1));
 }
 
-TEST_F(Dhd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
+TEST_F(Dhd, TellsOfCallsThatFailInMidLoopAndGoesOnWhenTheyDo) {
     const auto device = open_dhd("");
     EXPECT_TRUE(device->write({0, 0, 1}));
     stub_.fail("dhdGetPosition", 1, 3);
@@ -140,7 +140,7 @@ TEST_F(Dhd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
     EXPECT_EQ(stub_.force(), dvec3(0, 0, 2));
 }
 
-TEST_F(Dhd, takes_no_force_until_forces_can_be_enabled) {
+TEST_F(Dhd, TakesNoForceUntilForcesCanBeEnabled) {
     const auto device = open_dhd("");
     stub_.fail("dhdEnableForce", 1, 2);
     EXPECT_FALSE(device->write({0, 0, 1}));
@@ -150,7 +150,7 @@ TEST_F(Dhd, takes_no_force_until_forces_can_be_enabled) {
     EXPECT_TRUE(device->write({0, 0, 1}));
 }
 
-TEST_F(Dhd, hands_on_a_position_that_is_no_number) {
+TEST_F(Dhd, HandsOnAPositionThatIsNoNumber) {
     const auto device = open_dhd("");
     stub_.place(std::nan(""), 0, 0);
     const Reading reading = device->read();
@@ -158,7 +158,7 @@ TEST_F(Dhd, hands_on_a_position_that_is_no_number) {
     EXPECT_TRUE(std::isnan(reading.position.y));
 }
 
-TEST_F(Dhd, tells_an_old_position_from_a_new_one) {
+TEST_F(Dhd, TellsAnOldPositionFromANewOne) {
     const auto device = open_dhd("");
     EXPECT_EQ(device->read().position, dvec3(0.02, -0.01, 0.03));
     stub_.place(0, 0, 0);
@@ -171,21 +171,10 @@ TEST_F(Dhd, tells_an_old_position_from_a_new_one) {
     EXPECT_TRUE(device->write({0, 0, 1})) << "the motors' limit is no failure";
 }
 
-TEST_F(Dhd, has_a_watchdog_and_comes_back_after_it_bit) {
+// After a hang the device may still hold the force of before it.
+TEST_F(Dhd, WritesZeroBeforeItEnablesForces) {
     const auto device = open_dhd("");
     EXPECT_EQ(stub_.call<int()>("stub_watchdog")(), 255);
-    EXPECT_TRUE(device->write({0, 0, 1}));
-    EXPECT_EQ(stub_.calls("dhdEnableForce"), 1);
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    EXPECT_FALSE(device->write({0, 0, 1})) << "it comes up from zero";
-    EXPECT_EQ(stub_.force(), dvec3(0));
-    EXPECT_TRUE(device->write({0, 0, 1}));
-    EXPECT_EQ(stub_.calls("dhdEnableForce"), 2);
-}
-
-// After a hang the device may still hold the force of before it.
-TEST_F(Dhd, writes_zero_before_it_enables_forces) {
-    const auto device = open_dhd("");
     stub_.order();
     EXPECT_TRUE(device->write({0, 0, 1}));
     EXPECT_EQ(stub_.order(), "force 0 0 0;enable 1;force 0 0 1;");
@@ -197,7 +186,7 @@ TEST_F(Dhd, writes_zero_before_it_enables_forces) {
     EXPECT_EQ(device->withheld(), nullptr);
 }
 
-TEST_F(Dhd, tells_the_loop_of_a_bite_before_it_displays_a_force_again) {
+TEST_F(Dhd, TellsTheLoopOfABiteBeforeItDisplaysAForceAgain) {
     const auto device = open_dhd("");
     EXPECT_TRUE(device->write({0, 0, 1}));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -210,7 +199,7 @@ TEST_F(Dhd, tells_the_loop_of_a_bite_before_it_displays_a_force_again) {
     EXPECT_TRUE(device->write({0, 0, 1}));
 }
 
-TEST_F(Dhd, leaves_forces_off_that_the_user_switched_off) {
+TEST_F(Dhd, LeavesForcesOffThatTheUserSwitchedOff) {
     const auto device = open_dhd("");
     const auto press = stub_.call<void()>("stub_press");
     EXPECT_TRUE(device->write({0, 0, 1}));
@@ -233,7 +222,7 @@ TEST_F(Dhd, leaves_forces_off_that_the_user_switched_off) {
     EXPECT_EQ(stub_.calls("dhdEnableForce"), 1);
 }
 
-TEST_F(Dhd, switches_on_only_what_nobody_else_switched_off) {
+TEST_F(Dhd, SwitchesOnOnlyWhatNobodyElseSwitchedOff) {
     const auto switch_off = stub_.call<void(int)>("stub_switch_off");
     for (const auto& [cause, words] : {std::pair{1, "button"},
                                        {2, "too fast"},
@@ -261,7 +250,7 @@ TEST_F(Dhd, switches_on_only_what_nobody_else_switched_off) {
     EXPECT_EQ(stub_.calls("dhdEnableForce"), 0);
 }
 
-TEST_F(Dhd, switches_forces_on_at_the_start_unless_a_hand_switched_them_off) {
+TEST_F(Dhd, SwitchesForcesOnAtTheStartUnlessAHandSwitchedThemOff) {
     const auto switch_off = stub_.call<void(int)>("stub_switch_off");
     for (const auto& [cause, enabled] :
          {std::pair{0, true}, {2, false}, {3, true}, {4, true}, {1, false}, {6, false}}) {
@@ -273,7 +262,7 @@ TEST_F(Dhd, switches_forces_on_at_the_start_unless_a_hand_switched_them_off) {
     }
 }
 
-TEST_F(Dhd, displays_no_force_until_it_is_ready) {
+TEST_F(Dhd, DisplaysNoForceUntilItIsReady) {
     for (const auto& [state, words] : {std::pair{"uncalibrated", "not calibrated"},
                                        {"no power", "no power"},
                                        {"not started", "not ready"},
@@ -296,7 +285,7 @@ TEST_F(Dhd, displays_no_force_until_it_is_ready) {
     }
 }
 
-TEST_F(Dhd, displays_no_force_while_its_status_is_not_told) {
+TEST_F(Dhd, DisplaysNoForceWhileItsStatusIsNotTold) {
     const auto device = open_dhd("");
     EXPECT_TRUE(device->write({0, 0, 1}));
     stub_.fail("dhdGetStatus", 1, 3);
@@ -310,7 +299,7 @@ TEST_F(Dhd, displays_no_force_while_its_status_is_not_told) {
     EXPECT_TRUE(device->write({0, 0, 1}));
 }
 
-TEST_F(Dhd, says_that_it_has_no_watchdog) {
+TEST_F(Dhd, SaysThatItHasNoWatchdog) {
     EXPECT_TRUE(open_dhd("")->facts().has_watchdog);
     EXPECT_EQ(open_dhd("")->facts().remark, "");
     for (const char* call : {"dhdEnableExpertMode", "dhdSetWatchdog"}) {
@@ -324,14 +313,14 @@ TEST_F(Dhd, says_that_it_has_no_watchdog) {
     EXPECT_FALSE(open_dhd("")->facts().has_watchdog);
 }
 
-TEST_F(Dhd, has_the_workspace_of_its_type) {
+TEST_F(Dhd, HasTheWorkspaceOfItsType) {
     EXPECT_EQ(open_dhd("")->facts().low, dvec3(-0.12));
     EXPECT_EQ(open_dhd("")->facts().high, dvec3(0.12));
     const StubLibrary old("FORCESHADE_DHD_LIBRARY", DHD_STUB_OLD);
     EXPECT_EQ(open_dhd("")->facts().high, dvec3(0.5)) << "of a type that is not told";
 }
 
-TEST_F(Dhd, leaves_no_force) {
+TEST_F(Dhd, LeavesNoForce) {
     {
         const auto device = open_dhd("");
         EXPECT_TRUE(device->write({0, 0, 1}));
@@ -342,7 +331,7 @@ TEST_F(Dhd, leaves_no_force) {
     EXPECT_EQ(stub_.calls("dhdClose"), 1);
 }
 
-TEST_F(Dhd, rests_until_the_next_force) {
+TEST_F(Dhd, RestsUntilTheNextForce) {
     const auto device = open_dhd("");
     EXPECT_TRUE(device->write({0, 0, 1}));
     EXPECT_EQ(stub_.force(), dvec3(0, 0, 1));
@@ -352,17 +341,7 @@ TEST_F(Dhd, rests_until_the_next_force) {
     EXPECT_EQ(stub_.force(), dvec3(0, 0, 1));
 }
 
-TEST_F(Dhd, displays_nothing_once_halted) {
-    const auto device = open_dhd("");
-    EXPECT_TRUE(device->write({0, 0, 1}));
-    device->halt();
-    EXPECT_EQ(stub_.force(), dvec3(0));
-    device->halt();
-    EXPECT_FALSE(device->write({0, 0, 1})) << "what is not displayed is not taken";
-    EXPECT_EQ(stub_.force(), dvec3(0));
-}
-
-TEST_F(Dhd, is_halted_while_another_thread_writes) {
+TEST_F(Dhd, IsHaltedWhileAnotherThreadWrites) {
     for (int round = 0; round < 20; ++round) {
         const auto device = open_dhd("");
         std::atomic<int> written = 0;
@@ -377,6 +356,7 @@ TEST_F(Dhd, is_halted_while_another_thread_writes) {
         while (written < 20)
             std::this_thread::yield();
         device->halt();
+        EXPECT_FALSE(device->write({0, 0, 1})) << "what is not displayed is not taken";
         const int then = written;
         while (written < then + 20)
             std::this_thread::yield();
@@ -386,7 +366,7 @@ TEST_F(Dhd, is_halted_while_another_thread_writes) {
     }
 }
 
-TEST_F(Dhd, takes_back_a_force_that_was_on_its_way_when_it_was_halted) {
+TEST_F(Dhd, TakesBackAForceThatWasOnItsWayWhenItWasHalted) {
     const auto device = open_dhd("");
     stub_.fail("speed", 1, 1);
     std::thread loop([&] { device->write({0, 0, 1}); });
@@ -398,20 +378,12 @@ TEST_F(Dhd, takes_back_a_force_that_was_on_its_way_when_it_was_halted) {
     EXPECT_EQ(stub_.force(), dvec3(0));
 }
 
-TEST_F(Dhd, leaves_no_force_when_the_program_aborts) {
-    const Folder folder;
-    const std::string record = folder / "forces";
-    const int signal = signal_of_child([&] {
-        stub_.record(record);
-        const auto device = open_dhd("");
-        to_be_halted = device.get();
-        std::signal(SIGABRT, halt_and_die);
-        device->write({0, 0, 1});
-        std::abort();
-    });
-    EXPECT_EQ(signal, SIGABRT);
-    EXPECT_TRUE(recorded_any(record));
-    EXPECT_EQ(last_recorded(record), dvec3(0));
+TEST_F(Dhd, LeavesNoForceWhenTheProgramAborts) {
+    expect_no_force_after_abort(
+        stub_, [] { return open_dhd(""); },
+        [&](BackEnd& device) {
+            device.write({0, 0, 1});
+        });
 }
 
 } // namespace

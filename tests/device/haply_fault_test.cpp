@@ -5,9 +5,12 @@
 #include <unistd.h>
 
 #include "tests/device/haply_loop.h"
+#include "tests/device/stub_library.h"
 
 namespace forceshade::device::test {
 namespace {
+
+using testing::expect_words;
 
 std::string refusal(const HaplyOptions& options) {
     try {
@@ -20,11 +23,6 @@ std::string refusal(const HaplyOptions& options) {
     return {};
 }
 
-void expect_said(const std::string& text, const std::vector<std::string>& parts) {
-    for (const std::string& part : parts)
-        EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in: " << text;
-}
-
 /// A port at which nobody listens.
 unsigned short free_port() {
     SimulatedService service({});
@@ -34,45 +32,31 @@ unsigned short free_port() {
 TEST(HaplyFaults, NoService) {
     HaplyOptions options;
     options.url = "ws://127.0.0.1:" + std::to_string(free_port());
-    expect_said(refusal(options), {options.url, "connection refused", "Install and start", "haply-inverse-service"});
+    expect_words(refusal(options), {options.url, "connection refused", "Install and start", "haply-inverse-service"});
     EXPECT_NE(look_for_haply(options.url).problem, "");
 }
 
-TEST(HaplyFaults, AServiceThatSaysNothing) {
-    ServiceScript script;
-    script.fault = Fault::no_inventory;
-    SimulatedService service(script);
-    HaplyOptions options = options_of(service);
-    options.wait = 0.3;
-    expect_said(refusal(options), {"no answer within 0.3 s"});
-}
-
-TEST(HaplyFaults, AnHttpServerThatIsNoService) {
-    ServiceScript script;
-    script.fault = Fault::no_websocket;
-    SimulatedService service(script);
-    expect_said(refusal(options_of(service)), {"not as a WebSocket", "404"});
-}
-
-TEST(HaplyFaults, AServerOfSomethingElse) {
-    ServiceScript script;
-    script.fault = Fault::no_http;
-    SimulatedService service(script);
-    expect_said(refusal(options_of(service)), {"not from a WebSocket"});
-}
-
-TEST(HaplyFaults, AnEmptyInventory) {
-    ServiceScript script;
-    script.devices = {};
-    SimulatedService service(script);
-    expect_said(refusal(options_of(service)), {"lists no Inverse3", "plug it in", "3.5.0"});
-}
-
-TEST(HaplyFaults, AxesThatAreNone) {
-    ServiceScript script;
-    script.basis = "XYZX";
-    SimulatedService service(script);
-    expect_said(refusal(options_of(service)), {"XYZX", "permutation"});
+TEST(HaplyFaults, AServiceThatCannotServeIsRefused) {
+    const auto service_with = [](Fault fault, const std::vector<std::string>& devices = {"04BA"}) {
+        ServiceScript script;
+        script.fault = fault;
+        script.devices = devices;
+        return script;
+    };
+    ServiceScript no_axes;
+    no_axes.basis = "XYZX";
+    using Words = std::vector<std::string>;
+    for (const auto& [script, words] : {std::pair{service_with(Fault::no_inventory), Words{"no answer within 0.3 s"}},
+                                        {service_with(Fault::no_websocket), {"not as a WebSocket", "404"}},
+                                        {service_with(Fault::no_http), {"not from a WebSocket"}},
+                                        {service_with(Fault::none, {}), {"lists no Inverse3", "plug it in", "3.5.0"}},
+                                        {no_axes, {"XYZX", "permutation"}}}) {
+        SimulatedService service(script);
+        HaplyOptions options = options_of(service);
+        if (script.fault == Fault::no_inventory)
+            options.wait = 0.3;
+        expect_words(refusal(options), words);
+    }
 }
 
 bool complains(const BackEnd& device, const std::string& part) {
@@ -109,50 +93,25 @@ void survive(Fault fault, const char* error_text) {
     EXPECT_TRUE(received_only_what_was_commanded(service));
 }
 
-TEST(HaplyFaults, AnswersWithWhatIsNoJson) {
-    survive(Fault::not_json, "not JSON");
-}
-TEST(HaplyFaults, AnswersWithWrongTypes) {
-    survive(Fault::wrong_types, "list of devices");
-}
-TEST(HaplyFaults, AnswersTooMuch) {
-    survive(Fault::huge, "connecti");
-}
-TEST(HaplyFaults, AnswersWithDepth) {
-    survive(Fault::deep, "not JSON");
-}
-TEST(HaplyFaults, AnswersNan) {
-    survive(Fault::nan, "not JSON");
-}
-TEST(HaplyFaults, AnswersNull) {
-    survive(Fault::null, "without a position");
-}
-TEST(HaplyFaults, AnswersText) {
-    survive(Fault::text, "without a position");
-}
-TEST(HaplyFaults, AnswersWithoutACoordinate) {
-    survive(Fault::missing, "without a position");
-}
-TEST(HaplyFaults, AnswersInfinity) {
-    survive(Fault::infinite, "not JSON");
-}
-TEST(HaplyFaults, AnswersAPlaceFarOff) {
-    survive(Fault::far, "without a position");
-}
-TEST(HaplyFaults, AnswersWithoutAState) {
-    survive(Fault::no_state, "without a position");
-}
-TEST(HaplyFaults, LosesTheDevice) {
-    survive(Fault::empty, "does not list the device");
-}
-TEST(HaplyFaults, RefusesCommands) {
-    survive(Fault::refuses, "another dialect");
-}
-TEST(HaplyFaults, ClosesConnections) {
-    survive(Fault::closes, "connecti");
-}
-TEST(HaplyFaults, AnswersLate) {
-    survive(Fault::late, "in time");
+TEST(HaplyFaults, AreSurvived) {
+    for (const auto& [fault, error_text] : {std::pair{Fault::not_json, "not JSON"},
+                                            {Fault::wrong_types, "list of devices"},
+                                            {Fault::huge, "connecti"},
+                                            {Fault::deep, "not JSON"},
+                                            {Fault::nan, "not JSON"},
+                                            {Fault::null, "without a position"},
+                                            {Fault::text, "without a position"},
+                                            {Fault::missing, "without a position"},
+                                            {Fault::infinite, "not JSON"},
+                                            {Fault::far, "without a position"},
+                                            {Fault::no_state, "without a position"},
+                                            {Fault::empty, "does not list the device"},
+                                            {Fault::refuses, "another dialect"},
+                                            {Fault::closes, "connecti"},
+                                            {Fault::late, "in time"}}) {
+        SCOPED_TRACE(int(fault));
+        survive(fault, error_text);
+    }
 }
 
 TEST(HaplyFaults, NeverAnswers) {

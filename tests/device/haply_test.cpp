@@ -48,48 +48,32 @@ TEST(Haply, TellsTheButtonsOfAGrip) {
     }
 }
 
-TEST(Haply, SpeaksTheOldDialectToAnOldService) {
-    ServiceScript script;
-    script.speaks_vector = false;
-    script.version = "3.1.1";
-    SimulatedService service(script);
-    const auto device = open_haply(options_of(service));
-    EXPECT_TRUE(runs_well(*device, service));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
-}
-
-TEST(Haply, TheDialectCanBeStated) {
-    ServiceScript script;
-    script.speaks_vector = false;
-    script.version = ""; // would be taken for 3.5
-    SimulatedService service(script);
-    HaplyOptions options = options_of(service);
-    options.dialect = HaplyOptions::Dialect::values;
-    const auto device = open_haply(options);
-    EXPECT_EQ(device->facts().software, "Inverse Service (version unknown)");
-    EXPECT_TRUE(runs_well(*device, service));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
-}
-
-TEST(Haply, AServiceOfNoVersionIsSpokenToAsThreePointFive) {
-    ServiceScript script;
-    script.version = "";
-    SimulatedService service(script);
-    const auto device = open_haply(options_of(service));
-    EXPECT_TRUE(runs_well(*device, service));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
-}
-
-TEST(Haply, FollowsTheServicesAxes) {
-    ServiceScript script;
-    script.basis = "Z-XY";
-    SimulatedService service(script);
-    const auto device = open_haply(options_of(service));
-    EXPECT_TRUE(runs_well(*device, service));
-    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
-        return reading.answer == Answer::fresh && in_reach(reading.position);
-    }));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
+TEST(Haply, SpeaksTheDialectAndFollowsTheAxesOfItsService) {
+    struct Row {
+        const char *version, *basis;
+        bool speaks_vector;
+        HaplyOptions::Dialect stated;
+    };
+    using Dialect = HaplyOptions::Dialect;
+    for (const Row& row : {Row{"3.1.1", "XYZ", false, Dialect::by_version},
+                           {"", "XYZ", false, Dialect::values}, // would be taken for 3.5
+                           {"", "XYZ", true, Dialect::by_version},
+                           {"3.5.0", "Z-XY", true, Dialect::by_version}}) {
+        SCOPED_TRACE(std::string(row.version) + row.basis);
+        ServiceScript script;
+        script.version = row.version;
+        script.basis = row.basis;
+        script.speaks_vector = row.speaks_vector;
+        SimulatedService service(script);
+        HaplyOptions options = options_of(service);
+        options.dialect = row.stated;
+        const auto device = open_haply(options);
+        EXPECT_TRUE(runs_well(*device, service));
+        EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+            return reading.answer == Answer::fresh && in_reach(reading.position);
+        }));
+        EXPECT_TRUE(received_only_what_was_commanded(service));
+    }
 }
 
 TEST(Haply, OneOfSeveralDevicesMustBeChosen) {

@@ -41,7 +41,7 @@ protected:
     });
 }
 
-TEST_F(Hd, tells_what_it_is) {
+TEST_F(Hd, TellsWhatItIs) {
     const auto device = open_hd("");
     const DeviceFacts& facts = device->facts();
     EXPECT_EQ(facts.name, "Touch (serial number 8042)");
@@ -53,7 +53,7 @@ TEST_F(Hd, tells_what_it_is) {
     EXPECT_EQ(device->error_text(), nullptr);
 }
 
-TEST_F(Hd, is_found_without_moving_it) {
+TEST_F(Hd, IsFoundWithoutMovingIt) {
     const DeviceKind found = find_hd();
     EXPECT_EQ(found.place, HD_STUB);
     EXPECT_EQ(found.name, "Touch (serial number 8042)");
@@ -64,7 +64,7 @@ TEST_F(Hd, is_found_without_moving_it) {
     expect_words(find_hd().problem, {"Communication configuration error", "0x0303"});
 }
 
-TEST_F(Hd, tells_its_buttons) {
+TEST_F(Hd, TellsItsButtons) {
     const auto device = open_hd("");
     EXPECT_EQ(device->facts().buttons, 4u);
     stub_.press(2);
@@ -76,13 +76,13 @@ TEST_F(Hd, tells_its_buttons) {
     EXPECT_EQ(device->error_text(), nullptr);
 }
 
-TEST_F(Hd, without_buttons_it_is_a_device_all_the_same) {
+TEST_F(Hd, WithoutButtonsItIsADeviceAllTheSame) {
     stub_.fail("buttons");
     EXPECT_EQ(open_hd("")->facts().buttons, 0u);
 }
 
 // The vendor's x points to the right, y up, z to the user; ours x to the right, y away from the user, z up. mm and m.
-TEST_F(Hd, turns_its_axes_into_the_worlds) {
+TEST_F(Hd, TurnsItsAxesIntoTheWorlds) {
     const auto device = open_hd("");
     const auto reads = [&](const dvec3& place) {
         return comes_true([&] { return glm::length(device->read().position - place) < 1e-12; });
@@ -98,7 +98,7 @@ TEST_F(Hd, turns_its_axes_into_the_worlds) {
     EXPECT_TRUE(displays(*device, stub_, {1, 2, 3}, {1, 3, -2}));
 }
 
-TEST_F(Hd, tells_a_new_position_from_an_old_one) {
+TEST_F(Hd, TellsANewPositionFromAnOldOne) {
     const auto device = open_hd("");
     EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::fresh; }));
     stub_.call<void(int)>("stub_freeze")(1);
@@ -110,7 +110,7 @@ TEST_F(Hd, tells_a_new_position_from_an_old_one) {
     EXPECT_TRUE(comes_true([&] { return std::isnan(device->read().position.x); }));
 }
 
-TEST_F(Hd, is_refused_where_units_cannot_be_millimetres_and_newtons) {
+TEST_F(Hd, IsRefusedWhereUnitsCannotBeMillimetresAndNewtons) {
     stub_.call<void(double)>("stub_scale")(1e-3);
     expect_words(refusal(), {"Touch", "workspace", "-0.21", "millimetres"});
     stub_.call<void(double)>("stub_scale")(1e3);
@@ -139,14 +139,14 @@ TEST_F(Hd, is_refused_where_units_cannot_be_millimetres_and_newtons) {
     EXPECT_EQ(stub_.calls("hdStopScheduler"), 4);
 }
 
-TEST_F(Hd, is_chosen_by_its_name) {
+TEST_F(Hd, IsChosenByItsName) {
     EXPECT_NO_THROW(open_hd("Touch"));
     expect_words(refusal("Right Device"), {"\"Right Device\"", "Communication configuration error", HD_STUB});
     stub_.devices(0);
     expect_words(refusal(), {"configured as default", "Communication configuration error", "Touch_Setup"});
 }
 
-TEST_F(Hd, is_refused_uncalibrated) {
+TEST_F(Hd, IsRefusedUncalibrated) {
     const auto calibration = stub_.call<void(long)>("stub_calibration");
     calibration(0x5002);
     expect_words(refusal(), {"not calibrated", "inkwell"});
@@ -155,7 +155,7 @@ TEST_F(Hd, is_refused_uncalibrated) {
     EXPECT_EQ(stub_.calls("hdUpdateCalibration"), 1);
 }
 
-TEST_F(Hd, is_calibrated_by_one_style_before_it_displays_a_force) {
+TEST_F(Hd, IsCalibratedByOneStyleBeforeItDisplaysAForce) {
     const std::vector<std::pair<long, std::string>> chosen{{1, "1"}, {2, "2"}, {3, "2"}, {4, "4"},
                                                            {5, "4"}, {6, "2"}, {7, "2"}, {0x16, "2"}};
     for (const auto& [styles, style] : chosen) {
@@ -168,7 +168,7 @@ TEST_F(Hd, is_calibrated_by_one_style_before_it_displays_a_force) {
     }
 }
 
-TEST_F(Hd, displays_no_force_before_its_calibration_is_confirmed) {
+TEST_F(Hd, DisplaysNoForceBeforeItsCalibrationIsConfirmed) {
     const auto expect_refused = [&](long state, long styles, const char* call, const std::string& words) {
         stub_.call<void()>("stub_reset")();
         stub_.call<void(long)>("stub_calibration")(state);
@@ -187,7 +187,7 @@ TEST_F(Hd, displays_no_force_before_its_calibration_is_confirmed) {
     expect_refused(0, 2, nullptr, "after an update");
 }
 
-TEST_F(Hd, is_absent_when_what_it_needs_fails_at_opening) {
+TEST_F(Hd, IsAbsentWhenWhatItNeedsFailsAtOpening) {
     const std::map<std::string, std::string> calls{{"hdInitDevice", "Device fault"},
                                                    {"hdEnable", "Force error"},
                                                    {"hdScheduleAsynchronous", "Scheduler full"},
@@ -203,7 +203,7 @@ TEST_F(Hd, is_absent_when_what_it_needs_fails_at_opening) {
     }
 }
 
-TEST_F(Hd, does_without_what_it_can_do_without) {
+TEST_F(Hd, DoesWithoutWhatItCanDoWithout) {
     for (const char* call : {"hdMakeCurrentDevice", "hdGetString", "largest force", "continuous force", "workspace",
                              "hdGetIntegerv", "hdUnschedule", "hdStopScheduler", "hdDisableDevice", "hdDisable"}) {
         stub_.call<void()>("stub_reset")();
@@ -220,7 +220,7 @@ TEST_F(Hd, does_without_what_it_can_do_without) {
     EXPECT_EQ(stub_.force(), dvec3(0));
 }
 
-TEST_F(Hd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
+TEST_F(Hd, TellsOfCallsThatFailInMidLoopAndGoesOnWhenTheyDo) {
     const auto device = open_hd("");
     const auto read = [&](Answer answer) { return comes_true([&] { return device->read().answer == answer; }); };
     const auto written = [&](bool taken) { return comes_true([&] { return device->write({0, 0, 1}) == taken; }); };
@@ -245,14 +245,14 @@ TEST_F(Hd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
     EXPECT_STREQ(device->error_text(), "Maximum force exceeded") << "the cause, not what came of it";
 }
 
-TEST_F(Hd, displays_no_force_when_none_was_written_for_a_while) {
+TEST_F(Hd, DisplaysNoForceWhenNoneWasWrittenForAWhile) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
     EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
 }
 
-TEST_F(Hd, tells_of_a_scheduler_that_stands_still) {
+TEST_F(Hd, TellsOfASchedulerThatStandsStill) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
     stub_.call<void(int)>("stub_freeze")(1);
@@ -263,7 +263,7 @@ TEST_F(Hd, tells_of_a_scheduler_that_stands_still) {
     EXPECT_TRUE(comes_true([&] { return device->write({0, 0, 1}); }));
 }
 
-TEST_F(Hd, leaves_no_force) {
+TEST_F(Hd, LeavesNoForce) {
     {
         const auto device = open_hd("");
         EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
@@ -274,7 +274,7 @@ TEST_F(Hd, leaves_no_force) {
     EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
 }
 
-TEST_F(Hd, rests_until_the_next_force) {
+TEST_F(Hd, RestsUntilTheNextForce) {
     const auto device = open_hd("");
     long fewest = 1000; // frames until no force is displayed; without a rest it is 50
     for (int i = 0; i < 20; ++i) {
@@ -287,7 +287,7 @@ TEST_F(Hd, rests_until_the_next_force) {
     EXPECT_LT(fewest, 30);
 }
 
-TEST_F(Hd, displays_nothing_once_halted) {
+TEST_F(Hd, DisplaysNothingOnceHalted) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
     device->halt();
@@ -301,7 +301,7 @@ TEST_F(Hd, displays_nothing_once_halted) {
     EXPECT_EQ(stub_.force(), dvec3(0));
 }
 
-TEST_F(Hd, is_closed_though_its_scheduler_stands_still) {
+TEST_F(Hd, IsClosedThoughItsSchedulerStandsStill) {
     {
         const auto device = open_hd("");
         stub_.call<void(int)>("stub_freeze")(1);
@@ -310,20 +310,12 @@ TEST_F(Hd, is_closed_though_its_scheduler_stands_still) {
     EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
 }
 
-TEST_F(Hd, leaves_no_force_when_the_program_aborts) {
-    const Folder folder;
-    const std::string record = folder / "forces";
-    const int signal = signal_of_child([&] {
-        stub_.record(record);
-        const auto device = open_hd("");
-        to_be_halted = device.get();
-        std::signal(SIGABRT, halt_and_die);
-        if (displays(*device, stub_, {0, 0, 1}, {0, 1, 0}))
-            std::abort();
-    });
-    EXPECT_EQ(signal, SIGABRT);
-    EXPECT_TRUE(recorded_any(record));
-    EXPECT_EQ(last_recorded(record), dvec3(0));
+TEST_F(Hd, LeavesNoForceWhenTheProgramAborts) {
+    expect_no_force_after_abort(
+        stub_, [] { return open_hd(""); },
+        [&](BackEnd& device) {
+            EXPECT_TRUE(displays(device, stub_, {0, 0, 1}, {0, 1, 0}));
+        });
 }
 
 } // namespace

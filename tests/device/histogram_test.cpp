@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
 
-TEST(Histogram, its_bins_follow_each_other_from_0_to_the_largest_number) {
+TEST(Histogram, ItsBinsFollowEachOtherFrom0ToTheLargestNumber) {
     EXPECT_EQ(Histogram::begin_of(0), 0u);
     for (std::size_t bin = 0; bin < Histogram::kBins; ++bin) {
         const std::uint64_t begin = Histogram::begin_of(bin), end = Histogram::begin_of(bin + 1);
@@ -27,14 +27,14 @@ TEST(Histogram, its_bins_follow_each_other_from_0_to_the_largest_number) {
     EXPECT_EQ(Histogram::begin_of(Histogram::kBins), kLargest) << "what the end of the last bin is rounded to";
 }
 
-TEST(Histogram, a_bin_is_no_wider_than_a_thirty_second_of_its_times) {
+TEST(Histogram, ABinIsNoWiderThanAThirtySecondOfItsTimes) {
     for (std::size_t bin = 1; bin < Histogram::kBins; ++bin) {
         const std::uint64_t begin = Histogram::begin_of(bin), width = Histogram::begin_of(bin + 1) - begin;
         ASSERT_LE(width, std::max<std::uint64_t>(1, begin / 32)) << bin;
     }
 }
 
-TEST(Histogram, every_number_is_in_the_bin_that_holds_it) {
+TEST(Histogram, EveryNumberIsInTheBinThatHoldsIt) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 100000; ++i) {
         const std::uint64_t value = random() >> (random() % 64);
@@ -51,7 +51,7 @@ double sorted_quantile(const std::vector<std::int64_t>& sorted, double share) {
     return static_cast<double>(sorted[std::max<std::size_t>(rank, 1) - 1]);
 }
 
-TEST(Histogram, quantiles_are_those_of_the_sorted_times_to_within_a_bin) {
+TEST(Histogram, QuantilesAreThoseOfTheSortedTimesToWithinABin) {
     std::mt19937_64 random(5);
     for (const std::size_t count : {1u, 2u, 3u, 100u, 999u, 20000u})
         for (const unsigned bits : {3u, 10u, 30u, 62u}) {
@@ -71,7 +71,7 @@ TEST(Histogram, quantiles_are_those_of_the_sorted_times_to_within_a_bin) {
         }
 }
 
-TEST(Histogram, counts_each_time_once) {
+TEST(Histogram, CountsEachTimeOnce) {
     Histogram times;
     std::mt19937_64 random(7);
     double sum = 0;
@@ -88,7 +88,7 @@ TEST(Histogram, counts_each_time_once) {
     EXPECT_NEAR(times.mean(), sum / 5000, 1e-9 * sum);
 }
 
-TEST(Histogram, of_nothing_is_nothing) {
+TEST(Histogram, OfNothingIsNothing) {
     const Histogram times;
     EXPECT_EQ(times.count(), 0u);
     EXPECT_EQ(times.largest(), 0u);
@@ -96,7 +96,7 @@ TEST(Histogram, of_nothing_is_nothing) {
     EXPECT_EQ(times.quantile(0.5), 0);
 }
 
-TEST(Histogram, takes_negative_times_as_none_and_the_longest_as_it_is) {
+TEST(Histogram, TakesNegativeTimesAsNoneAndTheLongestAsItIs) {
     Histogram times;
     times.add(-1);
     times.add(std::numeric_limits<std::int64_t>::min());

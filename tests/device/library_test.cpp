@@ -1,8 +1,9 @@
-// A library that is not there, is none, or lacks what is needed: said with what was tried and how to install it.
+// Libraries that are looked for, and the devices that they tell of.
 #include <fstream>
 
 #include "device/backends/devices.h"
 #include "device/backends/shared_library.h"
+#include "tests/device/simulated_service.h"
 #include "tests/device/stub_library.h"
 
 namespace forceshade::device::testing {
@@ -18,19 +19,14 @@ protected:
     }
 };
 
-void expect_words(const std::string& text, const std::vector<std::string>& words) {
-    for (const std::string& word : words)
-        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
-}
-
-TEST_F(Library, that_is_nowhere_is_told_with_what_was_tried) {
+TEST_F(Library, ThatIsNowhereIsToldWithWhatWasTried) {
     expect_words(refusal(), {"Acme toolkit", "libacme.so.9, libacme.so", "LD_LIBRARY_PATH", "FORCESHADE_TEST_LIBRARY",
                              "Ask Acme"});
     ::setenv("FORCESHADE_TEST_LIBRARY", "", 1);
     expect_words(refusal(), {"libacme.so.9, libacme.so", "is not set"});
 }
 
-TEST_F(Library, that_the_environment_names_is_taken_and_no_other) {
+TEST_F(Library, ThatTheEnvironmentNamesIsTakenAndNoOther) {
     ::setenv("FORCESHADE_TEST_LIBRARY", "/nonexistent/libacme.so", 1);
     expect_words(refusal(), {"FORCESHADE_TEST_LIBRARY", "/nonexistent/libacme.so", "No such file", "Ask Acme"});
     SoughtLibrary there = kSought;
@@ -40,7 +36,7 @@ TEST_F(Library, that_the_environment_names_is_taken_and_no_other) {
     EXPECT_EQ(SharedLibrary(there).file(), DHD_STUB);
 }
 
-TEST_F(Library, that_is_none_is_told_with_the_linkers_words) {
+TEST_F(Library, ThatIsNoneIsToldWithTheLinkersWords) {
     const Folder folder;
     const std::string file = folder / "libacme.so";
     std::ofstream(file) << "no library";
@@ -52,7 +48,7 @@ TEST_F(Library, that_is_none_is_told_with_the_linkers_words) {
     expect_words(message_of<DeviceAbsent>([&] { SharedLibrary library(broken); }), {"libacme.so.9", file + ":"});
 }
 
-TEST_F(Library, without_a_function_is_told_with_its_name) {
+TEST_F(Library, WithoutAFunctionIsToldWithItsName) {
     ::setenv("FORCESHADE_TEST_LIBRARY", DHD_STUB, 1);
     const SharedLibrary library(kSought);
     int (*call)() = library.optional("acmeOpen");
@@ -63,14 +59,14 @@ TEST_F(Library, without_a_function_is_told_with_its_name) {
     EXPECT_EQ(call(), 1);
 }
 
-TEST_F(Library, of_a_vendor_is_refused_without_what_moves_the_device) {
+TEST_F(Library, OfAVendorIsRefusedWithoutWhatMovesTheDevice) {
     ::setenv("FORCESHADE_DHD_LIBRARY", DHD_STUB_WITHOUT_FORCE, 1);
     ::setenv("FORCESHADE_HD_LIBRARY", HD_STUB_WITHOUT_FORCE, 1);
     expect_words(message_of<DeviceAbsent>([] { open_dhd(""); }), {DHD_STUB_WITHOUT_FORCE, "dhdSetForce"});
     expect_words(message_of<DeviceAbsent>([] { open_hd(""); }), {HD_STUB_WITHOUT_FORCE, "hdSetDoublev"});
 }
 
-TEST_F(Library, of_a_vendor_that_is_not_installed_means_no_device) {
+TEST_F(Library, OfAVendorThatIsNotInstalledMeansNoDevice) {
     ::unsetenv("FORCESHADE_DHD_LIBRARY");
     ::unsetenv("FORCESHADE_HD_LIBRARY");
     try {
@@ -82,6 +78,80 @@ TEST_F(Library, of_a_vendor_that_is_not_installed_means_no_device) {
     }
     expect_words(message_of<DeviceAbsent>([] { open_hd(""); }),
                  {"libHD.so", "FORCESHADE_HD_LIBRARY", "LD_LIBRARY_PATH", "OpenHaptics"});
+}
+
+DeviceKind kind(const std::string& option) {
+    for (const DeviceKind& one : list_devices({}, 0.2))
+        if (one.option == option)
+            return one;
+    ADD_FAILURE() << "no " << option;
+    return {};
+}
+
+using Names = std::vector<std::string>;
+
+TEST(Devices, ThatNeedNothingAreAlwaysThere) {
+    EXPECT_EQ(kind("sim").devices, Names{"sim"});
+    EXPECT_EQ(kind("replay:FILE").devices, Names{"replay:FILE"});
+    EXPECT_EQ(kind("sim").problem, "");
+}
+
+TEST(Devices, OfForceDimensionAreCounted) {
+    const StubLibrary stub("FORCESHADE_DHD_LIBRARY", DHD_STUB);
+    stub.devices(2);
+    const DeviceKind two = kind("dhd[:INDEX]");
+    EXPECT_EQ(two.devices, (Names{"dhd:0", "dhd:1"}));
+    EXPECT_EQ(two.software, "DHD SDK 3.17.6.1");
+    EXPECT_EQ(two.place, DHD_STUB);
+    EXPECT_EQ(two.problem, "");
+    EXPECT_EQ(stub.calls("dhdOpen") + stub.calls("dhdOpenID"), 0) << "another program may have it open";
+    stub.devices(0);
+    EXPECT_EQ(kind("dhd[:INDEX]").devices, Names{});
+    EXPECT_NE(kind("dhd[:INDEX]").problem.find("udev"), std::string::npos);
+    stub.fail("dhdGetDeviceCount");
+    EXPECT_NE(kind("dhd[:INDEX]").problem.find("no driver found"), std::string::npos);
+}
+
+TEST(Devices, Of3dSystemsAreToldByName) {
+    const StubLibrary stub("FORCESHADE_HD_LIBRARY", HD_STUB);
+    const DeviceKind one = kind("hd[:NAME]");
+    EXPECT_EQ(one.devices, Names{"hd"});
+    EXPECT_EQ(one.name, "Touch (serial number 8042)");
+    EXPECT_EQ(one.place, HD_STUB);
+    EXPECT_EQ(one.problem, "");
+    stub.devices(0);
+    EXPECT_EQ(kind("hd[:NAME]").devices, Names{});
+    EXPECT_NE(kind("hd[:NAME]").problem.find("Communication configuration error"), std::string::npos);
+}
+
+TEST(Devices, WhoseLibraryIsAbsentAreToldWithHowToInstallIt) {
+    ::setenv("FORCESHADE_DHD_LIBRARY", "/nonexistent/libdhd.so", 1);
+    ::setenv("FORCESHADE_HD_LIBRARY", HD_STUB_WITHOUT_FORCE, 1);
+    EXPECT_NE(kind("dhd[:INDEX]").problem.find("forcedimension.com"), std::string::npos);
+    EXPECT_EQ(kind("dhd[:INDEX]").software, "");
+    EXPECT_NE(kind("hd[:NAME]").problem.find("hdSetDoublev"), std::string::npos);
+}
+
+TEST(Devices, OfHaplyAreAskedOfTheirService) {
+    test::ServiceScript script;
+    script.devices = {"04BA", "049D"};
+    test::SimulatedService service(script);
+    DeviceKind found = list_devices(service.url())[2];
+    EXPECT_EQ(found.option, "haply[:URL]");
+    EXPECT_EQ(found.devices,
+              (Names{"haply:" + service.url() + "?device=04BA", "haply:" + service.url() + "?device=049D"}));
+    EXPECT_EQ(found.software, "Inverse Service 3.5.0.0");
+    EXPECT_EQ(found.place, service.url());
+    EXPECT_EQ(found.problem, "");
+    service.set_devices({});
+    found = list_devices(service.url())[2];
+    EXPECT_EQ(found.devices, Names{});
+    EXPECT_NE(found.problem.find("Haply Hub"), std::string::npos);
+    service.set(test::Fault::no_inventory);
+    EXPECT_NE(list_devices(service.url(), 0.2)[2].problem.find("Inverse Service 3.x"), std::string::npos);
+    service.go_away();
+    EXPECT_NE(list_devices(service.url())[2].problem.find("haply.co"), std::string::npos);
+    EXPECT_TRUE(service.received().empty()) << "no command is sent";
 }
 
 } // namespace

@@ -92,11 +92,6 @@ TEST(LiveLoop, AStalePositionIsWithoutForce) {
 TEST(LiveLoop, AForceThatTheDeviceRefusedComesUpAnew) {
     SafetyLimits limits;
     limits.max_force = 3;
-    LoopSettings settings;
-    settings.real_time = false;
-    settings.limits = limits;
-    settings.samples = 300;
-    SampleRing ring(512);
     std::uint64_t count = 0;
     ScriptedDevice* asked = nullptr;
     ScriptedDevice deaf_once(
@@ -106,11 +101,9 @@ TEST(LiveLoop, AForceThatTheDeviceRefusedComesUpAnew) {
         },
         1000);
     asked = &deaf_once;
-    LiveLoop loop(deaf_once, make_probe_law(prepared_scene(kPlane)), settings, &ring);
-    loop.start();
-    loop.join();
-    EXPECT_EQ(ring.look()[200].flags & kZeroForceFlags, kFailed);
-    EXPECT_EQ(ring.look()[200].commanded, glm::dvec3(0)) << "what was not taken was not displayed";
+    const LoopRun run = run_fast(deaf_once, prepared_scene(kPlane), 300, limits);
+    EXPECT_EQ(run.samples[200].flags & kZeroForceFlags, kFailed);
+    EXPECT_EQ(run.samples[200].commanded, glm::dvec3(0)) << "what was not taken was not displayed";
     EXPECT_NEAR(deaf_once.forces[199].z, 1, 1e-9);
     EXPECT_LT(deaf_once.forces[201].z, 0.011);
 }

@@ -14,7 +14,7 @@ struct Triple {
     std::uint64_t a = 0, b = 0, c = 0;
 };
 
-TEST(Newest, tells_the_last_value_put_and_tells_it_once) {
+TEST(Newest, TellsTheLastValuePutAndTellsItOnce) {
     Newest<int> slot;
     int value = -1;
     EXPECT_FALSE(slot.take(value));
@@ -30,7 +30,7 @@ TEST(Newest, tells_the_last_value_put_and_tells_it_once) {
     }
 }
 
-TEST(Newest, is_neither_torn_nor_turned_back_between_threads) {
+TEST(Newest, IsNeitherTornNorTurnedBackBetweenThreads) {
     constexpr std::uint64_t kLast = 200000;
     Newest<Triple> slot;
     std::thread writer([&] {

@@ -30,17 +30,6 @@ PreparedCase pressed(const Plant& plant, double share) {
                                       stiffness, 1.01 / stiffness, plant.mass, plant.damping));
 }
 
-// m: the most that depth is away from where it rests, over a share of the samples.
-double swing(const std::vector<LiveSample>& samples, double from, double to) {
-    const auto count = static_cast<double>(samples.size());
-    double low = kUnknown, high = -kUnknown;
-    for (auto i = static_cast<std::size_t>(from * count); i < static_cast<std::size_t>(to * count); ++i) {
-        low = std::min(low, samples[i].probe.z);
-        high = std::max(high, samples[i].probe.z);
-    }
-    return high - low;
-}
-
 LoopRun run_for(const Plant& plant, double share, const SafetyLimits& limits) {
     const PreparedCase prepared = pressed(plant, share);
     const double rate = 1 / plant.period;

@@ -71,19 +71,7 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
     return count;
 }
 
-TEST(StatusText, has_everything_in_its_column) {
-    EXPECT_EQ(status_text(status_at(12.34)),
-              "    12.3 s  1.00 kHz   1.23 N   520 um deep  3 late  12 clamped  ramping");
-    LiveStatus status = status_at(4000);
-    status.state = "no force: stale positions";
-    status.lost = 5;
-    EXPECT_TRUE(status_text(status).ends_with("  12 clamped  5 LOST  no force: stale positions"));
-    EXPECT_EQ(cut_to_columns(status_text(status), kColumns), status_text(status));
-    EXPECT_EQ(status_text(LiveStatus{}), "     0.0 s                0 N      0 m deep  0 late  0 clamped")
-        << "no rate before it is known";
-}
-
-TEST(StatusLine, is_rewritten_on_a_terminal_at_most_ten_times_a_second_and_erased) {
+TEST(StatusLine, IsRewrittenOnATerminalAtMostTenTimesASecondAndErased) {
     Watched terminal(120);
     {
         StatusLine line(false, terminal.stream);
@@ -102,7 +90,7 @@ TEST(StatusLine, is_rewritten_on_a_terminal_at_most_ten_times_a_second_and_erase
     EXPECT_EQ(terminal.seen(), "\r\033[K");
 }
 
-TEST(StatusLine, is_cut_at_the_terminals_width) {
+TEST(StatusLine, IsCutAtTheTerminalsWidth) {
     Watched terminal(30);
     StatusLine line(false, terminal.stream);
     LiveStatus status = status_at(1);
@@ -110,7 +98,7 @@ TEST(StatusLine, is_cut_at_the_terminals_width) {
     EXPECT_EQ(terminal.seen(), "\r\033[K" + status_text(status).substr(0, 29));
 }
 
-TEST(StatusLine, lets_a_line_stand_above_it) {
+TEST(StatusLine, LetsALineStandAboveIt) {
     Watched terminal(100);
     StatusLine line(false, terminal.stream);
     line.update(status_at(1));
@@ -121,7 +109,7 @@ TEST(StatusLine, lets_a_line_stand_above_it) {
     EXPECT_EQ(occurrences(terminal.seen(), "ramping"), 1u) << "again at once";
 }
 
-TEST(StatusLine, is_a_line_now_and_then_without_a_terminal) {
+TEST(StatusLine, IsALineNowAndThenWithoutATerminal) {
     Watched pipe(0);
     {
         StatusLine line(false, pipe.stream);
@@ -135,7 +123,7 @@ TEST(StatusLine, is_a_line_now_and_then_without_a_terminal) {
     EXPECT_TRUE(seen.ends_with("said\n"));
 }
 
-TEST(StatusLine, is_silent_if_quiet) {
+TEST(StatusLine, IsSilentIfQuiet) {
     for (const auto columns : std::array<unsigned short, 2>{0, 80}) {
         Watched watched(columns);
         {

@@ -123,19 +123,6 @@ TEST(Safety, AForceThatTurnsFallsAtOnceAndComesUpSlowly) {
     EXPECT_TRUE(held_true);
 }
 
-TEST(Safety, NoForceWhileTheDeviceDisplaysNone) {
-    SafetyLimits limits = quick();
-    limits.ramp = 0.1;
-    Touch touch(limits);
-    for (int i = 0; i < 200; ++i)
-        touch.show({0, 0, 1});
-    Situation now = touch.fine();
-    now.withheld = true;
-    EXPECT_EQ(touch.show(now, {0, 0, 1}), glm::dvec3(0));
-    EXPECT_EQ(touch.flags, kWithheld);
-    EXPECT_NEAR(touch.show({0, 0, 1}).z, 0.01, 1e-9);
-}
-
 // The motors of a Touch: 3.3 N, but no more than 0.88 N for long.
 TEST(Safety, AForceThatLastsComesDownToWhatTheMotorsBear) {
     SafetyLimits limits = quick();
@@ -249,6 +236,7 @@ TEST(Safety, NoForceWithoutASoundPosition) {
     zero([](Situation& now, glm::dvec3&) { now.is_position = false; }, kBadPosition);
     zero([](Situation& now, glm::dvec3&) { now.answer = Answer::failed; }, kFailed);
     zero([](Situation& now, glm::dvec3&) { now.answer = Answer::repeated, now.time = 0.03; }, kStale);
+    zero([](Situation& now, glm::dvec3&) { now.withheld = true; }, kWithheld);
     zero([](Situation& now, glm::dvec3&) { now.late = 21; }, kTooLate);
     zero([](Situation& now, glm::dvec3&) { now.late = kUnknown; }, kTooLate);
     zero([](Situation& now, glm::dvec3&) { now.late = kNan; }, kTooLate);

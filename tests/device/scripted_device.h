@@ -76,19 +76,34 @@ struct LoopRun {
 };
 
 /// As fast as possible, with room for every sample.
-inline LoopRun run_fast(BackEnd& back_end, PreparedCase prepared, std::uint64_t samples, const SafetyLimits& limits,
-                        double rate = 1000) {
-    LoopSettings settings;
-    settings.rate = rate;
+inline LoopRun run_fast(BackEnd& back_end, const PreparedCase& prepared, LoopSettings settings) {
     settings.real_time = false;
-    settings.samples = samples;
-    settings.limits = limits;
-    SampleRing ring(samples);
+    SampleRing ring(*settings.samples);
     LiveLoop loop(back_end, make_probe_law(prepared), settings, &ring);
     loop.start();
     loop.join();
     const auto kept = ring.look();
     return {{kept.begin(), kept.end()}, loop.counts(), loop.end()};
+}
+
+inline LoopRun run_fast(BackEnd& back_end, const PreparedCase& prepared, std::uint64_t samples,
+                        const SafetyLimits& limits, double rate = 1000) {
+    LoopSettings settings;
+    settings.rate = rate;
+    settings.samples = samples;
+    settings.limits = limits;
+    return run_fast(back_end, prepared, settings);
+}
+
+/// m: how far the probe's z goes over a share of the samples.
+inline double swing(const std::vector<LiveSample>& samples, double from, double to) {
+    const auto count = static_cast<double>(samples.size());
+    double low = kUnknown, high = -kUnknown;
+    for (auto i = static_cast<std::size_t>(from * count); i < static_cast<std::size_t>(to * count); ++i) {
+        low = std::min(low, samples[i].probe.z);
+        high = std::max(high, samples[i].probe.z);
+    }
+    return high - low;
 }
 
 inline Reading at(double x, double y, double z) {

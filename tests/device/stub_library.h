@@ -5,7 +5,9 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -106,6 +108,24 @@ inline BackEnd* to_be_halted = nullptr;
 inline void halt_and_die(int signal) {
     to_be_halted->halt();
     std::signal(signal, SIG_DFL);
+}
+
+/// A child opens a device, pushes with it and aborts: no force is left.
+inline void expect_no_force_after_abort(const StubLibrary& stub, const std::function<std::unique_ptr<BackEnd>()>& open,
+                                        const std::function<void(BackEnd&)>& push) {
+    const Folder folder;
+    const std::string record = folder / "forces";
+    const int signal = signal_of_child([&] {
+        stub.record(record);
+        const auto device = open();
+        to_be_halted = device.get();
+        std::signal(SIGABRT, halt_and_die);
+        push(*device);
+        std::abort();
+    });
+    EXPECT_EQ(signal, SIGABRT);
+    EXPECT_TRUE(recorded_any(record));
+    EXPECT_EQ(last_recorded(record), glm::dvec3(0));
 }
 
 } // namespace forceshade::device::testing
