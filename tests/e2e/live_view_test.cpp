@@ -74,7 +74,6 @@ TEST_F(LiveView, shows_the_force_over_time_and_place_and_how_the_run_ended) {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     EXPECT_EQ(browser.text(kPictures), last) << "the last picture stays";
     EXPECT_EQ(browser.text(kViewed), "ended") << "the program is gone, and that is no trouble";
-    EXPECT_GT(browser.screenshot().colours, 50u);
     for (const char* const choice : {"axis", "show"}) {
         const std::string place = browser.text("document.getElementById('place').toDataURL()");
         browser.evaluate(fmt::format("(() => {{ const s = document.getElementById('{}'); s.selectedIndex = 1; "

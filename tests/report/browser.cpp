@@ -3,7 +3,6 @@
 #include <chrono>
 #include <fstream>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -11,7 +10,6 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <openssl/evp.h>
-#include <png.h>
 #include <signal.h>
 #include <sys/socket.h>
 
@@ -70,25 +68,6 @@ std::string bytes_of(const std::string& base64) {
                         reinterpret_cast<const unsigned char*>(base64.data()), static_cast<int>(base64.size()));
     bytes.resize(static_cast<std::size_t>(std::max(length, 0)));
     return bytes;
-}
-
-Screenshot looked_at(const std::string& png) {
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    if (!png_image_begin_read_from_memory(&image, png.data(), png.size()))
-        throw std::runtime_error("no PNG came");
-    image.format = PNG_FORMAT_RGB;
-    std::vector<png_byte> pixels(PNG_IMAGE_SIZE(image));
-    png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr);
-    Screenshot shot{image.width, image.height, 0, 0};
-    std::set<std::uint32_t> colours;
-    for (std::size_t i = 0; i + 2 < pixels.size(); i += 3) {
-        colours.insert(static_cast<std::uint32_t>(pixels[i] << 16 | pixels[i + 1] << 8 | pixels[i + 2]));
-        shot.lightness += pixels[i] + pixels[i + 1] + pixels[i + 2];
-    }
-    shot.lightness /= 255.0 * static_cast<double>(pixels.size());
-    shot.colours = colours.size();
-    return shot;
 }
 
 } // namespace
@@ -249,10 +228,6 @@ void Browser::press(const std::string& key) {
                                         {"key", key},
                                         {"code", key.size() == 1 ? "Digit" + key : key},
                                         {"windowsVirtualKeyCode", kCodes.at(key)}});
-}
-
-Screenshot Browser::screenshot() {
-    return looked_at(bytes_of(call("Page.captureScreenshot", {{"format", "png"}})["data"]));
 }
 
 std::string Browser::print() {

@@ -10,13 +10,6 @@
 
 namespace forceshade::testing {
 
-/// A picture of the page.
-struct Screenshot {
-    unsigned width = 0, height = 0;
-    double lightness = 0;    /* mean of the colours' values, 0 black to 1 white */
-    std::size_t colours = 0; /* different ones */
-};
-
 /// What the viewer tells, as JavaScript expressions.
 inline constexpr const char* kSlice = "document.getElementById('slice-text').value";
 inline constexpr const char* kPlace = "document.getElementById('read-place').textContent";
@@ -47,7 +40,6 @@ public:
     /// "ArrowLeft", "PageUp", "Tab", "1".
     void press(const std::string& key);
 
-    Screenshot screenshot();
     /// The PDF file that printing makes.
     std::string print();
 

@@ -1,69 +1,34 @@
 // The report as a reader meets it, in headless Chromium.
-#include <memory>
-
-#include <gtest/gtest.h>
-
-#include "host/report/report.h"
-#include "tests/io/folder.h"
-#include "tests/report/browser.h"
-#include "tests/report/sample_folder.h"
+#include "tests/report/page_test.h"
 
 namespace forceshade::report {
 namespace {
 
 using namespace testing;
 
-constexpr const char* kReady = "document.documentElement.dataset.viewer === 'ready'";
 constexpr const char* kPaneA = "document.getElementById('pane-a').toDataURL()";
 constexpr const char* kPaneD = "document.getElementById('pane-d').toDataURL()";
 constexpr const char* kProfile = "document.querySelector('#profile-size g path').getAttribute('d')";
 
-class Page : public ::testing::Test {
+class Page : public ReportPage {
 protected:
     static void SetUpTestSuite() {
-        folder_ = std::make_unique<Folder>();
         write_sample_sweep(folder_->path());
         write_sample_study(folder_->path() / "energy");
-        write_report(folder_->path());
-        browser_ = std::make_unique<Browser>();
+        begin();
     }
-    static void TearDownTestSuite() {
-        browser_.reset();
-        folder_.reset();
-    }
-
-    void TearDown() override { EXPECT_EQ(browser_->complaints(), std::vector<std::string>{}); }
-
-    static std::filesystem::path report() { return folder_->path() / "report.html"; }
-    void open(unsigned width = 1200, bool dark = false) {
-        browser_->open(report(), width, dark);
-        ASSERT_TRUE(browser_->wait_for(kReady))
-            << browser_->text("document.getElementById('viewer-status').textContent");
-    }
-    // The number in a row (0: A, 1: B, 2: their difference) and column (1: |F|) of the read-out.
-    double read(int row, int column) {
-        const std::string cell = "document.getElementById('read-rows').children[" + std::to_string(row) +
-                                 "].children[" + std::to_string(column) + "].textContent";
-        return browser_->evaluate("Number(" + cell + ".replace('−', '-'))").get<double>();
-    }
-
-    static std::unique_ptr<Folder> folder_;
-    static std::unique_ptr<Browser> browser_;
 };
-
-std::unique_ptr<Folder> Page::folder_;
-std::unique_ptr<Browser> Page::browser_;
 
 TEST_F(Page, ShowsTheForcesOfBothCases) {
     open();
     EXPECT_EQ(browser_->text("document.getElementById('viewer-status').textContent"), "");
     EXPECT_EQ(browser_->text("document.getElementById('case-b').selectedOptions[0].textContent"),
               "bump_shading-reference");
-    EXPECT_GT(read(0, 1), 0.0);
-    EXPECT_NEAR(read(1, 1), 2 * read(0, 1), 1e-3 * read(1, 1)) << "the second case is twice as strong";
-    EXPECT_NEAR(read(2, 1), read(0, 1), 2e-3 * read(0, 1));
+    EXPECT_GT(number(0, 1), 0.0);
+    EXPECT_NEAR(number(1, 1), 2 * number(0, 1), 1e-3 * number(1, 1)) << "the second case is twice as strong";
+    EXPECT_NEAR(number(2, 1), number(0, 1), 2e-3 * number(0, 1));
     // Forces of the sample: (lean, 0.3 y, 1) times the depth.
-    EXPECT_NEAR(read(0, 3) / read(0, 4), 0.6, 2e-3) << "y is the third sample of six";
+    EXPECT_NEAR(number(0, 3) / number(0, 4), 0.6, 2e-3) << "y is the third sample of six";
 }
 
 TEST_F(Page, ClicksChangeTheSlice) {
@@ -137,30 +102,8 @@ TEST_F(Page, ChoicesChangeThePictures) {
     browser_->evaluate("(() => { const c = document.getElementById('case-b'); c.value = '0'; "
                        "c.dispatchEvent(new Event('change')); })()");
     ASSERT_TRUE(browser_->wait_for("document.getElementById('title-b').textContent.includes('none')"));
-    EXPECT_EQ(read(2, 1), 0) << "a case does not differ from itself";
+    EXPECT_EQ(number(2, 1), 0) << "a case does not differ from itself";
     EXPECT_NE(browser_->text(kPaneD), difference);
-}
-
-TEST_F(Page, IsReadableInLightAndDark) {
-    open(1200, false);
-    const Screenshot light = browser_->screenshot();
-    EXPECT_GT(light.lightness, 0.8);
-    EXPECT_GT(light.colours, 50u);
-    browser_->evaluate("document.getElementById('viewer').scrollIntoView()");
-    EXPECT_GT(browser_->screenshot().colours, 200u) << "the viewer draws";
-    open(1200, true);
-    const Screenshot dark = browser_->screenshot();
-    EXPECT_LT(dark.lightness, 0.3);
-    EXPECT_GT(dark.colours, 50u);
-    browser_->evaluate("document.getElementById('viewer').scrollIntoView()");
-    EXPECT_LT(browser_->screenshot().lightness, 0.45);
-}
-
-TEST_F(Page, FitsNarrowAndWideWindows) {
-    for (const unsigned width : {360u, 600u, 1600u}) {
-        open(width);
-        EXPECT_LE(browser_->evaluate("document.documentElement.scrollWidth").get<unsigned>(), width);
-    }
 }
 
 TEST_F(Page, FiguresStayReadable) {
@@ -172,6 +115,7 @@ TEST_F(Page, FiguresStayReadable) {
     for (const unsigned width : {360u, 600u, 800u, 801u, 1400u, 1680u}) {
         SCOPED_TRACE(width);
         open(width);
+        EXPECT_LE(browser_->evaluate("document.documentElement.scrollWidth").get<unsigned>(), width);
         EXPECT_GE(box(picture + ".querySelector('.tick')", "height"), 10) << "px of a number at an axis";
         EXPECT_LE(box("", "right"), width);
         EXPECT_LE(box(caption, "right"), box("", "right"));
@@ -253,7 +197,7 @@ TEST_F(Page, PrintsWhole) {
 }
 
 TEST_F(Page, TellsWhereABrowserCannotUnpack) {
-    browser_->open(report(), 1200, false, "delete window.DecompressionStream");
+    browser_->open(folder_->path() / "report.html", 1200, false, "delete window.DecompressionStream");
     EXPECT_TRUE(browser_->wait_for("document.getElementById('viewer-status').textContent.includes('cannot unpack')"));
     EXPECT_TRUE(browser_->evaluate("document.getElementById('viewer-body').hidden").get<bool>());
 }
@@ -267,16 +211,9 @@ TEST_F(Page, RunsNothingThatStandsInAFile) {
     write_sample_manifest(folder.path(), records);
     write_report(folder.path());
     browser_->open(folder.path() / "report.html");
-    EXPECT_TRUE(browser_->wait_for(kReady));
+    EXPECT_TRUE(browser_->wait_for("document.documentElement.dataset.viewer === 'ready'"));
     EXPECT_EQ(browser_->text("typeof pwned"), "undefined");
     EXPECT_NE(browser_->text("document.getElementById('title-a').textContent").find(evil), std::string::npos);
-}
-
-TEST_F(Page, OfAnEmptyFolderHasNoError) {
-    const Folder folder;
-    write_report(folder.path());
-    browser_->open(folder.path() / "report.html");
-    EXPECT_NE(browser_->text("document.body.innerText").find("no sweep and no study"), std::string::npos);
 }
 
 } // namespace

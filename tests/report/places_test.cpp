@@ -1,12 +1,5 @@
 // The viewer where its two cases do not lie at the same places.
-#include <memory>
-
-#include <gtest/gtest.h>
-
-#include "host/report/report.h"
-#include "tests/io/folder.h"
-#include "tests/report/browser.h"
-#include "tests/report/sample_folder.h"
+#include "tests/report/page_test.h"
 
 namespace forceshade::report {
 namespace {
@@ -56,10 +49,9 @@ function silent() {
 }
 )";
 
-class Places : public ::testing::Test {
+class Places : public ReportPage {
 protected:
     static void SetUpTestSuite() {
-        folder_ = std::make_unique<Folder>();
         const std::array<std::uint64_t, 3> one_y{24, 1, 16};
         const double narrow = 1e-5;
         std::vector<CaseRecord> records;
@@ -82,20 +74,10 @@ protected:
                  {.name = "alike", .alike_in_y = true, .strength = 6}})
             records.push_back(write_sample_case(folder_->path(), one));
         write_sample_manifest(folder_->path(), records);
-        write_report(folder_->path());
-        browser_ = std::make_unique<Browser>();
-    }
-    static void TearDownTestSuite() {
-        browser_.reset();
-        folder_.reset();
+        begin();
     }
 
-    void TearDown() override { EXPECT_EQ(browser_->complaints(), std::vector<std::string>{}); }
-
-    static void open(unsigned width = 1200) {
-        browser_->open(folder_->path() / "report.html", width, false, kLook);
-        ASSERT_TRUE(browser_->wait_for("document.documentElement.dataset.viewer === 'ready'"));
-    }
+    static void open(unsigned width = 1200) { ReportPage::open(width, false, kLook); }
     static void choose(const std::string& pane, const std::string& name) {
         browser_->evaluate("(() => { const c = document.getElementById('case-" + pane +
                            "'); c.value = [...c.options].findIndex((one) => one.textContent === '" + name +
@@ -107,22 +89,10 @@ protected:
             browser_->wait_for("document.querySelector('#title-" + pane + " a').textContent === '" + name + "'"))
             << name;
     }
-    // As the read-out has it: row 0: A, 1: B, 2: their difference; column 1: |F|.
-    static std::string read(int row, int column = 1) {
-        return browser_->text("document.getElementById('read-rows').children[" + std::to_string(row) + "].children[" +
-                              std::to_string(column) + "].textContent");
-    }
-    static double number(int row) { return std::stod(read(row)); }
     static int count(const std::string& expression) { return browser_->evaluate(expression).get<int>(); }
     static int line_of_a() { return count("Math.round(line(0))"); }
     static int line_of_b() { return count("Math.round(line(1))"); }
-
-    static std::unique_ptr<Folder> folder_;
-    static std::unique_ptr<Browser> browser_;
 };
-
-std::unique_ptr<Folder> Places::folder_;
-std::unique_ptr<Browser> Places::browser_;
 
 TEST_F(Places, TheCursorGoesWithCasesOfAnotherY) {
     open();

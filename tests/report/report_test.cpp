@@ -77,16 +77,6 @@ TEST_F(Report, FindsWhatLiesTwoFoldersBelow) {
     EXPECT_TRUE(says("Energy (reference/energy)"));
 }
 
-TEST_F(Report, OfSeveralStudiesHasAFindingOfEachAtAGlance) {
-    write_sample_study(path("energy"));
-    write();
-    EXPECT_FALSE(says("At a glance"));
-    write_sample_study(path("other/energy"));
-    write();
-    EXPECT_TRUE(says("At a glance"));
-    EXPECT_TRUE(says("-data-glance\" data-figure=")) << "which the page fills";
-}
-
 TEST_F(Report, PassesByWhatMayNotBeLookedAt) {
     write_sample_sweep(path());
     for (const char* folder : {"odd", "other/odd"}) {
@@ -310,21 +300,6 @@ TEST(Addresses, StayBelowTheFolder) {
     EXPECT_EQ(address("//host/a"), "%2F/host/a");
     EXPECT_EQ(address("a b?c#d%"), "a%20b%3Fc%23d%25");
     EXPECT_EQ(link("a<b", "a<b"), "<a href=\"a%3Cb\">a&lt;b</a>");
-}
-
-TEST(Words, AreForReaders) {
-    EXPECT_EQ(count_text(12345678), "12\u00a0345\u00a0678");
-    EXPECT_EQ(count_text(7), "7");
-    EXPECT_EQ(duration_text(65), "1 min 5 s");
-    EXPECT_EQ(duration_text(3.25), "3.2 s");
-    EXPECT_EQ(duration_text(-1), "an unknown time");
-    EXPECT_EQ(size_text(3u << 20), "3 MiB");
-    EXPECT_EQ(number_text(0, 3), "0");
-    EXPECT_EQ(number_text(-12.5, 4), "−12.5");
-    EXPECT_EQ(number_text(100, 3), "100");
-    EXPECT_EQ(number_text(0.00123, 3), "0.00123");
-    EXPECT_EQ(number_text(3.2e-7, 2), "3.2×10⁻⁷");
-    EXPECT_EQ(number_text(INFINITY, 2), "no number");
 }
 
 } // namespace

@@ -1,17 +1,11 @@
 // What is shown in space, and "my device": turned, pointed at, played, computed and saved in headless Chromium.
 #include <algorithm>
 #include <cmath>
-#include <memory>
-
-#include <gtest/gtest.h>
 
 #include "host/error.h"
 #include "host/output/exr_volume.h"
-#include "host/report/report.h"
 #include "host/report/viewer_data.h"
-#include "tests/io/folder.h"
-#include "tests/report/browser.h"
-#include "tests/report/sample_folder.h"
+#include "tests/report/page_test.h"
 
 namespace forceshade::report {
 namespace {
@@ -29,24 +23,16 @@ void write_case_with_paths(const std::filesystem::path& folder) {
          write_sample_case(folder, {.name = "bump_shading-reference", .strength = 2, .scene = kScene, .paths = true})});
 }
 
-class Space : public ::testing::Test {
+class Space : public ReportPage {
 protected:
     static void SetUpTestSuite() {
-        folder_ = std::make_unique<Folder>();
         write_case_with_paths(folder_->path());
         write_sample_study(folder_->path() / "energy");
-        write_report(folder_->path());
-        browser_ = std::make_unique<Browser>();
+        begin();
     }
-    static void TearDownTestSuite() {
-        browser_.reset();
-        folder_.reset();
-    }
-    void TearDown() override { EXPECT_EQ(browser_->complaints(), std::vector<std::string>{}); }
 
-    void open(const std::string& before = {}) {
-        browser_->open(folder_->path() / "report.html", 1200, false, before);
-        ASSERT_TRUE(browser_->wait_for("document.documentElement.dataset.viewer === 'ready'"));
+    static void open(const std::string& before = {}) {
+        ReportPage::open(1200, false, before);
         browser_->evaluate("document.getElementById('space-box').scrollIntoView({block: 'center'})");
     }
     void open_space() {
@@ -66,13 +52,7 @@ protected:
                            "; s.dispatchEvent(new Event('input')); })()");
     }
     double number(const std::string& expression) { return browser_->evaluate(expression).get<double>(); }
-
-    static std::unique_ptr<Folder> folder_;
-    static std::unique_ptr<Browser> browser_;
 };
-
-std::unique_ptr<Folder> Space::folder_;
-std::unique_ptr<Browser> Space::browser_;
 
 TEST_F(Space, IsTurnedAndSavedAsPng) {
     open_space();
