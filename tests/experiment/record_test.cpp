@@ -12,23 +12,16 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
-#include "host/random.h"
 #include "host/experiment/run.h"
 #include "host/output/reading.h"
+#include "host/random.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::experiment {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Folder {
-public:
-    explicit Folder(const std::string& name) : path(fs::temp_directory_path() / ("forceshade_experiment_" + name)) {
-        fs::remove_all(path);
-    }
-    ~Folder() { fs::remove_all(path); }
-    const fs::path path;
-};
+using forceshade::testing::Folder;
 
 Experiment small(const std::string& more = "") {
     return parse_experiment(
@@ -37,13 +30,8 @@ Experiment small(const std::string& more = "") {
         "small.toml");
 }
 
-std::string complaint(const std::function<void()>& act) {
-    try {
-        act();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "";
+template <typename Act> std::string complaint(const Act& act) {
+    return forceshade::testing::message_of<Error>(act);
 }
 
 std::string complaint_of(const std::string& text) {
@@ -136,36 +124,27 @@ TEST(Comparisons, HaveATrackForEachCombinationOfTheOtherSettings) {
 }
 
 TEST(Comparisons, ComplainWithPlaceAndRemedy) {
-    const auto of = [](const std::string& more) { return complaint([&] { comparison(more); }); };
-    EXPECT_EQ(complaint_of("[experiment]\nstandard = \"a*\"\n"),
-              "e.toml:2:1: \"standard\" is of the task \"compare\": say task = \"compare\" or leave it out");
-    EXPECT_NE(
-        complaint_of("[experiment]\ntask = \"compare\"\n").find("e.toml:1:1: task = \"compare\" needs a standard"),
-        std::string::npos);
-    EXPECT_NE(complaint_of("[experiment]\ntask = \"compare\"\nstandard = \"a*\"\n")
-                  .find("e.toml:3:12: standard = \"a*\" names no case"),
-              std::string::npos);
-    EXPECT_NE(complaint_of("[experiment]\ntask = \"compare\"\nstandard = \"*\"\n").find("nothing to compare"),
-              std::string::npos);
-    EXPECT_NE(of("correct = \"*\"\n").find("compare.toml:5:1: say what is asked"), std::string::npos);
-    EXPECT_NE(of("track = \"facetts\"\n").find("did you mean \"facets\"?"), std::string::npos);
-    EXPECT_NE(
-        of("track = \"shading\"\n").find("compare.toml:5:9: track = \"shading\": its values are no single numbers"),
-        std::string::npos);
-    EXPECT_NE(of("track = \"radius\"\n").find("do not differ in it"), std::string::npos);
-    EXPECT_NE(of("track_ratio = 0.5\n").find("1 or more"), std::string::npos);
-    EXPECT_NE(of("track_ratio = 2\n").find("there is no track"), std::string::npos);
-    EXPECT_NE(of("track = \"facets\"\ntrack_ratio = 2.5\n").find("would end at once"), std::string::npos);
-    EXPECT_NE(of("interval = \"60 s\"\n").find("not shorter than longest_trial"), std::string::npos);
-    EXPECT_NE(of("[[experiment.answer]]\nname = \"a\"\n[[experiment.answer]]\nname = \"b\"\nfacets = 2\n")
-                  .find("is of an interval"),
-              std::string::npos);
-    EXPECT_NE(complaint([] {
-                  parse_experiment("[experiment]\ntask = \"compare\"\nstandard = \"*facets-4\"\ntrack = "
-                                   "\"facets\"\n[surface]\nfacets = [2, 3, 4, 5]\n",
-                                   "e.toml");
-              }).find("on both sides"),
-              std::string::npos);
+    const std::string compare = "[experiment]\ntask = \"compare\"\n";
+    for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+             {"[experiment]\nstandard = \"a*\"\n", "e.toml:2:1: \"standard\" is of the task"},
+             {compare, "e.toml:1:1: task = \"compare\" needs a standard"},
+             {compare + "standard = \"a*\"\n", "e.toml:3:12: standard = \"a*\" names no case"},
+             {compare + "standard = \"*\"\n", "nothing to compare"},
+             {compare + "standard = \"*facets-4\"\ntrack = \"facets\"\n[surface]\nfacets = [2, 3, 4, 5]\n",
+              "on both sides"}})
+        EXPECT_NE(complaint_of(text).find(words), std::string::npos) << complaint_of(text);
+    for (const auto& [more, words] : std::vector<std::pair<std::string, std::string>>{
+             {"correct = \"*\"\n", "compare.toml:5:1: say what is asked"},
+             {"track = \"facetts\"\n", "did you mean \"facets\"?"},
+             {"track = \"shading\"\n", "compare.toml:5:9: track = \"shading\": its values are no single numbers"},
+             {"track = \"radius\"\n", "do not differ in it"},
+             {"track_ratio = 0.5\n", "1 or more"},
+             {"track_ratio = 2\n", "there is no track"},
+             {"track = \"facets\"\ntrack_ratio = 2.5\n", "would end at once"},
+             {"interval = \"60 s\"\n", "not shorter than longest_trial"},
+             {"[[experiment.answer]]\nname = \"a\"\n[[experiment.answer]]\nname = \"b\"\nfacets = 2\n",
+              "is of an interval"}})
+        EXPECT_NE(complaint([&, &more = more] { comparison(more); }).find(words), std::string::npos) << more;
 }
 
 // A PNG of 1 x 1 pixels.
@@ -177,17 +156,16 @@ constexpr unsigned char kPixel[] = {137, 80, 78,  71, 13, 10, 26, 10,  0,   0,  
 class Pictures : public ::testing::Test {
 protected:
     void write(const std::string& name, const std::string& bytes) const {
-        fs::create_directories(folder.path);
-        std::ofstream(folder.path / name, std::ios::binary) << bytes;
+        std::ofstream(folder / name, std::ios::binary) << bytes;
     }
     Experiment with(const std::string& picture) const {
         return parse_experiment("[[experiment.answer]]\nname = \"edge\"\npicture = \"" + picture +
                                     "\"\n[[experiment.answer]]\nname = \"round\"\nfacets = 0\n",
-                                "e.toml", folder.path);
+                                "e.toml", folder.path());
     }
     const std::string png{reinterpret_cast<const char*>(kPixel), sizeof kPixel};
     const std::string svg = "<?xml version=\"1.0\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>\n";
-    const Folder folder{"pictures"};
+    const Folder folder;
 };
 
 TEST_F(Pictures, AreCheckedWhenTheExperimentIsRead) {
@@ -210,17 +188,17 @@ TEST_F(Pictures, AreCheckedWhenTheExperimentIsRead) {
 
 TEST_F(Pictures, AreKeptWithTheData) {
     write("a.png", png);
-    const Folder data("pictures_data");
+    const Folder data;
     const SessionInfo info{"03", 1, "person", "test"};
     const Experiment one = with("a.png");
-    SessionRecord(data.path, one, info);
-    EXPECT_EQ(read_file(data.path / "materials" / "edge.png"), png);
-    const fs::path kept = data.path / "materials" / "experiment.toml";
+    SessionRecord(data.path(), one, info);
+    EXPECT_EQ(read_file(data / "materials" / "edge.png"), png);
+    const fs::path kept = data / "materials" / "experiment.toml";
     EXPECT_EQ(resolved_toml(read_experiment(kept)), read_file(kept));
-    SessionRecord(data.path, one, info);
+    SessionRecord(data.path(), one, info);
     write("a.png", svg);
     const Experiment changed = with("a.png");
-    EXPECT_NE(complaint([&] { SessionRecord(data.path, changed, info); }).find("another experiment"),
+    EXPECT_NE(complaint([&] { SessionRecord(data.path(), changed, info); }).find("another experiment"),
               std::string::npos);
 }
 
@@ -280,12 +258,12 @@ TrialOutcome answered(std::size_t answer) {
 }
 
 TEST(SessionRecords, GoOnWhereTheyStopped) {
-    const Folder folder("resume");
+    const Folder folder;
     const Experiment one = small();
     const SessionInfo info{"03", 1, "person", "test"};
     std::uint64_t second = 0;
     {
-        SessionRecord record(folder.path, one, info);
+        SessionRecord record(folder.path(), one, info);
         record.add(*record.next(), answered(0));
         second = record.next()->number;
         TrialOutcome failed;
@@ -293,11 +271,11 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
         record.add(*record.next(), failed);
     }
     { // the line that a power loss cut off
-        std::ofstream(data_files(folder.path)[0], std::ios::app) << "03-1-3,03,1,3,";
+        std::ofstream(data_files(folder.path())[0], std::ios::app) << "03-1-3,03,1,3,";
     }
     std::vector<std::uint64_t> numbers;
     {
-        SessionRecord record(folder.path, one, info);
+        SessionRecord record(folder.path(), one, info);
         EXPECT_NE(record.repaired().find("cut off"), std::string::npos);
         EXPECT_EQ(record.left(), 5u);
         while (const auto trial = record.next()) {
@@ -306,12 +284,12 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
         }
     }
     EXPECT_EQ(numbers, (std::vector<std::uint64_t>{3, 4, 5, 6, second})) << "what failed comes at the end";
-    const auto rows = read_rows(data_files(folder.path)[0]);
+    const auto rows = read_rows(data_files(folder.path())[0]);
     ASSERT_EQ(rows.size(), 7u);
     EXPECT_EQ(std::ranges::count_if(rows, &TrialRow::counts), 6);
     EXPECT_EQ(rows[0].outcome.reaction, 1.5);
-    EXPECT_NE(complaint([&] { SessionRecord(folder.path, one, info); }).find("is complete"), std::string::npos);
-    SessionRecord(folder.path, one, {"03", 2, "person", "test"});
+    EXPECT_NE(complaint([&] { SessionRecord(folder.path(), one, info); }).find("is complete"), std::string::npos);
+    SessionRecord(folder.path(), one, {"03", 2, "person", "test"});
 }
 
 // The first of two kinds of answers that somebody gives who is right at few facets, and else by chance.
@@ -341,11 +319,11 @@ TEST(SessionRecords, ResumeTracksFromTheRows) {
         }
         return conditions;
     };
-    const Folder whole("track_whole"), parts("track_parts");
-    const auto conditions = run(whole.path, false);
+    const Folder whole, parts;
+    const auto conditions = run(whole.path(), false);
     EXPECT_EQ(conditions.size(), 2u + 8 + 1);
-    EXPECT_EQ(conditions, run(parts.path, true));
-    const auto rows = read_rows(data_files(whole.path)[0]);
+    EXPECT_EQ(conditions, run(parts.path(), true));
+    const auto rows = read_rows(data_files(whole.path())[0]);
     EXPECT_EQ(rows[0].track, "") << "practice";
     EXPECT_EQ(std::ranges::count(rows, "shading none", &TrialRow::track) +
                   std::ranges::count(rows, "shading reference", &TrialRow::track),
@@ -357,11 +335,11 @@ TEST(SessionRecords, ResumeTracksFromTheRows) {
 }
 
 TEST(SessionRecords, EndTracksWhoseThresholdIsKnown) {
-    const Folder folder("track_end");
+    const Folder folder;
     const Experiment one = comparison("track = \"facets\"\ntrack_ratio = 2\n");
     Experiment longer = one;
     longer.spec.trials = 200;
-    SessionRecord record(folder.path, longer, {"03", 1, "person", "test"});
+    SessionRecord record(folder.path(), longer, {"03", 1, "person", "test"});
     std::size_t trials = 0;
     while (const auto trial = record.next()) {
         record.add(*trial, answer_to(longer, *trial));
@@ -374,16 +352,16 @@ TEST(SessionRecords, EndTracksWhoseThresholdIsKnown) {
 
 // Rows of before answers had a way and devices a check.
 TEST(SessionRecords, OlderRowsAreRead) {
-    const Folder folder("older");
+    const Folder folder;
     const Experiment one = small();
     {
-        SessionRecord record(folder.path, one, {"03", 1, "person", "test"});
+        SessionRecord record(folder.path(), one, {"03", 1, "person", "test"});
         record.add(*record.next(), answered(0));
         record.keep_device("{}");
         record.keep_device("{}");
     }
-    EXPECT_EQ(read_file(folder.path / "documentation" / "subject-03_session-1_device.jsonl"), "{}\n{}\n");
-    const fs::path file = data_files(folder.path)[0];
+    EXPECT_EQ(read_file(folder / "documentation" / "subject-03_session-1_device.jsonl"), "{}\n{}\n");
+    const fs::path file = data_files(folder.path())[0];
     std::string older;
     for (std::string rest = read_file(file); !rest.empty(); rest.erase(0, rest.find('\n') + 1)) {
         const std::string line = rest.substr(0, rest.find('\n'));
@@ -395,42 +373,41 @@ TEST(SessionRecords, OlderRowsAreRead) {
     EXPECT_TRUE(rows[0].counts());
     EXPECT_EQ(rows[0].outcome.answered_by, "");
     EXPECT_NE(complaint([&] {
-                  SessionRecord(folder.path, one, {"03", 1, "person", "test"});
+                  SessionRecord(folder.path(), one, {"03", 1, "person", "test"});
               }).find("an older one began it"),
               std::string::npos)
         << "rows of two widths are not mixed";
 }
 
 TEST(SessionRecords, RefuseWhatDoesNotBelong) {
-    const Folder folder("refuse");
+    const Folder folder;
     const Experiment one = small();
     const SessionInfo info{"03", 1, "person", "test"};
     EXPECT_NE(complaint([&] {
-                  SessionRecord(folder.path, one, {"a/b", 1, "", ""});
+                  SessionRecord(folder.path(), one, {"a/b", 1, "", ""});
               }).find("letters and digits"),
               std::string::npos);
-    SessionRecord first(folder.path, one, info);
-    EXPECT_NE(complaint([&] { SessionRecord(folder.path, one, info); }).find("under way"), std::string::npos);
+    SessionRecord first(folder.path(), one, info);
+    EXPECT_NE(complaint([&] { SessionRecord(folder.path(), one, info); }).find("under way"), std::string::npos);
     EXPECT_NE(complaint([&] {
-                  SessionRecord(folder.path, small("seed = 7\n"), {"04", 1, "person", "test"});
+                  SessionRecord(folder.path(), small("seed = 7\n"), {"04", 1, "person", "test"});
               }).find("another experiment"),
               std::string::npos);
-    const fs::path data = data_files(folder.path)[0];
+    const fs::path data = data_files(folder.path())[0];
     std::ofstream(data, std::ios::app) << "damaged\n";
     EXPECT_NE(complaint([&] { read_rows(data); }).find("data.csv:2:1: is damaged"), std::string::npos);
-    const Folder other("other");
-    fs::create_directories(other.path);
-    std::ofstream(other.path / "letter.txt") << "dear";
-    EXPECT_NE(complaint([&] { SessionRecord(other.path, one, info); }).find("is not empty"), std::string::npos);
+    const Folder other;
+    std::ofstream(other / "letter.txt") << "dear";
+    EXPECT_NE(complaint([&] { SessionRecord(other.path(), one, info); }).find("is not empty"), std::string::npos);
 }
 
 // The published rules: dataset_description.json, names of files, rows as wide as the header, columns described, ids
 // that differ.
-void expect_psych_ds(const Experiment& one, const std::string& name, std::size_t trials, const std::string& path) {
-    const Folder folder(name);
+void expect_psych_ds(const Experiment& one, std::size_t trials, const std::string& path) {
+    const Folder folder;
     const auto observer = make_observer(one);
-    EXPECT_EQ(run_session(one, *observer, {folder.path, {"03", 1, "observer", "simulated"}, true}), trials);
-    const auto description = nlohmann::json::parse(read_file(folder.path / "dataset_description.json"));
+    EXPECT_EQ(run_session(one, *observer, {folder.path(), {"03", 1, "observer", "simulated"}, true}), trials);
+    const auto description = nlohmann::json::parse(read_file(folder / "dataset_description.json"));
     EXPECT_EQ(description.at("@context"), "https://schema.org");
     EXPECT_EQ(description.at("@type"), "Dataset");
     EXPECT_FALSE(description.at("name").get<std::string>().empty());
@@ -438,7 +415,7 @@ void expect_psych_ds(const Experiment& one, const std::string& name, std::size_t
     std::vector<std::string> variables;
     for (const auto& variable : description.at("variableMeasured"))
         variables.push_back(variable.at("name"));
-    const auto files = data_files(folder.path);
+    const auto files = data_files(folder.path());
     ASSERT_EQ(files.size(), 1u);
     EXPECT_EQ(files[0].filename(), "subject-03_session-1_data.csv");
     const std::string text = read_file(files[0]);
@@ -448,24 +425,24 @@ void expect_psych_ds(const Experiment& one, const std::string& name, std::size_t
     EXPECT_EQ(columns, joined);
     EXPECT_EQ(columns.find("standard") != std::string::npos, one.spec.task == Task::compare);
     EXPECT_EQ(read_rows(files[0]).size(), trials);
-    EXPECT_TRUE(fs::exists(folder.path / "paths" / path)) << path;
+    EXPECT_TRUE(fs::exists(folder / "paths" / path)) << path;
 }
 
 TEST(SessionRecords, KeepToPsychDs) {
-    expect_psych_ds(small(), "psychds", 6, "subject-03_session-1_trial-6.csv");
-    expect_psych_ds(comparison(), "psychds", 24, "subject-03_session-1_trial-24_interval-2.csv");
-    expect_psych_ds(comparison("track = \"facets\"\n"), "psychds", 8, "subject-03_session-1_trial-8_interval-1.csv");
+    expect_psych_ds(small(), 6, "subject-03_session-1_trial-6.csv");
+    expect_psych_ds(comparison(), 24, "subject-03_session-1_trial-24_interval-2.csv");
+    expect_psych_ds(comparison("track = \"facets\"\n"), 8, "subject-03_session-1_trial-8_interval-1.csv");
 }
 
 // Answers of many trials against the shares that they were drawn from.
 TEST(SimulatedSessions, AnswerByTheObserversShares) {
-    const Folder folder("shares");
+    const Folder folder;
     const Experiment one = parse_experiment("[experiment]\ntrials = 400\n[surface]\nradius = \"1000 mil\"\nfacets = "
                                             "[2, 3]\n[force]\nshading = [\"none\", \"reference\"]\n",
                                             "e.toml");
     const auto observer = make_observer(one);
-    run_session(one, *observer, {folder.path, {"01", 1, "observer", "simulated"}, false});
-    const auto rows = read_rows(data_files(folder.path)[0]);
+    run_session(one, *observer, {folder.path(), {"01", 1, "observer", "simulated"}, false});
+    const auto rows = read_rows(data_files(folder.path())[0]);
     double chi = 0;
     int degrees = 0;
     for (const Case& stimulus : one.study.cases) {

@@ -1,5 +1,6 @@
 // fuzz_seeds FOLDER: writes FOLDER/TARGET/..., small inputs that the program itself makes or that are in tests/data,
 // and FOLDER/TARGET.dict, the words of the target's language.
+#include <cstring>
 #include <fstream>
 #include <random>
 #include <set>
@@ -146,58 +147,21 @@ void add_meshes(Seeds& seeds) {
     std::string obj = "made by\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\\\nl 1 2\np 1\nf 1 2\nf 1 2 \\ \n 3\n";
     obj.insert(obj.begin(), '\0');
     seeds.add("mesh_file", obj);
-    seeds.add_words("mesh_file", {"v ",
-                                  "vn ",
-                                  "vt ",
-                                  "f ",
-                                  "\n",
-                                  "\r\n",
-                                  "# ",
-                                  "//",
-                                  "\\\n",
-                                  "OFF\n",
-                                  "COFF",
-                                  "NOFF",
-                                  "4OFF",
-                                  "BINARY",
-                                  "ply\n",
-                                  "format ",
-                                  "ascii 1.0",
-                                  "binary_little_endian",
-                                  "binary_big_endian",
-                                  "element vertex ",
-                                  "element face ",
-                                  "property list ",
-                                  "property ",
-                                  "uchar",
-                                  "int ",
-                                  "float ",
-                                  "double ",
-                                  "short ",
-                                  "vertex_indices",
-                                  "end_header\n",
-                                  "comment ",
-                                  "obj_info ",
-                                  "tristrips ",
-                                  " -1 ",
-                                  "element edge ",
-                                  "l 1 2\n",
-                                  "usemtl a\\\n",
-                                  "solid ",
-                                  "facet normal ",
-                                  "outer loop\n",
-                                  "vertex ",
-                                  "endloop\n",
-                                  "endfacet\n",
-                                  "endsolid",
-                                  "nan",
-                                  "inf",
-                                  "1e308",
-                                  "-0",
-                                  " x\n",
-                                  " y\n",
-                                  " z\n",
-                                  " nx\n"});
+    std::set<std::string> words;
+    for (const char* line :
+         {"v |vn |vt |f |\n|\r\n|# |//|\\\n|OFF\n|COFF|NOFF|",
+          "4OFF|BINARY|ply\n|format |ascii 1.0|binary_little_endian|binary_big_endian|element vertex |element face "
+          "|property list |property |uchar|",
+          "int |float |double |short |vertex_indices|end_header\n|comment |obj_info |tristrips | -1 |element edge |l 1 "
+          "2\n|",
+          "usemtl a\\\n|solid |facet normal |outer loop\n|vertex |endloop\n|endfacet\n|endsolid|nan|inf|1e308|-0|",
+          " x\n| y\n| z\n| nx\n|"})
+        for (const char* word = line; *word;) {
+            const char* const end = std::strchr(word, '|');
+            words.emplace(word, end);
+            word = end + 1;
+        }
+    seeds.add_words("mesh_file", words);
     // Of soups and god-objects any bytes are one.
     std::mt19937 random(1);
     add_random(seeds, "prepare", random, 256);
