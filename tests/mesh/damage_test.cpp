@@ -104,42 +104,30 @@ void expect_right(const Damage& most, const MeshPlacement& placement, unsigned m
 constexpr MeshPlacement kTurned{.unit = 1e-3, .scale = 1.7, .rotate = {0.3, 1.1, -0.7}, .translate = {0.01, 0.02, 0.7}};
 constexpr MeshPlacement kFar{.unit = 1, .scale = 1, .rotate = {0.3, 1.1, -0.7}, .translate = {1000, -300, 20}};
 
-TEST(Damage, NoneIsRight) {
-    expect_right({}, {}, 60, "sound");
-}
-
-TEST(Damage, Caps) {
-    expect_right({.caps = 1}, {}, 120, "one cap");
-    expect_right({.caps = 100}, {}, 120, "caps");
-}
-
-TEST(Damage, CapsThatPlacingHasRounded) {
-    expect_right({.caps = 1}, kTurned, 120, "one cap turned");
-    expect_right({.caps = 100}, kTurned, 120, "caps turned");
-    expect_right({.caps = 100}, kFar, 120, "caps far");
-}
-
-TEST(Damage, Needles) {
-    expect_right({.needles = 30}, {}, 120, "needles");
-    expect_right({.needles = 30}, kTurned, 120, "needles turned");
-}
-
-TEST(Damage, Repeats) {
-    expect_right({.repeats = 1}, {}, 120, "one repeat");
-    expect_right({.repeats = 100}, kTurned, 120, "repeats");
-}
-
-TEST(Damage, Strays) {
-    expect_right({.strays = 1}, {}, 120, "at most one stray");
+TEST(Damage, ChangesNothing) {
+    struct Row {
+        const char* what;
+        Damage most;
+        MeshPlacement placement;
+        unsigned meshes = 120;
+    };
     // Of a mesh that is given once as it is and once turned over, neither side could be told from the other.
-    expect_right({.strays = 10}, kTurned, 120, "strays");
-    expect_right({.repeats = 20, .strays = 10}, kFar, 120, "repeats and strays");
-}
-
-TEST(Damage, AllAtOnce) {
-    expect_right({.caps = 60, .needles = 20, .repeats = 40}, {}, 200, "all");
-    expect_right({.caps = 60, .needles = 20, .repeats = 40}, kTurned, 200, "all turned");
-    expect_right({.caps = 60, .needles = 20, .repeats = 40, .strays = 3}, kTurned, 200, "all with strays");
+    for (const Row& row : {Row{"sound", {}, {}, 60},
+                           {"one cap", {.caps = 1}, {}},
+                           {"caps", {.caps = 100}, {}},
+                           {"one cap turned", {.caps = 1}, kTurned},
+                           {"caps turned", {.caps = 100}, kTurned},
+                           {"caps far", {.caps = 100}, kFar},
+                           {"needles", {.needles = 30}, {}},
+                           {"needles turned", {.needles = 30}, kTurned},
+                           {"one repeat", {.repeats = 1}, {}},
+                           {"repeats", {.repeats = 100}, kTurned},
+                           {"at most one stray", {.strays = 1}, {}},
+                           {"strays", {.strays = 10}, kTurned},
+                           {"repeats and strays", {.repeats = 20, .strays = 10}, kFar},
+                           {"all", {.caps = 60, .needles = 20, .repeats = 40}, {}, 200},
+                           {"all with strays", {.caps = 60, .needles = 20, .repeats = 40, .strays = 3}, kTurned, 200}})
+        expect_right(row.most, row.placement, row.meshes, row.what);
 }
 
 } // namespace

@@ -1,16 +1,22 @@
 // Polygon files of every format and flavour, and those that are refused.
-#include "host/mesh/mesh_file.h"
-
 #include <clocale>
 #include <fstream>
 #include <limits>
 #include <locale>
+#include <sstream>
 
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/IO/OBJ.h>
+#include <CGAL/IO/OFF.h>
+#include <CGAL/IO/PLY.h>
+#include <CGAL/IO/STL.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/mesh/mesh_file.h"
 #include "tests/io/folder.h"
+#include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"
 
 namespace forceshade {
@@ -30,6 +36,13 @@ protected:
     template <typename E> std::string refusal(const std::string& name, const std::string& bytes) {
         const auto path = write(name, bytes);
         return message_of<E>([&] { read_polygons(path); });
+    }
+    /// Refused with an error that says all of `words`.
+    template <typename E>
+    void expect_refused(const std::string& name, const std::string& bytes, const std::string& words) {
+        const std::string said = refusal<E>(name, bytes);
+        EXPECT_NE(said.find(words), std::string::npos) << "no \"" << words << "\" in \"" << said << "\", of:\n"
+                                                       << bytes;
     }
     void expect_same_in_this_locale();
     testing::Folder folder_;
@@ -109,8 +122,7 @@ TEST_F(MeshFiles, ObjRefusals) {
                                                           {"v 1 2 3y\n", "\"3y\""},
                                                           {"vertex 1 2 3\n", "unknown OBJ keyword"},
                                                           {"f 1 2 \\", "continued"}})
-        EXPECT_NE(refusal<IoError>("a.obj", vertices + line).find(words), std::string::npos)
-            << line << refusal<IoError>("a.obj", vertices + line);
+        expect_refused<IoError>("a.obj", vertices + line, words);
 }
 
 TEST_F(MeshFiles, OffFlavours) {
@@ -118,11 +130,9 @@ TEST_F(MeshFiles, OffFlavours) {
     expect_same(read("b.off", "# first\nCOFF 3 1 0 # c\n\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n0 1 0 0 0 0 0\n3 0 1\n 2"),
                 expected);
     expect_same(read("c.off", "OFF\r\n3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2 0.5 0.5 0.5"), expected);
-    EXPECT_NE(
-        refusal<IoError>("f.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n").find(":7: the file goes on"),
-        std::string::npos);
-    EXPECT_NE(refusal<UsageError>("d.off", "OFF BINARY\nxxxx").find("binary OFF"), std::string::npos);
-    EXPECT_NE(refusal<UsageError>("e.off", "4OFF\n1 1 0\n0 0 0 1\n").find("three coordinates"), std::string::npos);
+    expect_refused<IoError>("f.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n", ":7: the file goes on");
+    expect_refused<UsageError>("d.off", "OFF BINARY\nxxxx", "binary OFF");
+    expect_refused<UsageError>("e.off", "4OFF\n1 1 0\n0 0 0 1\n", "three coordinates");
 }
 
 TEST_F(MeshFiles, PlyPropertiesInAnyOrderAndOfAnyType) {
@@ -155,8 +165,7 @@ TEST_F(MeshFiles, PlyRefusals) {
              {"ply\nformat ascii 1.0\n", "within its header"},
              {"ply\nelement vertex 1\nend_header\n", "format"},
              {"ply\nformat middle_endian 1.0\n", "middle"}})
-        EXPECT_NE(refusal<IoError>("a.ply", file).find(words), std::string::npos)
-            << words << " in " << refusal<IoError>("a.ply", file);
+        expect_refused<IoError>("a.ply", file, words);
 }
 
 TEST_F(MeshFiles, VerticesAtOnePlaceAreOne) {
@@ -180,15 +189,8 @@ TEST_F(MeshFiles, StlOfSeveralSolidsAndOfAnyCase) {
     EXPECT_EQ(read("b.stl", "solid empty\nendsolid\n").facets(), 0u);
 }
 
-TEST_F(MeshFiles, ATruncatedFileIsNoticed) {
-    for (const auto& [extension, bytes] : testing::all_formats(testing::fine_tetrahedron())) {
-        const std::size_t half = bytes.size() / 2;
-        if (extension != ".obj") { // which announces nothing: only a broken line can be told
-            EXPECT_NE(refusal<IoError>("half" + extension, bytes.substr(0, half)), "") << extension;
-            EXPECT_NE(refusal<IoError>("most" + extension, bytes.substr(0, bytes.size() - 12)), "") << extension;
-        }
-    }
-    const std::string obj = testing::as_obj(testing::fine_tetrahedron());
+TEST_F(MeshFiles, ATruncatedFileIsNoticed) {                              // any prefix: MeshFuzz
+    const std::string obj = testing::as_obj(testing::fine_tetrahedron()); // announces nothing: a broken line is told
     EXPECT_NE(refusal<IoError>("a.obj", obj.substr(0, obj.size() - 4)), "");
     EXPECT_NE(refusal<IoError>("b.obj", obj.substr(0, obj.find("f ")) + "f"), "");
 }
@@ -198,51 +200,44 @@ TEST_F(MeshFiles, ATruncatedListIsNoticed) {
     const std::string bytes = testing::as_ply_binary(testing::fine_tetrahedron(), false);
     for (const std::size_t missing : {std::size_t{1}, std::size_t{13}, std::size_t{14}})
         EXPECT_NE(refusal<IoError>("a.ply", bytes.substr(0, bytes.size() - missing)), "");
-    EXPECT_NE(refusal<IoError>("a.ply", bytes.substr(0, bytes.size() - 13)).find("breaks off"), std::string::npos);
-    EXPECT_NE(refusal<IoError>("a.ply", bytes + "more").find("goes on"), std::string::npos);
+    expect_refused<IoError>("a.ply", bytes.substr(0, bytes.size() - 13), "breaks off");
+    expect_refused<IoError>("a.ply", bytes + "more", "goes on");
 }
 
 TEST_F(MeshFiles, AnnouncedCountsBeyondTheFileAreRefusedAtOnce) {
     const std::string trillion = "1000000000000";
-    EXPECT_NE(refusal<IoError>("a.off", "OFF\n" + trillion + " 1 0\n0 0 0\n").find(trillion), std::string::npos);
-    EXPECT_NE(refusal<IoError>("b.off", "OFF\n1 " + trillion + " 0\n0 0 0\n").find(trillion), std::string::npos);
-    EXPECT_NE(refusal<IoError>("c.off", "OFF\n1 1 0\n0 0 0\n" + trillion + " 0 0 0\n").find(trillion),
-              std::string::npos);
+    expect_refused<IoError>("a.off", "OFF\n" + trillion + " 1 0\n0 0 0\n", trillion);
+    expect_refused<IoError>("b.off", "OFF\n1 " + trillion + " 0\n0 0 0\n", trillion);
+    expect_refused<IoError>("c.off", "OFF\n1 1 0\n0 0 0\n" + trillion + " 0 0 0\n", trillion);
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
         for (const char* element : {"vertex", "face", "other"})
-            EXPECT_NE(refusal<IoError>("a.ply", fmt::format("ply\nformat {} 1.0\nelement {} {}\nproperty float x\n"
-                                                            "property float y\nproperty float z\nproperty list uint "
-                                                            "int vertex_indices\nend_header\n1234567890123456",
-                                                            format, element, trillion))
-                          .find(trillion),
-                      std::string::npos);
+            expect_refused<IoError>("a.ply",
+                                    fmt::format("ply\nformat {} 1.0\nelement {} {}\nproperty float x\n"
+                                                "property float y\nproperty float z\nproperty list uint "
+                                                "int vertex_indices\nend_header\n1234567890123456",
+                                                format, element, trillion),
+                                    trillion);
     // Six times this wraps round to 2.
-    EXPECT_NE(refusal<IoError>("d.off", "OFF\n3074457345618258603 0 0\n0 0 0\n").find("3074457345618258603"),
-              std::string::npos);
+    expect_refused<IoError>("d.off", "OFF\n3074457345618258603 0 0\n0 0 0\n", "3074457345618258603");
     // A list of 2^32 - 1 values.
-    EXPECT_NE(refusal<IoError>("b.ply", "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint int "
-                                        "vertex_indices\nend_header\n\xFF\xFF\xFF\xFF"
-                                        "1234")
-                  .find("4294967295"),
-              std::string::npos);
-    EXPECT_NE(
-        refusal<IoError>("a.stl", std::string(80, 'x') + "\xFF\xFF\xFF\xFF" + std::string(50, '\0')).find("4294967295"),
-        std::string::npos);
+    expect_refused<IoError>("b.ply",
+                            "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint int "
+                            "vertex_indices\nend_header\n\xFF\xFF\xFF\xFF"
+                            "1234",
+                            "4294967295");
+    expect_refused<IoError>("a.stl", std::string(80, 'x') + "\xFF\xFF\xFF\xFF" + std::string(50, '\0'), "4294967295");
 }
 
 TEST_F(MeshFiles, VerticesThatAreNotFiniteAreNamed) {
     for (const char* bad : {"nan", "inf", "-inf", "1e999"}) {
-        EXPECT_NE(refusal<UsageError>("a.obj", fmt::format("v 0 0 0\nv 1 {} 0\nv 0 1 0\nf 1 2 3\n", bad))
-                      .find("vertex 2 of 3"),
-                  std::string::npos);
-        EXPECT_NE(refusal<UsageError>("a.off", fmt::format("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 {}\n3 0 1 2\n", bad))
-                      .find("vertex 3 of 3"),
-                  std::string::npos);
+        expect_refused<UsageError>("a.obj", fmt::format("v 0 0 0\nv 1 {} 0\nv 0 1 0\nf 1 2 3\n", bad), "vertex 2 of 3");
+        expect_refused<UsageError>("a.off", fmt::format("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 {}\n3 0 1 2\n", bad),
+                                   "vertex 3 of 3");
     }
     PolygonSoup soup = testing::fine_tetrahedron();
     soup.vertices[2].y = std::numeric_limits<double>::quiet_NaN();
     for (const auto& [extension, bytes] : testing::all_formats(soup))
-        EXPECT_NE(refusal<UsageError>("b" + extension, bytes).find("finite"), std::string::npos) << extension;
+        expect_refused<UsageError>("b" + extension, bytes, "finite");
     EXPECT_EQ(read("tiny.obj", "v 1e-400 0 0\nv 4e-320 0 0\nv 0 1 0\nf 1 2 3\n").vertices[0].x, 0);
 }
 
@@ -252,20 +247,20 @@ TEST_F(MeshFiles, ExtensionAndContentsMustAgree) {
     EXPECT_NE(wrong.find("the extension says OBJ, but its contents look like PLY; rename it to .ply"),
               std::string::npos)
         << wrong;
-    EXPECT_NE(refusal<UsageError>("a.ply", testing::as_stl_binary(soup)).find("look like STL"), std::string::npos);
-    EXPECT_NE(refusal<UsageError>("a.stl", testing::as_off(soup)).find("look like OFF"), std::string::npos);
-    EXPECT_NE(refusal<UsageError>("a.off", testing::as_obj(soup)).find("look like OBJ"), std::string::npos);
+    expect_refused<UsageError>("a.ply", testing::as_stl_binary(soup), "look like STL");
+    expect_refused<UsageError>("a.stl", testing::as_off(soup), "look like OFF");
+    expect_refused<UsageError>("a.off", testing::as_obj(soup), "look like OBJ");
     const std::string unknown = refusal<UsageError>("a.fbx", testing::as_obj(soup));
     EXPECT_NE(unknown.find(".obj, .off, .ply, .stl"), std::string::npos) << unknown;
     EXPECT_NE(unknown.find("look like OBJ"), std::string::npos) << unknown;
-    EXPECT_NE(refusal<UsageError>("noextension", "\1\2\3").find("none of them"), std::string::npos);
+    expect_refused<UsageError>("noextension", "\1\2\3", "none of them");
 }
 
 TEST_F(MeshFiles, FilesThatCannotBeRead) {
     EXPECT_NE(message_of<IoError>([&] { read_polygons(folder_ / "missing.obj"); }).find("missing.obj"),
               std::string::npos);
     for (const char* name : {"a.obj", "a.off", "a.ply", "a.stl"})
-        EXPECT_NE(refusal<IoError>(name, "").find("empty"), std::string::npos) << name;
+        expect_refused<IoError>(name, "", "empty");
     std::filesystem::create_directory(folder_ / "folder.obj");
     EXPECT_NE(message_of<IoError>([&] { read_polygons(folder_ / "folder.obj"); }).find("regular file"),
               std::string::npos);
@@ -293,10 +288,58 @@ TEST_F(MeshFiles, GermanChangesNothing) {
     std::setlocale(LC_ALL, "C");
 }
 
-TEST_F(MeshFiles, Spot) {
-    const PolygonSoup spot = read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons;
-    EXPECT_EQ(spot.vertices.size(), 2930u);
-    EXPECT_EQ(spot.facets(), 5856u);
+using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+
+struct CgalSoup {
+    std::vector<Point> points;
+    std::vector<std::vector<std::size_t>> polygons;
+};
+
+CgalSoup read_by_cgal(const std::string& extension, const std::string& bytes) {
+    std::istringstream stream(bytes);
+    CgalSoup soup;
+    bool good = false;
+    if (extension == ".obj")
+        good = CGAL::IO::read_OBJ(stream, soup.points, soup.polygons);
+    else if (extension == ".off")
+        good = CGAL::IO::read_OFF(stream, soup.points, soup.polygons);
+    else if (extension == ".ply")
+        good = CGAL::IO::read_PLY(stream, soup.points, soup.polygons);
+    else
+        good = CGAL::IO::read_STL(stream, soup.points, soup.polygons);
+    EXPECT_TRUE(good) << extension;
+    return soup;
+}
+
+void compare(const std::string& extension, const std::string& bytes) {
+    testing::Folder folder;
+    std::ofstream(folder / ("a" + extension), std::ios::binary) << bytes;
+    const PolygonSoup mine = read_polygons(folder / ("a" + extension)).polygons;
+    const CgalSoup other = read_by_cgal(extension, bytes);
+    ASSERT_EQ(mine.vertices.size(), other.points.size()) << extension;
+    for (std::size_t i = 0; i < other.points.size(); ++i)
+        EXPECT_EQ(mine.vertices[i], glm::dvec3(other.points[i].x(), other.points[i].y(), other.points[i].z()));
+    ASSERT_EQ(mine.facets(), other.polygons.size()) << extension;
+    for (std::size_t facet = 0; facet < mine.facets(); ++facet)
+        EXPECT_TRUE(std::equal(other.polygons[facet].begin(), other.polygons[facet].end(),
+                               mine.corners.begin() + mine.begins[facet],
+                               mine.corners.begin() + mine.begins[facet + 1]))
+            << extension << " facet " << facet;
+}
+
+TEST(CgalReaders, ReadTheSame) {
+    for (const PolygonSoup& soup : {testing::fine_tetrahedron(), shapes::icosphere(3)})
+        for (const auto& [extension, bytes] : testing::all_formats(soup))
+            compare(extension, bytes);
+    const PolygonSoup prism = shapes::many_gon_prism(100);
+    compare(".obj", testing::as_obj(prism));
+    compare(".off", testing::as_off(prism));
+    compare(".ply", testing::as_ply_text(prism));
+    compare(".ply", testing::as_ply_binary(prism, true));
+    std::ifstream stream(FORCESHADE_TEST_DATA "/spot.obj", std::ios::binary);
+    std::stringstream spot;
+    spot << stream.rdbuf();
+    compare(".obj", spot.str());
 }
 
 } // namespace

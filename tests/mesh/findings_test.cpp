@@ -1,8 +1,5 @@
 // What inspection finds on meshes whose faults are known.
-#include "host/mesh/exact.h"
 #include "host/mesh/findings.h"
-#include "host/mesh/self_intersections.h"
-#include "host/mesh/surface.h"
 
 #include <algorithm>
 #include <array>
@@ -23,11 +20,6 @@ namespace forceshade {
 namespace {
 
 using shapes::add_facet;
-
-bool says(const MeshFindings& found, const std::string& words) {
-    return std::ranges::any_of(
-        faults(found), [&](const MeshFault& fault) { return sentence(fault).find(words) != std::string::npos; });
-}
 
 PolygonSoup without_last_facet(PolygonSoup soup) {
     soup.begins.pop_back();
@@ -69,7 +61,6 @@ TEST(Findings, AHole) {
     EXPECT_FALSE(found.closed);
     EXPECT_EQ(found.boundary_edges, 4u);
     EXPECT_EQ(found.holes, 1u);
-    EXPECT_TRUE(says(found, "4 boundary edges along 1 hole"));
 }
 
 TEST(Findings, FacetsTurnedInward) {
@@ -77,13 +68,11 @@ TEST(Findings, FacetsTurnedInward) {
     const MeshFindings one = inspect(reversed(cube, 2));
     EXPECT_EQ(one.misoriented_edges, 4u);
     EXPECT_TRUE(one.closed);
-    EXPECT_TRUE(says(one, "4 edges between facets of opposite orientation"));
     for (std::size_t facet = 0; facet < 6; ++facet)
         cube = reversed(cube, facet);
     const MeshFindings all = inspect(cube);
     EXPECT_EQ(all.misoriented_edges, 0u);
     EXPECT_DOUBLE_EQ(all.volume, -8);
-    EXPECT_TRUE(says(all, "the mesh faces inward"));
 }
 
 TEST(Findings, NonManifoldEdgeAndVertices) {
@@ -92,7 +81,6 @@ TEST(Findings, NonManifoldEdgeAndVertices) {
     for (const std::uint32_t tip : {2u, 3u, 4u})
         add_facet(fan, {0, 1, tip});
     EXPECT_EQ(inspect(fan).non_manifold_edges, 1u);
-    EXPECT_TRUE(says(inspect(fan), "1 edge of more than two facets"));
 
     PolygonSoup hourglass; // two tetrahedra that share a tip, closed fans both
     hourglass.vertices = {{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {1, 0, -1}, {-1, 1, -1}, {-1, -1, -1}};
@@ -124,9 +112,6 @@ TEST(Findings, FacetsThatAreDegenerateDuplicateOrRepeatACorner) {
     EXPECT_EQ(found.degenerate_facets, 2u);
     EXPECT_EQ(found.unused_vertices, 1u);
     EXPECT_LT(found.high.x, 10); // the unused vertex is not in the box
-    for (const char* words : {"2 facets given once more", "1 facet coming to a vertex twice", "2 facets without area",
-                              "1 vertex that no facet uses"})
-        EXPECT_TRUE(says(found, words)) << words;
 }
 
 TEST(Findings, RedundantFacetsEnterNothing) {
@@ -153,7 +138,6 @@ TEST(Findings, SheetsAndWallsAreToldOf) {
     const MeshFindings found = inspect(sheet);
     EXPECT_EQ(found.opposed_facets, 1u);
     EXPECT_EQ(found.redundant_facets, 0u);
-    EXPECT_TRUE(says(found, "1 pair of facets that coincide and face opposite ways"));
     // Two cubes that share a face, each with its own.
     const PolygonSoup cube = shapes::cube();
     const MeshFindings cells = inspect(shapes::merged(cube, shapes::moved(cube, glm::dvec3(1), {2, 0, 0})));
@@ -166,10 +150,8 @@ TEST(Findings, SelfIntersections) {
     const MeshFindings apart = inspect(shapes::merged(cube, shapes::moved(cube, glm::dvec3(1), {3, 0, 0})));
     EXPECT_EQ(apart.self_intersections, 0u);
     EXPECT_EQ(apart.components, 2u);
-    EXPECT_TRUE(says(apart, "2 separate pieces"));
     const PolygonSoup crossing = shapes::merged(cube, shapes::moved(cube, glm::dvec3(1), {0.51, 0.52, 0.53}));
     EXPECT_GT(inspect(crossing).self_intersections, 5u);
-    EXPECT_TRUE(says(inspect(crossing), "touch or cross"));
     EXPECT_FALSE(inspect(crossing, 3).self_intersections.has_value());
     EXPECT_EQ(inspect(shapes::nested_shells(2, true)).self_intersections, 0u);
 }
@@ -206,13 +188,8 @@ TEST(Findings, SelfIntersectionsAreThoseOfAllPairs) {
 }
 
 TEST(Findings, CornersAtTheSamePlaceAreNoIntersection) {
-    PolygonSoup soup = shapes::icosphere(2), torn;
-    for (std::size_t i = 0; i < soup.corners.size(); ++i) {
-        torn.vertices.push_back(soup.vertices[soup.corners[i]]);
-        torn.corners.push_back(static_cast<std::uint32_t>(i));
-    }
-    torn.begins = soup.begins;
-    const MeshFindings found = inspect(torn);
+    const PolygonSoup soup = shapes::icosphere(2);
+    const MeshFindings found = inspect(shapes::split(soup));
     EXPECT_EQ(found.self_intersections, 0u);
     EXPECT_EQ(found.components, soup.facets());
 }

@@ -3,11 +3,9 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "host/reference/god_object.h"
-#include "tests/mesh/god_object_walks.h"
+#include "tests/mesh/god_object_run.h"
 
 namespace forceshade {
 namespace {
@@ -23,34 +21,31 @@ PrecisionError compare(const walks::Terrain& terrain) {
     constexpr unsigned kSteps = 12;
     constexpr double kJitter = 4 * double(reference::Skin<float>::kWidth);
     const unsigned strokes = terrain.valence > 100 ? 2000 : 20000;
-    const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
-    const MeshTables<float> tables32 = make_mesh_tables<float>(structure, 1.0);
-    const MeshTables<double> tables64 = make_mesh_tables<double>(structure, 1.0);
-    const layout::MeshView<float> mesh32 = tables32.view();
-    const layout::MeshView<double> mesh64 = tables64.view();
-    auto around32 = std::make_unique<reference::Neighbourhood<float>>();
-    auto around64 = std::make_unique<reference::Neighbourhood<double>>();
-    auto around_other = std::make_unique<reference::Neighbourhood<double>>();
+    walks::Run<float> run32(terrain.polygons);
+    walks::Run<double> run64(terrain.polygons), other(terrain.polygons);
+    const auto follow = [](auto& run, const auto& probe) {
+        return reference::update(run.mesh, run.state, *run.around, probe);
+    };
     PrecisionError error;
     for (unsigned stroke = 0; stroke < strokes; ++stroke) {
-        walks::Stroker walk(structure, stroke);
-        reference::GodObject<float> state32;
-        reference::GodObject<double> state64;
+        walks::Stroker walk(run64.structure, stroke);
+        run32.state = {};
+        run64.state = {};
         glm::dvec3 place(0);
         for (unsigned step = 0; step < kSteps; ++step) {
             place = step == 0 ? walk.begin() : walk.step(place);
             const glm::vec3 probe32(place);
             const glm::dvec3 probe = walks::wide(probe32);
-            const reference::GodObject<double> before = state64;
-            const glm::dvec3 contact32 = walks::wide(reference::update(mesh32, state32, *around32, probe32).proxy);
-            const reference::GodObjectContact<double> answer64 = reference::update(mesh64, state64, *around64, probe);
+            const reference::GodObject<double> before = run64.state;
+            const glm::dvec3 contact32 = walks::wide(follow(run32, probe32).proxy);
+            const reference::GodObjectContact<double> answer64 = follow(run64, probe);
             const glm::dvec3 contact64 = answer64.proxy;
             const double far = glm::length(contact64 - contact32);
             double nearest = far;
             for (int i = 0; i < 27 && nearest > kJitter; ++i) {
-                reference::GodObject<double> other = before;
+                other.state = before;
                 const glm::dvec3 aside = kJitter * glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-                const glm::dvec3 there = reference::update(mesh64, other, *around_other, probe + aside).proxy;
+                const glm::dvec3 there = follow(other, probe + aside).proxy;
                 nearest = std::min(nearest, glm::length(there - contact32));
             }
             ++error.steps;
@@ -75,7 +70,7 @@ std::string read_table() {
     return text.str();
 }
 
-TEST(GodObjectPrecision, single_errs_as_the_table_says) {
+TEST(GodObjectPrecision, SingleErrsAsTheTableSays) {
     std::vector<walks::Terrain> all;
     for (const double degrees : {60.0, 10.0, 1.0, 0.3, 0.1, 0.03})
         all.push_back({fmt::format("wedge of {}°", degrees), walks::sharp_wedge(degrees)});

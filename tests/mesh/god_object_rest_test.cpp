@@ -1,14 +1,9 @@
 // L6: one update converges fully, at folded corners of many triangles too: from where the proxy rests a solver that
 // walks on the surface itself goes no further, and the same probe given again moves nothing.
-#include <cstdlib>
-
 #include <fmt/format.h>
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "host/reference/god_object.h"
-#include "tests/mesh/god_object_referee.h"
-#include "tests/mesh/god_object_walks.h"
+#include "tests/mesh/god_object_run.h"
 
 namespace forceshade {
 namespace {
@@ -31,25 +26,25 @@ struct RestTally {
     std::uint64_t again = 0;     /* moved on when the same probe was given again */
     std::uint64_t stuck = 0;     /* rested where the solver goes on */
     std::uint64_t elsewhere = 0; /* rests elsewhere than the solver that came the same way, and no worse by itself */
+    std::uint64_t ties = 0;      /* the same where the solver might have gone either way */
 };
 
 template <typename T> class Path {
 public:
-    static constexpr double kSkin = double(reference::Skin<T>::kWidth);
+    static constexpr double kSkin = walks::Run<T>::kSkin;
     static constexpr double kFlush = std::is_same_v<T, double> ? 1e-12 : kSkin / 8;
     static constexpr double kApart = std::is_same_v<T, double> ? 1e-9 : 16 * kSkin;
 
     Path(const walks::Terrain& terrain, std::uint64_t seed)
-        : structure_(build_structure(shapes::mesh_of(terrain.polygons))), tables_(make_mesh_tables<T>(structure_, 1.0)),
-          mesh_(tables_.view()), triangles_(brute::Triangles::of(mesh_.vertices, mesh_.triangle_corners)),
-          grid_(triangles_), beside_(walker_of(mesh_)), after_(beside_), wanderer_(structure_, seed, terrain.focus) {}
+        : run_(terrain.polygons), beside_(walker_of(run_.mesh)), after_(beside_),
+          wanderer_(run_.structure, seed, terrain.focus) {}
 
     void wander(std::uint64_t steps, RestTally& tally) {
         bool fresh = true;
         for (std::uint64_t i = 0; i < steps; ++i) {
             at_ = fresh || i % 500 == 0 ? wanderer_.begin() : wanderer_.step(at_);
             if (fresh || i % 500 == 0) {
-                state_ = {};
+                run_.state = {};
                 beside_.begin(walks::wide(glm::vec<3, T>(at_)));
             }
             fresh = !step(tally);
@@ -60,27 +55,22 @@ private:
     /// False if the proxy and the solver are on different ways from here.
     bool step(RestTally& tally) {
         const glm::vec<3, T> probe(at_);
-        bool crossed = false;
-        const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
-            crossed = crossed || grid_.touches(walks::wide(from), walks::wide(to));
-        };
-        const auto contact = reference::update(mesh_, state_, *around_, probe, trace);
-        reference::GodObject<T> same = state_;
-        const auto again = reference::update(mesh_, same, *around_, probe);
-        beside_.update(walks::wide(probe));
-        const bool apart = glm::length(walks::wide(contact.proxy) - beside_.proxy()) > kApart;
+        const auto contact = run_.update(probe);
+        const bool rests = beside_.update(walks::wide(probe));
+        const bool apart = !rests || glm::length(walks::wide(contact.proxy) - beside_.proxy()) > kApart;
         ++tally.steps;
         tally.contacts += contact.touching;
-        tally.crossed += crossed;
-        tally.again += glm::length(walks::wide(again.proxy) - walks::wide(contact.proxy)) > 2 * kSkin;
-        tally.elsewhere += apart;
+        tally.crossed += run_.crossed;
+        tally.again += run_.moves_again(probe, contact) > 2 * kSkin;
+        // Two ways down from a corner about as steep as each other: the skin may send the proxy down the other.
+        (beside_.margin() < 0.05L ? tally.ties : tally.elsewhere) += apart;
         tally.stuck += contact.touching && goes_on(contact, probe);
         return !apart;
     }
 
     bool goes_on(const reference::GodObjectContact<T>& contact, const glm::vec<3, T>& probe) {
         const std::uint32_t triangle = contact.triangles[0];
-        const auto normal = reference::vector_at(mesh_.triangle_normals, triangle);
+        const auto normal = reference::vector_at(run_.mesh.triangle_normals, triangle);
         after_.begin_on(triangle, walks::wide(contact.proxy), dot(normal, contact.normals[0]) > 0, kFlush);
         after_.update(walks::wide(probe));
         const double gain =
@@ -88,15 +78,9 @@ private:
         return gain > 4 * kSkin && glm::length(after_.proxy() - walks::wide(contact.proxy)) > kApart;
     }
 
-    MeshStructure structure_;
-    MeshTables<T> tables_;
-    layout::MeshView<T> mesh_;
-    brute::Triangles triangles_;
-    brute::TriangleGrid grid_;
+    walks::Run<T> run_;
     brute::SurfaceWalker beside_, after_;
     walks::Wanderer wanderer_;
-    std::unique_ptr<reference::Neighbourhood<T>> around_ = std::make_unique<reference::Neighbourhood<T>>();
-    reference::GodObject<T> state_;
     dvec3 at_{0};
 };
 
@@ -104,18 +88,12 @@ private:
 /// thousands of contacts that neither stride nor walk finds. In float those of a corner of many triangles are not, for
 /// as far as thousands of skins.
 template <typename T> void expect_rest(const std::string& name, const RestTally& tally, bool narrow) {
-    fmt::print("{:14} {} steps, {} contacts: {} crossed, {} again, {} stuck, {} elsewhere\n", name, tally.steps,
-               tally.contacts, tally.crossed, tally.again, tally.stuck, tally.elsewhere);
     EXPECT_EQ(tally.crossed, 0u) << name;
     EXPECT_GT(tally.contacts, tally.steps / 20) << name;
     const bool exact = std::is_same_v<T, double>;
     EXPECT_LE(tally.again, exact ? 0 : tally.contacts / 2000) << name;
     EXPECT_LE(tally.stuck, exact ? tally.steps / 30000 : tally.contacts / (narrow ? 10 : 200)) << name;
-    EXPECT_LE(tally.elsewhere, tally.contacts / (exact ? 100 : narrow ? 8 : 25)) << name;
-}
-
-bool is_long() {
-    return std::getenv("FORCESHADE_LONG") != nullptr;
+    EXPECT_LE(tally.elsewhere + tally.ties, tally.contacts / (exact ? 100 : narrow ? 8 : 25)) << name;
 }
 
 /// Fans round a corner below or amid their rim, more and more folded.
@@ -123,7 +101,7 @@ template <typename T> void rest_on_stars() {
     for (const unsigned valence : {4U, 6U, 8U, 12U, 40U})
         for (const double relief : {0.2, 0.4, 0.8}) {
             RestTally tally;
-            for (unsigned seed = 1; seed <= (is_long() ? 50 : 5); ++seed)
+            for (unsigned seed = 1; seed <= (walks::in_long_form() ? 50 : 5); ++seed)
                 for (const double depth : {0.0, 0.3})
                     Path<T>({"star", walks::pit(valence, relief, seed, depth), valence, dvec3(0, 0, -depth)}, seed)
                         .wander(300, tally);
@@ -134,7 +112,7 @@ template <typename T> void rest_on_stars() {
 template <typename T> void rest_in_pits() {
     for (const walks::Terrain& terrain : walks::pits()) {
         RestTally tally;
-        Path<T>(terrain, 1).wander(is_long() ? 30000 : 200000 / (100 + terrain.valence), tally);
+        Path<T>(terrain, 1).wander(walks::in_long_form() ? 30000 : 200000 / (100 + terrain.valence), tally);
         expect_rest<T>(terrain.name, tally, terrain.valence > 40);
     }
 }
@@ -152,36 +130,43 @@ walks::Terrain rough(unsigned cells, double relief, unsigned seed) {
 template <typename T> void rest_on_rough_terrain() {
     for (const double relief : {1.0, 3.0, 8.0}) {
         RestTally tally;
-        for (unsigned seed = 1; seed <= (is_long() ? 100 : 6); ++seed)
+        for (unsigned seed = 1; seed <= (walks::in_long_form() ? 100 : 6); ++seed)
             Path<T>(rough(16, relief, seed), seed).wander(3000, tally);
-        fmt::print("rough {} f{}: {} steps, {} contacts: {} crossed, {} again, {} stuck, {} elsewhere\n", relief,
-                   8 * sizeof(T), tally.steps, tally.contacts, tally.crossed, tally.again, tally.stuck,
-                   tally.elsewhere);
         EXPECT_EQ(tally.crossed, 0u) << relief;
         const bool exact = std::is_same_v<T, double>;
-        EXPECT_LE(tally.stuck, exact && relief < 8 && !is_long() ? 0 : tally.contacts / (exact ? 3000 : 2000))
+        EXPECT_LE(tally.stuck,
+                  exact && relief < 8 && !walks::in_long_form() ? 0 : tally.contacts / (exact ? 3000 : 2000))
             << relief;
         EXPECT_LE(tally.again, tally.contacts / 5000) << relief;
     }
 }
 
-TEST(GodObjectRest, OnRoughTerrainDouble) {
+TEST(GodObjectRest, OnRoughTerrain) {
     rest_on_rough_terrain<double>();
-}
-TEST(GodObjectRest, OnRoughTerrainFloat) {
     rest_on_rough_terrain<float>();
 }
-TEST(GodObjectRest, OnStarsDouble) {
+TEST(GodObjectRest, OnStars) {
     rest_on_stars<double>();
-}
-TEST(GodObjectRest, OnStarsFloat) {
     rest_on_stars<float>();
 }
-TEST(GodObjectRest, InPitsDouble) {
+TEST(GodObjectRest, InPits) {
     rest_in_pits<double>();
-}
-TEST(GodObjectRest, InPitsFloat) {
     rest_in_pits<float>();
+}
+
+// Folds and polyhedra touch themselves, which the solver does not know.
+TEST(GodObjectRest, WhereTheSolverDoes) {
+    RestTally all;
+    for (const walks::Terrain& terrain : walks::terrains()) {
+        if (terrain.name == "folds" || terrain.name == "polyhedra")
+            continue;
+        RestTally tally;
+        Path<double>(terrain, 99).wander(walks::in_long_form() ? 200000 : 10000, tally);
+        EXPECT_EQ(tally.elsewhere + tally.crossed, 0u) << terrain.name;
+        all.contacts += tally.contacts;
+        all.ties += tally.ties;
+    }
+    EXPECT_LE(all.ties, all.contacts / 10000);
 }
 
 } // namespace

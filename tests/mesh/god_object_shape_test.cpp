@@ -1,12 +1,9 @@
 // L6 on shapes whose answer is known: edges, corners, plates, symmetry, bad numbers, degenerate meshes.
 #include <limits>
-#include <memory>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "host/reference/god_object.h"
-#include "tests/mesh/god_object_walks.h"
+#include "tests/mesh/god_object_run.h"
 
 namespace forceshade {
 namespace {
@@ -14,24 +11,17 @@ namespace {
 using glm::dvec3;
 
 /// A god-object on a mesh, spoken to in metres.
-template <typename T> struct Touchpad {
-    explicit Touchpad(PolygonSoup polygons)
-        : structure(build_structure(shapes::mesh_of(std::move(polygons)))), tables(make_mesh_tables<T>(structure, 1.0)),
-          mesh(tables.view()) {}
+template <typename T> struct Touchpad : walks::Run<T> {
+    using walks::Run<T>::Run;
 
     reference::GodObjectContact<T> at(const dvec3& world) {
-        probe = glm::vec<3, T>(to_mesh_frame(structure, world));
-        contact = reference::update(mesh, state, *around, probe);
+        probe = glm::vec<3, T>(to_mesh_frame(this->structure, world));
+        contact = this->update(probe);
         EXPECT_TRUE(contact.finished);
         return contact;
     }
-    dvec3 proxy() const { return dvec3(contact.proxy) * structure.scale + structure.centre; }
+    dvec3 proxy() const { return dvec3(contact.proxy) * this->structure.scale + this->structure.centre; }
 
-    MeshStructure structure;
-    MeshTables<T> tables;
-    layout::MeshView<T> mesh;
-    reference::GodObject<T> state;
-    std::unique_ptr<reference::Neighbourhood<T>> around = std::make_unique<reference::Neighbourhood<T>>();
     glm::vec<3, T> probe{0};
     reference::GodObjectContact<T> contact{};
 };
@@ -207,21 +197,18 @@ TYPED_TEST(GodObjectShape, WhatWasNearBeforeDoesNotMatter) {
     }
 }
 
-TYPED_TEST(GodObjectShape, OpenDuplicateNeedleAndSliverMeshes) {
-    PolygonSoup twice = shapes::single_triangle();
-    twice = shapes::merged(twice, twice);
-    for (PolygonSoup soup : {shapes::single_triangle(), twice, shapes::needle_fan(1000, 1.0),
-                             shapes::sliver_box(64, 1e8), shapes::many_gon_prism(300)}) {
-        Touchpad<TypeParam> pad(soup);
-        walks::Wanderer wanderer(pad.structure, 3);
-        dvec3 at = wanderer.begin();
-        for (int i = 0; i < 4000; ++i) {
-            at = i % 200 == 0 ? wanderer.begin() : wanderer.step(at);
-            if (i % 200 == 0)
-                pad.state = {};
-            const auto contact = reference::update(pad.mesh, pad.state, *pad.around, glm::vec<3, TypeParam>(at));
-            ASSERT_TRUE(contact.finished) << i;
-        }
+// No ripple: along a row of edges exactly, and across them all.
+TEST(GodObjectForce, OfAPlaneOfManyTrianglesIsThatOfAPlane) {
+    for (const double slant : {0.0, 0.31}) {
+        Touchpad<double> pad(shapes::patch(shapes::Cells::triangles, 40, [](double x, double) { return 0.25 * x; }));
+        pad.at({-0.45, -0.2, 2});
+        const auto force_at = [&](double share) {
+            pad.at(dvec3(-0.45, -0.2, -0.15) + share * dvec3(0.9, slant, 0.225));
+            return pad.contact.proxy - pad.probe;
+        };
+        const dvec3 first = force_at(0);
+        for (int i = 1; i <= 7000; ++i)
+            ASSERT_LE(glm::length(force_at(i / 7000.0) - first), 1e-15) << i;
     }
 }
 
@@ -247,6 +234,97 @@ TEST(GodObjectForce, ShadedFromBothSides) {
     const auto free = reference::mesh_contact(law, pad.at({0, 0, 0}), pad.probe);
     EXPECT_EQ(free.force, glm::dvec3(0));
     EXPECT_EQ(free.facet, layout::kNoFacet);
+}
+
+/// A floor of two facets and, on its right half, a wall across it; leaning over by `turn`.
+PolygonSoup room(double turn) {
+    PolygonSoup soup;
+    soup.vertices = {{-1, -1, 0},  {1, -1, 0},  {1, 1, 0},     {-1, 1, 0},
+                     {0.5, -1, 0}, {0.5, 1, 0}, {0.5, 1, 0.5}, {0.5, -1, 0.5}};
+    shapes::add_facet(soup, {0, 1, 2, 3});
+    shapes::add_facet(soup, {4, 5, 6, 7});
+    for (dvec3& v : soup.vertices)
+        v = {std::cos(turn) * v.x - std::sin(turn) * v.z, v.y, std::sin(turn) * v.x + std::cos(turn) * v.z};
+    return soup;
+}
+
+template <typename T> struct Room : walks::Run<T> {
+    explicit Room(double turn) : walks::Run<T>(room(turn)), sine(std::sin(turn)), cosine(std::cos(turn)) {}
+
+    /// Takes the probe there, in the room's own directions, and looks whether the way passes something.
+    void go(const dvec3& in_room) {
+        const dvec3 world(cosine * in_room.x - sine * in_room.z, in_room.y, sine * in_room.x + cosine * in_room.z);
+        contact = this->update(glm::vec<3, T>(to_mesh_frame(this->structure, world)));
+        EXPECT_TRUE(contact.finished && !this->crossed);
+    }
+    dvec3 proxy() const {
+        const dvec3 world = dvec3(contact.proxy) * this->structure.scale + this->structure.centre;
+        return {cosine * world.x + sine * world.z, world.y, cosine * world.z - sine * world.x};
+    }
+
+    double sine, cosine;
+    reference::GodObjectContact<T> contact{};
+};
+
+template <typename T> class GodObjectFar : public testing::Test {
+protected:
+    static constexpr bool kDouble = std::is_same_v<T, double>;
+    static constexpr double kSkin = double(reference::Skin<T>::kWidth);
+    static constexpr int kMostPower = kDouble ? 48 : 20;
+};
+TYPED_TEST_SUITE(GodObjectFar, Precisions);
+
+TYPED_TEST(GodObjectFar, AWallStopsAsWellAsTheProbeIsKnown) {
+    for (const double turn : {0.0, 0.3})
+        for (int power = 0; power <= this->kMostPower; ++power) {
+            const double depth = std::ldexp(1.0, power), crumb = turn > 0 ? 1e-6 : 0;
+            const double rounding = turn > 0 ? 4 * depth * double(std::numeric_limits<TypeParam>::epsilon()) : 0;
+            Room<TypeParam> room(turn);
+            room.go({0.1, -0.3, 0.5});
+            room.go({0.1, -0.3, -0.5});
+            for (const char* time : {"once", "again"}) {
+                room.go({0.7 + 2 * rounding, 0.6, -depth});
+                EXPECT_NEAR(room.proxy().x, 0.5, (turn > 0 ? 3 : 2) * this->kSkin + crumb) << power << ' ' << time;
+                EXPECT_NEAR(room.proxy().y, 0.6, 2 * this->kSkin + 1e-6) << power << ' ' << time;
+                EXPECT_NEAR(room.proxy().z, 0, 2 * this->kSkin + rounding + crumb) << power << ' ' << time;
+                room.go({0.2, 0.1, -depth});
+                EXPECT_NEAR(room.proxy().x, 0.2, 2 * this->kSkin + rounding + 1e-6) << power << ' ' << time;
+            }
+        }
+}
+
+TYPED_TEST(GodObjectFar, FromOneSideToTheOther) {
+    for (int power = 1; power <= (this->kDouble ? 48 : 40); ++power) {
+        const double far = std::ldexp(1.0, power);
+        for (const double side : {1.0, -1.0}) {
+            Room<TypeParam> upright(0);
+            upright.go({0.1, -0.3, side * far});
+            EXPECT_FALSE(upright.contact.touching) << power;
+            upright.go({0.1, -0.3, -side * far});
+            EXPECT_TRUE(upright.contact.touching) << power << ' ' << side;
+            EXPECT_NEAR(upright.proxy().x, 0.1, 2 * this->kSkin + 1e-6) << power << ' ' << side;
+            EXPECT_NEAR(upright.proxy().y, -0.3, 2 * this->kSkin + 1e-6) << power << ' ' << side;
+        }
+        // Past it.
+        Room<TypeParam> upright(0);
+        upright.go({5, 0, far});
+        upright.go({5, 0, -far});
+        EXPECT_FALSE(upright.contact.touching) << power;
+    }
+}
+
+TYPED_TEST(GodObjectFar, OverManyFacets) {
+    const auto flat = [](double, double) { return 0.0; };
+    walks::Run<TypeParam> run(shapes::patch(shapes::Cells::triangles, 100, flat));
+    for (const int power : {1, 10, this->kMostPower}) {
+        run.state = {};
+        const TypeParam depth = std::ldexp(TypeParam(1), power);
+        run.update({TypeParam(-0.4), TypeParam(-0.3), TypeParam(0.1)});
+        run.update({TypeParam(-0.4), TypeParam(-0.3), -depth});
+        const auto contact = run.update({TypeParam(0.375), TypeParam(0.25), -depth});
+        EXPECT_NEAR(double(contact.proxy.x), 0.375, 2 * this->kSkin) << power;
+        EXPECT_NEAR(double(contact.proxy.y), 0.25, 2 * this->kSkin) << power;
+    }
 }
 
 } // namespace

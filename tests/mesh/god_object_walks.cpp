@@ -75,9 +75,24 @@ PolygonSoup bump(unsigned facets, unsigned rows) {
     return soup;
 }
 
+namespace {
+
+double saddle(double x, double y) {
+    return x * x - y * y;
+}
+
+double waves(double x, double y) {
+    return 0.1 * std::sin(9 * x) * std::sin(8 * y);
+}
+
+/// Three reals of a table of them.
+glm::dvec3 three(const std::vector<double>& table, std::size_t index) {
+    return {table[3 * index], table[3 * index + 1], table[3 * index + 2]};
+}
+
+} // namespace
+
 std::vector<Terrain> terrains() {
-    const auto saddle = [](double x, double y) { return x * x - y * y; };
-    const auto waves = [](double x, double y) { return 0.1 * std::sin(9 * x) * std::sin(8 * y); };
     return {{"sphere", shapes::icosphere(2)},
             {"coarse sphere", shapes::icosphere(0)},
             {"wedge 5 degrees", wedge(0.0873)},
@@ -110,9 +125,7 @@ Wanderer::Wanderer(const MeshStructure& structure, std::uint64_t seed, std::opti
     const auto& parts = *structure.parts;
     for (std::size_t t = 0; t < structure.triangles(); ++t) {
         const auto at = [&](std::size_t i) {
-            const std::size_t v = 3 * std::size_t(parts.triangle_corners[3 * t + i]);
-            const auto& vertices = structure.reals->vertices;
-            return glm::dvec3(vertices[v], vertices[v + 1], vertices[v + 2]);
+            return three(structure.reals->vertices, parts.triangle_corners[3 * t + i]);
         };
         area += glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
     }
@@ -134,11 +147,7 @@ glm::dvec3 Wanderer::near_surface() {
         u = 1 - u;
         v = 1 - v;
     }
-    const auto at = [&](std::size_t i) {
-        const std::size_t place = 3 * std::size_t(parts.triangle_corners[3 * t + i]);
-        const auto& vertices = structure_.reals->vertices;
-        return glm::dvec3(vertices[place], vertices[place + 1], vertices[place + 2]);
-    };
+    const auto at = [&](std::size_t i) { return three(structure_.reals->vertices, parts.triangle_corners[3 * t + i]); };
     const double depth = facet_ * std::pow(10.0, random(-4, 0.5));
     return at(0) + u * (at(1) - at(0)) + v * (at(2) - at(0)) + depth * direction();
 }
@@ -181,26 +190,6 @@ std::vector<Terrain> solids() {
                                                                 {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
     const std::vector<std::vector<std::uint32_t>> box = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                                          {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-    PolygonSoup l_shape = solid({{0, 0, 0},
-                                 {4, 0, 0},
-                                 {4, 2, 0},
-                                 {2, 2, 0},
-                                 {2, 4, 0},
-                                 {0, 4, 0},
-                                 {0, 0, 2},
-                                 {4, 0, 2},
-                                 {4, 2, 2},
-                                 {2, 2, 2},
-                                 {2, 4, 2},
-                                 {0, 4, 2}},
-                                {{5, 4, 3, 2, 1, 0},
-                                 {6, 7, 8, 9, 10, 11},
-                                 {0, 1, 7, 6},
-                                 {1, 2, 8, 7},
-                                 {2, 3, 9, 8},
-                                 {3, 4, 10, 9},
-                                 {4, 5, 11, 10},
-                                 {5, 0, 6, 11}});
     return {
         {"tetrahedron",
          solid({{2, 2, 2}, {-2, -2, 2}, {-2, 2, -2}, {2, -2, -2}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})},
@@ -216,13 +205,30 @@ std::vector<Terrain> solids() {
                         {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}})},
         {"frustum",
          solid({{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}, {-2, -2, 2}, {2, -2, 2}, {2, 2, 2}, {-2, 2, 2}}, box)},
-        {"L", std::move(l_shape)},
+        {"L", solid({{0, 0, 0},
+                     {4, 0, 0},
+                     {4, 2, 0},
+                     {2, 2, 0},
+                     {2, 4, 0},
+                     {0, 4, 0},
+                     {0, 0, 2},
+                     {4, 0, 2},
+                     {4, 2, 2},
+                     {2, 2, 2},
+                     {2, 4, 2},
+                     {0, 4, 2}},
+                    {{5, 4, 3, 2, 1, 0},
+                     {6, 7, 8, 9, 10, 11},
+                     {0, 1, 7, 6},
+                     {1, 2, 8, 7},
+                     {2, 3, 9, 8},
+                     {3, 4, 10, 9},
+                     {4, 5, 11, 10},
+                     {5, 0, 6, 11}})},
         {"icosahedron", shapes::icosphere(0)}};
 }
 
 std::vector<Terrain> meshes(const std::vector<std::string>& files) {
-    const auto saddle = [](double x, double y) { return x * x - y * y; };
-    const auto waves = [](double x, double y) { return 0.1 * std::sin(9 * x) * std::sin(8 * y); };
     std::vector<Terrain> result = {{"sphere 80", shapes::icosphere(1)},
                                    {"sphere 1280", shapes::icosphere(3)},
                                    {"saddle", shapes::patch(shapes::Cells::triangles, 10, saddle)},
@@ -309,7 +315,6 @@ std::vector<Terrain> narrow_solids(bool long_form) {
 }
 
 std::vector<Terrain> open_meshes() {
-    const auto saddle = [](double x, double y) { return x * x - y * y; };
     std::vector<Terrain> result = {
         {"sheet", shapes::single_triangle()},
         {"open cube", shapes::open_cube()},
@@ -337,8 +342,7 @@ glm::dvec3 RandomPlaces::direction() {
 }
 
 glm::dvec3 RandomPlaces::vertex(std::size_t v) const {
-    const auto& vertices = structure_.reals->vertices;
-    return {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
+    return three(structure_.reals->vertices, v);
 }
 
 glm::dvec3 RandomPlaces::corner(std::size_t triangle, std::size_t i) const {
@@ -366,9 +370,7 @@ glm::dvec3 RandomPlaces::place_on(std::size_t triangle) {
 glm::dvec3 Prober::pseudonormal(std::size_t triangle, std::size_t i) const {
     glm::dvec3 sum = normal(triangle);
     if (i < 3) {
-        const std::size_t v = 3 * std::size_t(structure_.parts->triangle_corners[3 * triangle + i]);
-        const auto& normals = structure_.reals->vertex_pseudonormals;
-        sum = {normals[v], normals[v + 1], normals[v + 2]};
+        sum = three(structure_.reals->vertex_pseudonormals, structure_.parts->triangle_corners[3 * triangle + i]);
     } else if (const std::size_t across = structure_.parts->triangle_neighbours[3 * triangle + i - 3];
                across < structure_.triangles()) {
         sum += normal(across);

@@ -42,16 +42,8 @@ protected:
     testing::Folder folder_;
 };
 
-PolygonSoup moved(PolygonSoup polygons, const glm::dvec3& by) {
-    for (glm::dvec3& vertex : polygons.vertices)
-        vertex += by;
-    return polygons;
-}
-
 TEST_F(InsideChoice, IsTheWindingNumberWhereASolidStandsInAnother) {
-    PolygonSoup small = shapes::cube();
-    for (glm::dvec3& vertex : small.vertices)
-        vertex *= 0.5;
+    const PolygonSoup small = shapes::moved(shapes::cube(), glm::dvec3(0.5), {});
     const PreparedCase one = prepared(shapes::merged(shapes::cube(), small));
     EXPECT_EQ(one.images.mesh->inside, InsideTest::winding);
     for (const double x : {0.2, 0.55, 0.7, 0.95}) // in both, just outside of the inner one, and in the outer one
@@ -63,7 +55,7 @@ TEST_F(InsideChoice, IsTheWindingNumberWhereASolidStandsInAnother) {
 }
 
 TEST_F(InsideChoice, IsThePseudonormalForSolidsAndSheets) {
-    const PolygonSoup apart = shapes::merged(shapes::cube(), moved(shapes::cube(), {5, 0, 0}));
+    const PolygonSoup apart = shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {5, 0, 0}));
     const PolygonSoup sheet = shapes::patch(shapes::Cells::triangles, 10, [](double x, double y) { return x * y; });
     for (const PolygonSoup& polygons : {shapes::cube(), apart, sheet, shapes::nested_shells(1, true)}) {
         const PreparedCase one = prepared(polygons);
@@ -73,7 +65,8 @@ TEST_F(InsideChoice, IsThePseudonormalForSolidsAndSheets) {
 }
 
 TEST_F(InsideChoice, IsTheWindingNumberForCrossingPiecesAndShapesWithHoles) {
-    const PolygonSoup crossing = shapes::merged(shapes::cube(), moved(shapes::cube(), {0.9, 0.8, 0.7}));
+    const PolygonSoup crossing =
+        shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {0.9, 0.8, 0.7}));
     const PreparedCase one = prepared(crossing);
     EXPECT_EQ(one.images.mesh->inside, InsideTest::winding);
     EXPECT_TRUE(is_recorded(one, "inside = \"winding\""));
@@ -98,10 +91,8 @@ TEST_F(InsideChoice, IsTheWindingNumberForCrossingPiecesAndShapesWithHoles) {
 }
 
 TEST_F(InsideChoice, OrientAndWeldMakeASolid) {
-    PolygonSoup inward = shapes::cube();
-    for (std::size_t facet = 0; facet < inward.facets(); ++facet)
-        std::reverse(&inward.corners[inward.begins[facet]], &inward.corners[inward.begins[facet + 1]]);
-    const PolygonSoup apart = shapes::merged(shapes::cube(), moved(inward, {5, 0, 0}));
+    const PolygonSoup apart =
+        shapes::merged(shapes::cube(), shapes::moved(shapes::reversed(shapes::cube()), glm::dvec3(1), {5, 0, 0}));
     EXPECT_FALSE(is_inside(prepared(apart), {5, 0, 0.5}));
     const PreparedCase turned = prepared(apart, "orient = \"outward\"\n");
     EXPECT_TRUE(is_inside(turned, {5, 0, 0.5}));

@@ -31,17 +31,6 @@ Mesh arrays_of(const forceshade::PolygonSoup& soup) {
     return mesh;
 }
 
-/// A vertex for each corner.
-Mesh split(const Mesh& mesh) {
-    Mesh result;
-    result.corner_counts = mesh.corner_counts;
-    for (const int corner : mesh.corners) {
-        result.corners.push_back(static_cast<int>(result.vertices.size()));
-        result.vertices.push_back(mesh.vertices[static_cast<std::size_t>(corner)]);
-    }
-    return result;
-}
-
 const char* const kMesh = "[surface]\nkind = \"mesh\"\nunit = \"cm\"\n[force]\nshading = \"mean_value\"\n";
 
 /// About a sphere of 1 cm, some of them in it.
@@ -98,7 +87,8 @@ TEST(Library, ForcesDoNotDependOnHowVerticesAreGiven) {
     const Mesh sphere = arrays_of(shapes::icosphere(1));
     Mesh triangles = sphere;
     triangles.corner_counts.clear();
-    const Scene joined = Scene::parse(kMesh, sphere), given_apart = Scene::parse(kMesh, split(sphere)),
+    const Scene joined = Scene::parse(kMesh, sphere),
+                given_apart = Scene::parse(kMesh, arrays_of(shapes::split(shapes::icosphere(1)))),
                 without_counts = Scene::parse(kMesh, triangles);
     int touched = 0;
     for (int i = 0; i < 1000; ++i) {

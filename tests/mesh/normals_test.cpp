@@ -75,18 +75,6 @@ TEST(TriangleNormal, IsZeroOnlyForNoArea) {
     EXPECT_LE(error(a, b, 3.0 * b, thin), 3 * kUlp);
 }
 
-TEST(TriangleNormal, IsAcrossItsEdges) {
-    std::mt19937 random(6);
-    std::uniform_real_distribution<double> uniform(-1, 1);
-    const auto vector = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
-    for (int trial = 0; trial < 2000; ++trial) {
-        const glm::dvec3 a = vector(), b = vector(), c = a + 0.4 * (b - a) + 1e-8 * vector();
-        const glm::dvec3 n = triangle_normal(a, b, c);
-        for (const glm::dvec3& edge : {b - a, c - b, a - c})
-            EXPECT_LE(std::abs(n.x * edge.x + n.y * edge.y + n.z * edge.z), 3 * kUlp * length(edge) + 1e-31);
-    }
-}
-
 TEST(FacetNormals, OfAPlaneAndOfAWarpedFacet) {
     for (const glm::dvec3& normal : facet_normals(shapes::cube()))
         EXPECT_EQ(length(normal), 1);
@@ -151,13 +139,6 @@ TEST(VertexNormals, CancellingNormalsGiveNone) {
     degenerate.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     shapes::add_facet(degenerate, {0, 1, 2});
     EXPECT_EQ(vertex_normals(degenerate, facet_normals(degenerate), VertexNormals::plain)[1], glm::dvec3(0));
-}
-
-TEST(VertexNormals, OfASphereAreItsRadii) {
-    const PolygonSoup sphere = shapes::icosphere(4);
-    const std::vector<glm::dvec3> normals = vertex_normals(sphere, facet_normals(sphere), VertexNormals::angle);
-    for (std::size_t i = 0; i < normals.size(); ++i)
-        EXPECT_LT(length(normals[i] - sphere.vertices[i]), 4e-3); // of the order of the square of an edge, 0.07
 }
 
 // Two triangles that share an edge, one normal a corner: as OBJ and as PLY.

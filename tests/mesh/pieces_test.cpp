@@ -1,14 +1,15 @@
-// Pieces that face inward, cavities, facets against the others, and how they are turned.
-#include "host/mesh/pieces.h"
-
+// The closed pieces of a mesh: which face inward, which are cavities, and turning them; and what a picture marks.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
 #include "host/mesh/findings.h"
+#include "host/mesh/marks.h"
+#include "host/mesh/pieces.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 
@@ -16,13 +17,8 @@ namespace forceshade {
 namespace {
 
 PolygonSoup box(double middle, double half, bool inward) {
-    PolygonSoup result = shapes::cube();
-    for (glm::dvec3& vertex : result.vertices)
-        vertex = half * vertex + glm::dvec3(middle, 0, 0);
-    if (inward)
-        for (std::size_t facet = 0; facet < result.facets(); ++facet)
-            std::reverse(&result.corners[result.begins[facet]], &result.corners[result.begins[facet + 1]]);
-    return result;
+    const PolygonSoup result = shapes::moved(shapes::cube(), glm::dvec3(half), {middle, 0, 0});
+    return inward ? shapes::reversed(result) : result;
 }
 
 double volume(const PolygonSoup& polygons) {
@@ -97,6 +93,62 @@ TEST(Pieces, AMoebiusStripHasNoOutside) {
     shapes::add_facet(strip, {2 * kParts - 2, 1, 0, 2 * kParts - 1});
     EXPECT_TRUE(find_pieces(strip).pieces[0].one_sided);
     EXPECT_NE(testing::message_of<UsageError>([&] { orient_outward(strip); }).find("no outside"), std::string::npos);
+}
+
+MeshMarks marks_of(const PolygonSoup& polygons) {
+    const Mesh mesh = shapes::mesh_of(polygons);
+    return find_marks(mesh, build_structure(mesh), inspect(polygons));
+}
+
+std::size_t inward(const MeshMarks& marks) {
+    return static_cast<std::size_t>(std::count(marks.inward.begin(), marks.inward.end(), true));
+}
+
+TEST(Marks, ACubeHasTwelveSharpEdgesAndNothingElse) {
+    const MeshMarks marks = marks_of(shapes::cube());
+    EXPECT_EQ(marks.sharp.size(), 12u); // and none across its faces, which are cut into triangles
+    EXPECT_EQ(marks.rims.size() + marks.crowded.size() + marks.crossing.size() + inward(marks), 0u);
+    for (const auto& [from, to] : marks.sharp)
+        EXPECT_EQ(glm::distance(from, to), 2);
+}
+
+TEST(Marks, ASphereOfManyFacetsHasNoSharpEdge) {
+    EXPECT_TRUE(marks_of(shapes::icosphere(1)).sharp.empty());
+}
+
+TEST(Marks, RimsOfAnOpenCube) {
+    const MeshMarks marks = marks_of(shapes::open_cube());
+    EXPECT_EQ(marks.rims.size(), 4u);
+    EXPECT_EQ(marks.sharp.size(), 8u);
+}
+
+TEST(Marks, EdgesOfThreeFacets) {
+    PolygonSoup fan;
+    fan.vertices = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}};
+    for (const std::uint32_t tip : {2U, 3U, 4U})
+        shapes::add_facet(fan, {0, 1, tip});
+    const MeshMarks marks = marks_of(fan);
+    EXPECT_EQ(marks.crowded.size(), 3u); // each triangle's own
+    EXPECT_EQ(marks.rims.size(), 6u);
+}
+
+TEST(Marks, PiecesThatFaceInward) {
+    const PolygonSoup pair =
+        shapes::merged(shapes::cube(), shapes::reversed(shapes::moved(shapes::cube(), glm::dvec3(1), {5, 0, 0})));
+    const MeshMarks marks = marks_of(pair);
+    EXPECT_EQ(inward(marks), 6u);
+    EXPECT_FALSE(marks.inward[0]);
+    EXPECT_TRUE(marks.inward[6]);
+    EXPECT_EQ(inward(marks_of(shapes::reversed(shapes::cube()))), 6u);
+}
+
+TEST(Marks, TrianglesOfCrossingPieces) {
+    const PolygonSoup pair = shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {1, 1, 1}));
+    const MeshMarks marks = marks_of(pair);
+    EXPECT_EQ(marks.crossing.size(), 12u);
+    EXPECT_TRUE(std::ranges::is_sorted(marks.crossing));
+    EXPECT_TRUE(marks_of(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {3, 0, 0})))
+                    .crossing.empty());
 }
 
 } // namespace

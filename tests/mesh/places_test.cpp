@@ -17,19 +17,6 @@
 namespace forceshade {
 namespace {
 
-// A vertex for each corner, as files with texture coordinates have them.
-PolygonSoup split(const PolygonSoup& whole) {
-    PolygonSoup result;
-    for (std::size_t facet = 0; facet < whole.facets(); ++facet) {
-        for (const std::uint32_t vertex : whole.outline(facet)) {
-            result.corners.push_back(static_cast<std::uint32_t>(result.vertices.size()));
-            result.vertices.push_back(whole.vertices[vertex]);
-        }
-        result.end_facet();
-    }
-    return result;
-}
-
 PolygonSoup shuffled(PolygonSoup polygons, unsigned seed) {
     std::mt19937 random(seed);
     std::vector<std::uint32_t> order(polygons.vertices.size());
@@ -69,7 +56,7 @@ std::vector<glm::dvec3> normals_of_corners(const PolygonSoup& polygons, VertexNo
 
 TEST(Places, FilesThatSplitVerticesAreShadedAsWholeOnes) {
     for (const PolygonSoup& whole : wholes())
-        for (const PolygonSoup& given : {split(whole), shuffled(split(whole), 3)}) {
+        for (const PolygonSoup& given : {shapes::split(whole), shuffled(shapes::split(whole), 3)}) {
             std::vector<PolygonFile> files{parse_polygons("a.obj", testing::as_obj(given)),
                                            parse_polygons("a.off", testing::as_off(given)),
                                            parse_polygons("a.ply", testing::as_ply_text(given))};
@@ -91,7 +78,7 @@ TEST(Places, FilesThatSplitVerticesAreShadedAsWholeOnes) {
 
 TEST(Places, VerticesAnUlpApartAreOneWithinADistance) {
     for (const PolygonSoup& whole : wholes()) {
-        PolygonSoup given = nudged(split(whole), 5);
+        PolygonSoup given = nudged(shapes::split(whole), 5);
         EXPECT_GT(inspect(given).boundary_edges, 0u);
         const JoinedVertices joined = join_vertices(given, 1e-12);
         EXPECT_EQ(joined.facets, 0u);

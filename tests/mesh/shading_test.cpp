@@ -1,4 +1,5 @@
-// L7 on single facets: exact at corners, linear along edges, continuous hardly off them, and the referee's angles.
+// L7 on single facets: exact at corners, linear along edges, continuous hardly off them, the referee's angles; and the
+// errors that its table says.
 #include <cmath>
 #include <random>
 
@@ -7,6 +8,8 @@
 #include "host/mesh/structure.h"
 #include "host/referee/mesh_referee.h"
 #include "host/reference/mesh_contact.h"
+#include "host/touch/angle.h"
+#include "tests/mesh/patch_errors.h"
 #include "tests/mesh/shapes.h"
 
 namespace forceshade {
@@ -87,20 +90,6 @@ TEST(Shading, HardlyOffAnEdgeOrCornerItIsWhatItIsOnIt) {
     }
 }
 
-TEST(Shading, MeanValueOnATriangleIsBarycentric) {
-    const OneFacet facet(kTriangle);
-    std::mt19937 random(3);
-    for (int i = 0; i < 1000; ++i) {
-        double u = double(random()) / 4294967296.0, v = double(random()) / 4294967296.0;
-        if (u + v > 1)
-            u = 1 - u, v = 1 - v;
-        const glm::dvec3 at = kTriangle[0] + u * (kTriangle[1] - kTriangle[0]) + v * (kTriangle[2] - kTriangle[0]);
-        EXPECT_LT(
-            angle(facet.direction(layout::kShadingMeanValue, at), facet.direction(layout::kShadingBarycentric, at)),
-            1e-13);
-    }
-}
-
 TEST(Shading, EqualsTheRefereesAngles) {
     using brute::MeshShading;
     const std::pair<uint, MeshShading> schemes[] = {{layout::kShadingMorgenbesser, MeshShading::morgenbesser},
@@ -133,6 +122,67 @@ TEST(Shading, NormalsThatCancelGiveNoDirection) {
     const MeshTables<double> tables = make_mesh_tables<double>(structure, 1);
     for (const uint shading : {layout::kShadingMorgenbesser, layout::kShadingBarycentric, layout::kShadingMeanValue})
         EXPECT_EQ(reference::shading_direction(tables.view(), shading, 0, glm::dvec3(0.1, 0, 0)), glm::dvec3(0.0));
+}
+
+using study::Cells;
+using study::PatchErrors;
+using study::PatchStudy;
+using study::SmoothSurface;
+
+struct Row {
+    Cells kind;
+    unsigned cells;
+    PatchErrors flat, morgenbesser, exact;
+};
+
+class Table : public testing::TestWithParam<Row> {};
+
+void expect_errors(const PatchErrors& found, const PatchErrors& printed) {
+    EXPECT_NEAR(found.rms, printed.rms, 0.01 * printed.rms);
+    EXPECT_NEAR(found.largest, printed.largest, 0.03 * printed.largest);
+    EXPECT_NEAR(found.jump, printed.jump, 0.01 * printed.jump + 1e-9 / kDegree);
+}
+
+TEST_P(Table, OfDirectionErrorsOnACylinderIsReproduced) {
+    const Row& row = GetParam();
+    const PatchStudy cut(study::kUnitCylinder, row.kind, row.cells);
+    expect_errors(cut.errors(layout::kShadingNone), row.flat);
+    expect_errors(cut.errors(layout::kShadingMorgenbesser), row.morgenbesser);
+    expect_errors(cut.errors(layout::kShadingMeanValue), row.exact);
+    if (row.kind == Cells::triangles)
+        expect_errors(cut.errors(layout::kShadingBarycentric), row.exact);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, Table,
+    testing::Values(Row{Cells::triangles, 8, {2.12, 3.77, 7.42}, {1.26, 3.76, 3.47}, {0.076, 0.131, 0}},
+                    Row{Cells::triangles, 32, {0.538, 0.98, 1.99}, {0.318, 0.97, 0.898}, {0.0064, 0.0135, 0}},
+                    Row{Cells::quads, 8, {2.12, 3.76, 7.42}, {1.81, 3.34, 6.48}, {0.076, 0.131, 0}},
+                    Row{Cells::hexagons, 8, {1.94, 3.85, 7.57}, {1.78, 3.64, 7.03}, {0.065, 0.133, 0}}));
+
+TEST(Shading, ErrorsOnSphereAndSaddleAreReproduced) {
+    const auto rms = [](const SmoothSurface& smooth, uint shading) {
+        return PatchStudy(smooth, Cells::triangles, 8).errors(shading).rms;
+    };
+    for (const auto& [smooth, shading, degrees] : {std::tuple{&study::kUnitSphere, layout::kShadingNone, 3.01},
+                                                   {&study::kUnitSphere, layout::kShadingMorgenbesser, 1.79},
+                                                   {&study::kUnitSphere, layout::kShadingMeanValue, 0.2},
+                                                   {&study::kSaddle, layout::kShadingNone, 2.74},
+                                                   {&study::kSaddle, layout::kShadingMorgenbesser, 1.64},
+                                                   {&study::kSaddle, layout::kShadingMeanValue, 0.098}})
+        EXPECT_NEAR(rms(*smooth, shading), degrees, 0.01 * degrees);
+}
+
+TEST(Shading, OrdersAreOneAndTwo) {
+    const auto order = [](uint shading) {
+        const double coarse = PatchStudy(study::kUnitCylinder, Cells::triangles, 16, 0.375).errors(shading).rms;
+        const double fine = PatchStudy(study::kUnitCylinder, Cells::triangles, 32, 0.375).errors(shading).rms;
+        return std::log2(coarse / fine);
+    };
+    EXPECT_NEAR(order(layout::kShadingNone), 1, 0.05);
+    EXPECT_NEAR(order(layout::kShadingMorgenbesser), 1, 0.05);
+    EXPECT_NEAR(order(layout::kShadingBarycentric), 2, 0.1);
+    EXPECT_NEAR(order(layout::kShadingMeanValue), 2, 0.1);
 }
 
 } // namespace

@@ -179,11 +179,25 @@ PolygonSoup plate(double thickness) {
 }
 
 PolygonSoup nested_shells(unsigned levels, bool cavity) {
-    PolygonSoup inner = moved(icosphere(levels), glm::dvec3(0.5), glm::dvec3(0));
-    if (cavity)
-        for (std::size_t facet = 0; facet < inner.facets(); ++facet)
-            std::reverse(inner.corners.begin() + inner.begins[facet], inner.corners.begin() + inner.begins[facet + 1]);
-    return merged(icosphere(levels), inner);
+    const PolygonSoup inner = moved(icosphere(levels), glm::dvec3(0.5), glm::dvec3(0));
+    return merged(icosphere(levels), cavity ? reversed(inner) : inner);
+}
+
+PolygonSoup notched_block() {
+    PolygonSoup block;
+    const double w = 0.5 * std::tan(0.17453292519943295);
+    const std::array<glm::dvec3, 7> outline{glm::dvec3(-1, 0, -1), {1, 0, -1},  {1, 0, 0.5}, {w, 0, 0.5}, {0, 0, 0},
+                                            {-w, 0, 0.5},          {-1, 0, 0.5}};
+    for (const double y : {-1.0, 1.0})
+        for (const glm::dvec3& at : outline)
+            block.vertices.push_back({at.x, y, at.z});
+    for (std::uint32_t i = 0; i < 7; ++i) {
+        const std::uint32_t next = (i + 1) % 7;
+        add_facet(block, {next, i, 7 + i, 7 + next});
+    }
+    add_facet(block, {0, 1, 2, 3, 4, 5, 6});
+    add_facet(block, {13, 12, 11, 10, 9, 8, 7});
+    return block;
 }
 
 PolygonSoup single_triangle() {
@@ -233,6 +247,23 @@ PolygonSoup moved(PolygonSoup polygons, const glm::dvec3& scale, const glm::dvec
     for (glm::dvec3& vertex : polygons.vertices)
         vertex = vertex * scale + shift;
     return polygons;
+}
+
+PolygonSoup reversed(PolygonSoup polygons) {
+    for (std::size_t facet = 0; facet < polygons.facets(); ++facet)
+        std::reverse(polygons.corners.begin() + polygons.begins[facet],
+                     polygons.corners.begin() + polygons.begins[facet + 1]);
+    return polygons;
+}
+
+PolygonSoup split(const PolygonSoup& polygons) {
+    PolygonSoup result;
+    for (const std::uint32_t corner : polygons.corners) {
+        result.corners.push_back(static_cast<std::uint32_t>(result.vertices.size()));
+        result.vertices.push_back(polygons.vertices[corner]);
+    }
+    result.begins = polygons.begins;
+    return result;
 }
 
 } // namespace forceshade::shapes

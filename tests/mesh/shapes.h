@@ -38,6 +38,8 @@ PolygonSoup sliver_box(unsigned slivers, double aspect);
 PolygonSoup plate(double thickness);
 /// A sphere inside a sphere, both facing outwards or the inner one inwards.
 PolygonSoup nested_shells(unsigned levels, bool cavity);
+/// A block with a notch of 20 degrees along y, deepest in the origin.
+PolygonSoup notched_block();
 PolygonSoup single_triangle();
 /// One regular facet of this many corners, and its base's prism.
 PolygonSoup many_gon_prism(unsigned corners);
@@ -47,6 +49,10 @@ PolygonSoup subdivided(const PolygonSoup& polygons);
 
 PolygonSoup merged(const PolygonSoup& one, const PolygonSoup& other);
 PolygonSoup moved(PolygonSoup polygons, const glm::dvec3& scale, const glm::dvec3& shift);
+/// The other side out.
+PolygonSoup reversed(PolygonSoup polygons);
+/// With a vertex for each corner, as files with texture coordinates have them.
+PolygonSoup split(const PolygonSoup& polygons);
 void add_facet(PolygonSoup& polygons, std::initializer_list<std::uint32_t> corners);
 
 } // namespace forceshade::shapes

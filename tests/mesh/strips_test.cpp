@@ -109,22 +109,6 @@ TEST(Strips, ACubeInEveryEncodingAndForm) {
     }
 }
 
-TEST(Strips, EverySecondTriangleIsTurned) {
-    EXPECT_EQ(read(ply_of(0, {{0, 1, 2, 3, 4, 5, -1, 5, 4, 3, 2}})).polygons.corners,
-              (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5, 5, 4, 3, 3, 4, 2}));
-    EXPECT_EQ(read(ply_of(0, {{0, 1, 2, -1, 3, 4, 5}, {1, 2, 3}})).polygons.corners,
-              (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 1, 2, 3}))
-        << "after an end the first is not turned, whatever the length before";
-}
-
-// Two strips joined by vertices that are given twice, and a turn.
-TEST(Strips, TrianglesWithEqualCornersJoinStrips) {
-    const PolygonFile file = read(ply_of(0, {{0, 1, 2, 3, 3, 4, 4, 5, 6, 7}, {0, 0, 1, 2, 1, 3}}));
-    EXPECT_EQ(file.polygons.corners,
-              (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7, 1, 0, 2, 1, 2, 3}));
-    EXPECT_TRUE(file.warnings.empty());
-}
-
 TEST(Strips, UnsignedEnds) {
     for (const auto& [name, size] : {Type{"uchar", 1}, {"ushort", 2}, {"uint", 4}}) {
         Strip faces = kCubeFaces;

@@ -209,14 +209,8 @@ TEST(Structure, NeighboursShareTheEdge) {
 
 TEST(Structure, VerticesAtOnePlaceAreOneForTheEdges) {
     // The icosphere as a heap of single triangles, as an STL file has it.
-    const PolygonSoup sphere = shapes::icosphere(2);
-    PolygonSoup heap;
-    for (const std::uint32_t corner : sphere.corners) {
-        heap.vertices.push_back(sphere.vertices[corner]);
-        heap.corners.push_back(static_cast<std::uint32_t>(heap.corners.size()));
-    }
-    heap.begins = sphere.begins;
-    const MeshStructure structure = build_structure(shapes::mesh_of(heap), {.winding = true});
+    const MeshStructure structure =
+        build_structure(shapes::mesh_of(shapes::split(shapes::icosphere(2))), {.winding = true});
     for (const uint across : structure.parts->triangle_neighbours)
         EXPECT_LT(across, structure.triangles());
     EXPECT_TRUE(structure.winding->rims.empty());

@@ -49,29 +49,20 @@ void expect_alike(const std::vector<glm::dvec3>& one, const std::vector<glm::dve
     EXPECT_EQ(apart, 0);
 }
 
-TEST(Units, FromMicrometresToKilometres) {
-    const PolygonSoup spot = read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons;
-    for (const auto& [shading, inside] : {std::pair{layout::kShadingNone, layout::kInsidePseudonormal},
-                                          {layout::kShadingMeanValue, layout::kInsidePseudonormal},
-                                          {layout::kShadingMorgenbesser, layout::kInsideWinding}}) {
-        const std::vector<glm::dvec3> metres = forces(spot, 1, shading, inside);
-        for (const double unit : {1e-6, 1e-3, 1e3})
-            expect_alike(metres, forces(spot, unit, shading, inside));
+TEST(Units, ForcesDoNotDependOnThem) {
+    const PolygonSoup spot = read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons, sphere = shapes::icosphere(3),
+                      many = shapes::icosphere(6); // 81 920 triangles
+    const std::vector<double> usual{1e-6, 1e-3, 1e3}, atoms_and_galaxies{1e-30, 1e-12, 1e12, 1e30};
+    for (const auto& [polygons, shading, inside, units] :
+         {std::tuple{spot, layout::kShadingNone, layout::kInsidePseudonormal, usual},
+          {spot, layout::kShadingMeanValue, layout::kInsidePseudonormal, usual},
+          {spot, layout::kShadingMorgenbesser, layout::kInsideWinding, usual},
+          {many, layout::kShadingBarycentric, layout::kInsidePseudonormal, usual},
+          {sphere, layout::kShadingMeanValue, layout::kInsidePseudonormal, atoms_and_galaxies}}) {
+        const std::vector<glm::dvec3> metres = forces(polygons, 1, shading, inside);
+        for (const double unit : units)
+            expect_alike(metres, forces(polygons, unit, shading, inside));
     }
-}
-
-TEST(Units, OfMoreThan65000Triangles) {
-    const PolygonSoup sphere = shapes::icosphere(6); // 81 920
-    const std::vector<glm::dvec3> metres = forces(sphere, 1, layout::kShadingBarycentric, layout::kInsidePseudonormal);
-    for (const double unit : {1e-6, 1e-3, 1e3})
-        expect_alike(metres, forces(sphere, unit, layout::kShadingBarycentric, layout::kInsidePseudonormal));
-}
-
-TEST(Units, OfAtomsAndGalaxies) {
-    const PolygonSoup sphere = shapes::icosphere(3);
-    const std::vector<glm::dvec3> metres = forces(sphere, 1, layout::kShadingMeanValue, layout::kInsidePseudonormal);
-    for (const double unit : {1e-30, 1e-12, 1e12, 1e30})
-        expect_alike(metres, forces(sphere, unit, layout::kShadingMeanValue, layout::kInsidePseudonormal));
 }
 
 TEST(Units, PowersOfTwoChangeNoBit) {

@@ -7,8 +7,10 @@
 
 #include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
+#include "host/mesh/thin_parts.h"
 #include "host/referee/mesh_referee.h"
 #include "host/reference/mesh_contact.h"
+#include "tests/mesh/god_object_walks.h"
 #include "tests/mesh/shapes.h"
 
 namespace forceshade {
@@ -86,37 +88,6 @@ TEST(Winding, InsideIsWhatARayCrosses) {
     }
 }
 
-TEST(Winding, AgreesWithPseudonormalsOnClosedMeshes) {
-    std::mt19937 random(7);
-    for (const PolygonSoup& polygons : {shapes::cube(), shapes::icosphere(4), shapes::nested_shells(3, true), spot(),
-                                        shapes::needle_fan(1000, 20), shapes::plate(1e-3)}) {
-        const Scene scene(polygons);
-        for (int i = 0; i < 2000; ++i) {
-            const Vector<double> probe = to_mesh_frame(scene.structure, scene.random_place(random, 1.1));
-            const auto found = reference::nearest(scene.view, probe);
-            if (found.square > 1e-20) {
-                EXPECT_EQ(reference::inside_by_winding(scene.view, probe),
-                          reference::inside_by_pseudonormal(scene.view, found));
-            }
-        }
-    }
-}
-
-TEST(Winding, OpenBowlHoldsWhatIsBelowItsRim) {
-    Scene scene(bowl());
-    layout::Law<double> law{};
-    law.features.surface = layout::kSurfaceMesh;
-    law.features.inside = layout::kInsideWinding;
-    law.mesh = scene.view;
-    const auto depth = [&](const glm::dvec3& world) {
-        return reference::mesh_contact(law, to_mesh_frame(scene.structure, world)).depth;
-    };
-    EXPECT_GT(depth({0, 0, -0.5}), 0.4);
-    EXPECT_GT(depth({0.7, 0, 0.2}), 0.1);
-    EXPECT_EQ(depth({0, 0, 0.9}), 0);
-    EXPECT_EQ(depth({0, 0, -1.2}), 0);
-}
-
 TEST(Winding, InsideBeginsAtOneHalf) {
     // A cube without its top: from within, the winding number falls to one half where the top was.
     const Scene scene(shapes::open_cube());
@@ -176,6 +147,28 @@ TEST(Winding, ChangeIsBoundedOnOpenMeshes) {
     const Scene triangle(shapes::single_triangle());
     EXPECT_EQ(reference::winding_change(triangle.view, Vector<double>(0, 0, 0.1), 2.0),
               std::numeric_limits<double>::infinity());
+}
+
+constexpr double kReach = 3e-3;
+
+bool is_thin(const PolygonSoup& polygons) {
+    return has_thin_parts(build_structure(shapes::mesh_of(polygons)), kReach);
+}
+
+TEST(ThinParts, WallsWedgesAndGaps) {
+    EXPECT_TRUE(is_thin(shapes::plate(1e-3)));
+    EXPECT_TRUE(is_thin(shapes::plate(1e-7)));
+    EXPECT_TRUE(is_thin(walks::wedge(1e-4)));
+    EXPECT_TRUE(is_thin(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), {1, 1, 1}, {2.001, 0, 0}))));
+}
+
+TEST(ThinParts, NotWhatIsThickNorSheets) {
+    EXPECT_FALSE(is_thin(shapes::cube()));
+    EXPECT_FALSE(is_thin(shapes::plate(1e-2)));
+    EXPECT_FALSE(is_thin(shapes::icosphere(3)));
+    EXPECT_FALSE(is_thin(walks::wedge(1.0)));
+    EXPECT_FALSE(is_thin(shapes::single_triangle()));
+    EXPECT_FALSE(is_thin(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), {1, 1, 1}, {2.1, 0, 0}))));
 }
 
 } // namespace
