@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/cases/path_comparison.h"
@@ -12,6 +11,7 @@
 #include "host/referee/contact_surface.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
+#include "tests/mesh/written_files.h"
 
 namespace forceshade::testing {
 namespace {
@@ -36,16 +36,7 @@ struct Wrong {
 class ContactReferee : public ::testing::Test {
 protected:
     PreparedCase prepared(const PolygonSoup& polygons, const std::string& more = "") const {
-        std::ofstream file(folder_ / "mesh.obj");
-        for (const glm::dvec3& v : polygons.vertices)
-            file << fmt::format("v {} {} {}\n", v.x, v.y, v.z);
-        for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
-            file << "f";
-            for (std::uint32_t i = polygons.begins[facet]; i < polygons.begins[facet + 1]; ++i)
-                file << ' ' << polygons.corners[i] + 1;
-            file << "\n";
-        }
-        file.close();
+        std::ofstream(folder_ / "mesh.obj") << as_obj(polygons);
         return CasePreparation().prepare(
             parse_scene("[surface]\nkind = \"mesh\"\nfile = \"mesh.obj\"\n" + more, "scene", folder_.path()));
     }
@@ -93,7 +84,7 @@ protected:
     Folder folder_;
 };
 
-TEST_F(ContactReferee, finds_nothing_in_an_ordinary_path) {
+TEST_F(ContactReferee, FindsNothingInAnOrdinaryPath) {
     const PreparedCase one = prepared(shapes::cube());
     expect(one,
            {free_at({0, 0, 1.5}),
@@ -110,7 +101,7 @@ TEST_F(ContactReferee, finds_nothing_in_an_ordinary_path) {
     EXPECT_EQ(count.near, 0u);
 }
 
-TEST_F(ContactReferee, sees_a_proxy_that_fell_through) {
+TEST_F(ContactReferee, SeesAProxyThatFellThrough) {
     const PreparedCase one = prepared(shapes::cube());
     const std::vector<Row> path{free_at({0, 0, 1.5}),
                                 {{0, 0, 0.5}, {0, 0, 1}},
@@ -120,19 +111,17 @@ TEST_F(ContactReferee, sees_a_proxy_that_fell_through) {
     expect(one, path, {.dropped = 2, .other = 1});
     EXPECT_NE(count_of<double>(one, path).first.find("path 0, step 2"), std::string::npos);
     // From within to the outside: of a cube that is turned inside out, so that its inside is free.
-    PolygonSoup room = shapes::cube();
-    for (std::size_t facet = 0; facet < room.facets(); ++facet)
-        std::reverse(&room.corners[room.begins[facet]], &room.corners[room.begins[facet + 1]]);
-    expect(prepared(room), {free_at({0, 0, 0}), {{0, 0, 2}, {0, 0, 1}}, free_at({0, 0, 2})}, {.dropped = 1});
+    expect(prepared(shapes::reversed(shapes::cube())), {free_at({0, 0, 0}), {{0, 0, 2}, {0, 0, 1}}, free_at({0, 0, 2})},
+           {.dropped = 1});
 }
 
-TEST_F(ContactReferee, lets_a_path_that_begins_behind_the_surface_go_on_in_front_of_it) {
+TEST_F(ContactReferee, LetsAPathThatBeginsBehindTheSurfaceGoOnInFrontOfIt) {
     const PreparedCase one = prepared(shapes::cube());
     expect(one, {{{0, 0, 0.9}, {0, 0, 1}}, {{0, 0, 0.8}, {0, 0, 1}}, free_at({0, 0, 1.1})}, {});
     expect(one, {free_at({0, 0, 0.9}), free_at({0, 0, 0.8}), free_at({0, 0, 1.1})}, {.dropped = 2});
 }
 
-TEST_F(ContactReferee, tells_sides_among_shells_and_solids_that_overlap) {
+TEST_F(ContactReferee, TellsSidesAmongShellsAndSolidsThatOverlap) {
     const PreparedCase hollow = prepared(shapes::nested_shells(3, true));
     const glm::dvec3 wall = [&] {
         for (double x = 0; x < 1; x += 0.01)
@@ -154,27 +143,13 @@ TEST_F(ContactReferee, tells_sides_among_shells_and_solids_that_overlap) {
     expect(two, {{{0.95, 0, 0}, {1, 0, 0}}, free_at({3, 0, 0})}, {.dropped = 1});
 }
 
-TEST_F(ContactReferee, does_not_guess_on_the_surface_nor_in_narrow_corners) {
+TEST_F(ContactReferee, DoesNotGuessOnTheSurfaceNorInNarrowCorners) {
     const PreparedCase one = prepared(shapes::cube());
     const std::vector<Row> grazing{free_at({0, 0, 1.5}), free_at({0, 0, 1 - 1e-13}), {{0, 0, 1 - 1e-13}, {0, 0, 1}}};
     EXPECT_EQ(count_of<double>(one, grazing).near, 2u);
     expect(one, grazing, {});
-    // A notch of 20 degrees, pressed hard against its one wall and a little against the other.
-    PolygonSoup block;
-    const double w = 0.5 * std::tan(0.17453292519943295);
-    const std::vector<glm::dvec3> outline{{-1, 0, -1}, {1, 0, -1},   {1, 0, 0.5}, {w, 0, 0.5},
-                                          {0, 0, 0},   {-w, 0, 0.5}, {-1, 0, 0.5}};
-    const auto corners = static_cast<std::uint32_t>(outline.size());
-    for (const double y : {-1.0, 1.0})
-        for (const glm::dvec3& at : outline)
-            block.vertices.push_back({at.x, y, at.z});
-    for (std::uint32_t i = 0; i < corners; ++i) {
-        const std::uint32_t next = (i + 1) % corners;
-        shapes::add_facet(block, {next, i, corners + i, corners + next});
-    }
-    shapes::add_facet(block, {0, 1, 2, 3, 4, 5, 6});
-    shapes::add_facet(block, {13, 12, 11, 10, 9, 8, 7});
-    const PreparedCase notch = prepared(block);
+    // A notch, pressed hard against its one wall and a little against the other.
+    const PreparedCase notch = prepared(shapes::notched_block());
     expect(notch, {free_at({0, 0, 1}), {{-0.3, 0, -0.1}, {0, 0, 0}}, {{0.3, 0, -0.1}, {0, 0, 0}}}, {});
     // An open mesh has no sides.
     const ContactCount open = count_of<double>(prepared(shapes::open_cube()), {free_at({0, 0, 2}), free_at({0, 0, 0})});
@@ -183,7 +158,7 @@ TEST_F(ContactReferee, does_not_guess_on_the_surface_nor_in_narrow_corners) {
     EXPECT_EQ(open.wrong(), 0u);
 }
 
-TEST_F(ContactReferee, sees_a_proxy_that_goes_away_from_the_probe) {
+TEST_F(ContactReferee, SeesAProxyThatGoesAwayFromTheProbe) {
     for (const PolygonSoup& polygons : {shapes::cube(), shapes::open_cube()}) {
         const PreparedCase one = prepared(polygons);
         // On the face x = 1, and down it although the probe does not move.
@@ -195,7 +170,7 @@ TEST_F(ContactReferee, sees_a_proxy_that_goes_away_from_the_probe) {
     }
 }
 
-TEST_F(ContactReferee, sees_a_force_in_no_direction_of_the_facets) {
+TEST_F(ContactReferee, SeesAForceInNoDirectionOfTheFacets) {
     for (const PolygonSoup& polygons : {shapes::cube(), shapes::open_cube()}) {
         const PreparedCase one = prepared(polygons);
         expect(one, {free_at({1.5, 0, 0}), {{0.5, 0, 0}, {1, 0.1, 0}}}, {.unbalanced = 1});
@@ -206,7 +181,7 @@ TEST_F(ContactReferee, sees_a_force_in_no_direction_of_the_facets) {
     }
 }
 
-TEST_F(ContactReferee, sees_a_force_where_nothing_is_in_between) {
+TEST_F(ContactReferee, SeesAForceWhereNothingIsInBetween) {
     for (const PolygonSoup& polygons : {shapes::cube(), shapes::open_cube()}) {
         const PreparedCase one = prepared(polygons);
         // From the open into the open; and over an edge into the open, where the facets bear no such force.
@@ -227,7 +202,7 @@ PolygonSoup thin_wedge() {
     return wedge;
 }
 
-TEST_F(ContactReferee, sees_a_proxy_at_the_far_end_of_a_thin_wedge) {
+TEST_F(ContactReferee, SeesAProxyAtTheFarEndOfAThinWedge) {
     const PreparedCase one = prepared(thin_wedge());
     const glm::dvec3 end(1.0000133813354597, 1.0000072313490214, -1.4504776647443512e-05);
     const std::vector<Row> right{free_at({0.9033547430225982, 1.0863647407898338, 0.05290819690751334}),
@@ -242,7 +217,7 @@ TEST_F(ContactReferee, sees_a_proxy_at_the_far_end_of_a_thin_wedge) {
     }
 }
 
-TEST_F(ContactReferee, fills_columns_of_the_table_of_validate) {
+TEST_F(ContactReferee, FillsColumnsOfTheTableOfValidate) {
     const PreparedCase one = prepared(shapes::icosphere(2), "[paths]\ncount = 20\nsteps = 300\ndepth = \"300 mm\"\n");
     EngineOptions options;
     options.cpu = true;
@@ -259,7 +234,7 @@ TEST_F(ContactReferee, fills_columns_of_the_table_of_validate) {
 }
 
 // The sign of tiny volumes, and of lines that graze an edge.
-TEST(ContactSurface, tells_what_a_line_meets_or_that_it_cannot) {
+TEST(ContactSurface, TellsWhatALineMeetsOrThatItCannot) {
     const std::array<glm::dvec3, 3> triangle{glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)};
     EXPECT_EQ(segment_meets({0.2, 0.2, 1}, {0.2, 0.2, -1}, triangle), Meets::yes);
     EXPECT_EQ(segment_meets({0.2, 0.2, 1}, {0.2, 0.2, 1e-300}, triangle), Meets::unsure);

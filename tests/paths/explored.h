@@ -1,6 +1,7 @@
 // Scenes from text taken along their paths by the oracle.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -12,13 +13,13 @@
 
 namespace forceshade {
 
+/// A cube of 2 m whose top is z = 0, as an OBJ file.
+inline constexpr const char* kCubeObj = "v -1 -1 -2\nv 1 -1 -2\nv 1 1 -2\nv -1 1 -2\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\n"
+                                        "v -1 1 0\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
 inline PreparedCase prepared_scene(const std::string& text, const std::filesystem::path& folder = {}) {
     CasePreparation preparation;
     return preparation.prepare(parse_scene(text, "scene.toml", folder));
-}
-
-template <typename T> bool is_finite(const reference::Vector<T>& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 /// What an exploration gave: sample (step, path) at step * paths + path.
@@ -29,6 +30,17 @@ template <typename T> struct Explored {
 
     const reference::Vector<T>& place(std::size_t step, std::size_t path = 0) const {
         return position[step * paths + path];
+    }
+    /// Whether every sample and every metric is a number.
+    bool finite() const {
+        const auto number = [](const reference::Vector<T>& v) {
+            return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+        };
+        return std::ranges::all_of(position, number) && std::ranges::all_of(force, number) &&
+               std::ranges::all_of(metrics, [](const layout::PathMetrics<T>& one) {
+                   return std::isfinite(one.work) && std::isfinite(one.force_square) &&
+                          std::isfinite(one.steepest_turn);
+               });
     }
 };
 

@@ -17,11 +17,7 @@ constexpr double kStartStiffness = 1000; // N/m
 // A cube of 2 cm whose top is z = 0.
 class MeshStart : public ::testing::Test {
 protected:
-    MeshStart() {
-        std::ofstream(folder_ / "cube.obj") << "v -1 -1 -2\nv 1 -1 -2\nv 1 1 -2\nv -1 1 -2\nv -1 -1 0\nv 1 -1 0\n"
-                                               "v 1 1 0\nv -1 1 0\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
-                                               "f 3 4 8 7\nf 4 1 5 8\n";
-    }
+    MeshStart() { std::ofstream(folder_ / "cube.obj") << kCubeObj; }
     std::string scene(const std::string& keys) const {
         return "[surface]\nkind = \"mesh\"\nfile = \"cube.obj\"\nunit = \"cm\"\n[paths]\n" + keys;
     }
@@ -85,15 +81,6 @@ TEST_F(MeshStart, OnAnEdgeACornerOrTheTop) {
         }
 }
 
-template <typename T> void expect_numbers(const Explored<T>& result, const std::string& what) {
-    for (const auto& place : result.position)
-        ASSERT_TRUE(is_finite(place)) << what;
-    for (const auto& force : result.force)
-        ASSERT_TRUE(is_finite(force)) << what;
-    for (const auto& metrics : result.metrics)
-        ASSERT_TRUE(std::isfinite(metrics.work) && std::isfinite(metrics.steepest_turn)) << what;
-}
-
 TEST_F(MeshStart, DepthsAndSpeedsBeyondReason) {
     for (const char* depth : {"1e-44 m", "1e-300 m", "1 um", "2 cm", "20 cm", "1 km"})
         for (const char* speed : {"1 mm/s", "30 m/s", "1e9 m/s"})
@@ -102,8 +89,8 @@ TEST_F(MeshStart, DepthsAndSpeedsBeyondReason) {
                     fmt::format("count = 8\nsteps = 200\ndepth = \"{}\"\nspeed = \"{}\"\nloop = \"{}\"\n"
                                 "heading = {{ min = \"0 deg\", max = \"360 deg\" }}\n",
                                 depth, speed, loop);
-                expect_numbers(explore<float>(keys), keys);
-                expect_numbers(explore<double>(keys), keys);
+                EXPECT_TRUE(explore<float>(keys).finite()) << keys;
+                EXPECT_TRUE(explore<double>(keys).finite()) << keys;
             }
 }
 

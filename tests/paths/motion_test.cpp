@@ -1,6 +1,5 @@
-// Generated paths: speeds, extents and spreads as the scene says, and nothing of a path that depends on others.
-#include "host/paths/motions.h"
-
+// Generated paths: speeds, extents and spreads as the scene says, and nothing of a path that depends on others; and
+// warnings of paths that cannot be what a scene says at its rate.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/paths/motions.h"
 #include "tests/paths/explored.h"
 
 namespace forceshade {
@@ -32,15 +32,21 @@ double way_length(const Explored<double>& result) {
 }
 
 TEST(Motion, SpeedIsTheScenes) {
-    const auto speed = [](const std::string& keys) {
-        return way_length(paths_of<double>("count = 1\nsteps = 20001\nspeed = \"150 mm/s\"\n" + keys)) / 20;
+    struct Row {
+        const char* keys;
+        double tolerance;
     };
-    EXPECT_NEAR(speed("kind = \"strokes\"\nlength = \"30 mm\""), 0.15, 1e-5);
-    EXPECT_NEAR(speed("kind = \"circle\"\nlength = \"30 mm\""), 0.15, 1e-4);
-    EXPECT_NEAR(speed("kind = \"raster\"\nlength = \"30 mm\""), 0.15, 1e-3);
-    EXPECT_NEAR(speed("kind = \"taps\"\ndepth = \"2 mm\"\nlift = \"5 mm\""), 0.15, 1e-3);
-    EXPECT_NEAR(speed("kind = \"spiral\"\nlength = \"30 mm\"\ninner = \"15 mm\""), 0.15, 1e-4);
-    EXPECT_NEAR(speed("kind = \"minimum_jerk\"\nlength = \"30 mm\""), 0.15, 0.03);
+    for (const Row& row : {Row{"kind = \"strokes\"\nlength = \"30 mm\"", 1e-5},
+                           {"kind = \"circle\"\nlength = \"30 mm\"", 1e-4},
+                           {"kind = \"raster\"\nlength = \"30 mm\"", 1e-3},
+                           {"kind = \"taps\"\ndepth = \"2 mm\"\nlift = \"5 mm\"", 1e-3},
+                           {"kind = \"spiral\"\nlength = \"30 mm\"\ninner = \"15 mm\"", 1e-4},
+                           {"kind = \"minimum_jerk\"\nlength = \"30 mm\"", 0.03}})
+        EXPECT_NEAR(
+            way_length(paths_of<double>(fmt::format("count = 1\nsteps = 20001\nspeed = \"150 mm/s\"\n{}", row.keys))) /
+                20,
+            0.15, row.tolerance)
+            << row.keys;
 }
 
 TEST(Motion, RandomWalkStaysInItsRegionAndHasItsSpeed) {
@@ -167,10 +173,7 @@ TEST(Motion, ExtremesAreNumbers) {
                         const auto result = paths_of<float>(fmt::format(
                             "kind = \"{}\"\n{}speed = \"{}\"\ndepth = \"{}\"\nsteps = {}\ncount = 1\n", kind,
                             taps ? "" : fmt::format("length = \"{}\"\n", length), speed, depth, steps));
-                        for (const auto& place : result.position)
-                            ASSERT_TRUE(is_finite(place)) << kind << length << speed << depth;
-                        for (const auto& force : result.force)
-                            ASSERT_TRUE(is_finite(force)) << kind << length << speed << depth;
+                        ASSERT_TRUE(result.finite()) << kind << length << speed << depth;
                     }
 }
 
@@ -186,13 +189,6 @@ TEST(Motion, EqualPathsAreRemarkedOn) {
     EXPECT_EQ(remarks("tremor.amplitude = { min = \"0 m\", max = \"0 m\" }\n"), 1u);
     EXPECT_EQ(remarks("offset = { min = \"0 m\", max = \"1 m\" }\n"), 0u);
     EXPECT_EQ(remarks("speed = { mean = \"1 m/s\", sd = \"0 m/s\" }\n"), 1u);
-}
-
-TEST(Motion, AMillionPaths) {
-    const auto result = explored<float>("[paths]\ncount = 1000000\nsteps = 2\nspeed = { min = \"10 mm/s\", max = "
-                                        "\"100 mm/s\" }\n",
-                                        {}, false);
-    EXPECT_EQ(result.metrics.size(), 1000000u);
 }
 
 TEST(Motion, MeanDistanceInARectangle) {
@@ -219,6 +215,81 @@ TEST(Motion, PhasesOfTurns) {
         EXPECT_TRUE(turned >= (std::uint64_t(1) << 32) && turned < (std::uint64_t(1) << 32) + samples) << samples;
     }
     EXPECT_EQ(phase_of_turns(HUGE_VAL), 0u);
+}
+
+std::vector<std::string> warnings(const std::string& keys) {
+    const PreparedCase prepared = prepared_scene("[paths]\nlength = \"30 mm\"\n" + keys);
+    return ScenePaths<double>(prepared).warnings();
+}
+
+// Slow paths do not close a round, either.
+std::vector<std::string> pace_warnings_of(const std::string& keys) {
+    std::vector<std::string> found = warnings(keys);
+    std::erase_if(found, [](const std::string& one) { return one.find("no round") != one.npos; });
+    return found;
+}
+
+const char* const kSpread = "speed = { min = \"10 m/s\", max = \"40 m/s\" }\n"; // 30 m/s is half a round of 60 mm
+
+TEST(Pace, HalfARoundASample) {
+    EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"29 m/s\"\n").size(), 0u);
+    const auto fast = pace_warnings_of("count = 1\nspeed = \"31 m/s\"\n");
+    ASSERT_EQ(fast.size(), 1u);
+    EXPECT_NE(fast[0].find("a speed below 30 m/s, or a rate above 1.03e+03 Hz"), std::string::npos) << fast[0];
+    const auto some = pace_warnings_of(std::string("count = 300\n") + kSpread);
+    ASSERT_EQ(some.size(), 1u);
+    EXPECT_NE(some[0].find(" of 300 paths half a round or more"), std::string::npos);
+    EXPECT_NE(some[0].find("below 30 m/s"), std::string::npos);
+    EXPECT_EQ(pace_warnings_of(std::string("count = 300\nrate = \"2 kHz\"\n") + kSpread).size(), 0u);
+    for (const char* kind : {"circle", "spiral", "raster", "minimum_jerk", "random_walk"})
+        EXPECT_EQ(pace_warnings_of(
+                      fmt::format("count = 2\nspeed = {{ min = \"70 m/s\", max = \"90 m/s\" }}\nkind = \"{}\"\n", kind))
+                      .size(),
+                  1u)
+            << kind;
+}
+
+TEST(Pace, TooSlowForAPhase) {
+    EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"0.01 mm/s\"\n").size(), 0u);
+    for (const char* speed : {"1 nm/s", "0.01 nm/s"}) { // 1 nm/s is 1.7e-11 rounds a sample
+        const auto slow = pace_warnings_of(fmt::format("count = 1\nspeed = \"{}\"\n", speed));
+        ASSERT_EQ(slow.size(), 1u) << speed;
+        EXPECT_NE(slow[0].find("right is a speed above 1.4e-06 m/s"), std::string::npos) << slow[0];
+    }
+    EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"1 nm/s\"\nrate = \"1 Hz\"\n").size(), 1u);
+    for (const char* kind : {"raster", "minimum_jerk"}) // whole samples, 3e7 for 30 mm, and no phase
+        EXPECT_EQ(pace_warnings_of(fmt::format("count = 1\nspeed = \"1 um/s\"\nkind = \"{}\"\n", kind)).size(), 0u)
+            << kind;
+    EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"0.01 mm/s\"\nkind = \"spiral\"\nlines = 2\n").size(), 0u);
+    const auto out = pace_warnings_of("count = 1\nspeed = \"0.01 mm/s\"\nkind = \"spiral\"\nlines = 100\n");
+    ASSERT_EQ(out.size(), 1u) << "the way out and back takes 200 rounds";
+    EXPECT_NE(out[0].find("right is a speed above 0.000439 m/s"), std::string::npos) << out[0];
+    EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"1 nm/s\"\nrate = \"0.1 Hz\"\n").size(), 0u);
+}
+
+TEST(Pace, TremorOfHalfTheRate) {
+    const auto tremor = [](const char* frequency) {
+        return pace_warnings_of(
+            fmt::format("count = 1\ntremor = {{ amplitude = \"1 um\", frequency = \"{}\" }}\n", frequency));
+    };
+    EXPECT_EQ(tremor("400 Hz").size(), 0u);
+    const auto fast = tremor("420 Hz");
+    ASSERT_EQ(fast.size(), 1u);
+    EXPECT_NE(fast[0].find("tremor.frequency"), std::string::npos);
+    EXPECT_NE(fast[0].find("right is a frequency below 416.7 Hz, or a rate above 1008 Hz"), std::string::npos)
+        << fast[0];
+    EXPECT_EQ(pace_warnings_of("count = 1\ntremor.frequency = \"900 Hz\"\n").size(), 0u) << "it does not tremble";
+}
+
+TEST(Pace, OfARoundThatDoesNotClose) {
+    // 60 mm there and back, at 100 mm/s and 1 kHz: 600 samples.
+    EXPECT_EQ(warnings("count = 1\nsteps = 601\n").size(), 0u);
+    const auto open = warnings("count = 1\nsteps = 500\n");
+    ASSERT_EQ(open.size(), 1u);
+    EXPECT_NE(open[0].find("set steps = 601 or more"), std::string::npos) << open[0];
+    EXPECT_EQ(warnings("count = 1\nsteps = 500\nkind = \"minimum_jerk\"\n").size(), 0u) << "it has no rounds";
+    EXPECT_EQ(warnings("count = 300\nsteps = 500\nspeed = { min = \"50 mm/s\", max = \"200 mm/s\" }\n").size(), 0u)
+        << "some close";
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// Numbers of paths made of their metrics, and the table of them.
+// Numbers of paths made of their metrics, the table of them, and what a picture of paths says.
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -22,7 +22,7 @@ reference::Contact<double> contact_at(double depth) {
     return contact;
 }
 
-TEST(PathFigures, turns_are_angles_and_sums_keep_their_rests) {
+TEST(PathFigures, TurnsAreAnglesAndSumsKeepTheirRests) {
     layout::PathMetrics<double> metrics = reference::no_metrics<double>();
     const Vector<double> up{0, 0, 2};
     for (const double depth : {0.001, 0.003})
@@ -48,13 +48,13 @@ TEST(PathFigures, turns_are_angles_and_sums_keep_their_rests) {
     EXPECT_TRUE(figures.began_inside);
 }
 
-TEST(PathFigures, a_turn_about_is_180_degrees) {
+TEST(PathFigures, ATurnAboutIs180Degrees) {
     layout::PathMetrics<float> metrics = reference::no_metrics<float>();
     metrics.largest_turn = std::nextafter(4.f, 5.f);
     EXPECT_EQ(figures_of(metrics, {1, 1000}).largest_turn, 180);
 }
 
-TEST(PathFigures, of_a_path_that_left_count_up_to_then) {
+TEST(PathFigures, OfAPathThatLeftCountUpToThen) {
     layout::PathMetrics<double> metrics = reference::no_metrics<double>();
     metrics.force_square = 8;
     metrics.unstable_step = 2;
@@ -70,7 +70,7 @@ TEST(PathFigures, of_a_path_that_left_count_up_to_then) {
     EXPECT_EQ(*figures.unstable_time, 0);
 }
 
-TEST(PathFigures, of_a_recorded_path_follow_the_times_of_its_samples) {
+TEST(PathFigures, OfARecordedPathFollowTheTimesOfItsSamples) {
     ContactTime contact;
     EXPECT_EQ(contact.total(), 0);
     contact.add(10, true);
@@ -89,7 +89,7 @@ TEST(PathFigures, of_a_recorded_path_follow_the_times_of_its_samples) {
     EXPECT_EQ(figures.unstable_time, 15);
 }
 
-TEST(PathSummary, leaves_cells_empty_that_have_no_meaning) {
+TEST(PathSummary, LeavesCellsEmptyThatHaveNoMeaning) {
     Folder folder;
     PathSummary summary(folder / "a.paths.csv", Precision::f32);
     PathFigures figures = figures_of(reference::no_metrics<float>(), {3, 1000});
@@ -110,6 +110,68 @@ TEST(PathSummary, leaves_cells_empty_that_have_no_meaning) {
     EXPECT_EQ(text.str(), std::string(path_summary_header()) +
                               "7,3,0,0,0,0,0,0,0,,0,,,,,,,,0,,0,,0,0\n"
                               "8,3,0,0.1,0,0,0,0,0,0.25,2,-1,0.5,2,,,,,1,1700000000.125,1,,0,0\n");
+}
+
+TEST(PathPicture, TellsHowCloselyPathsFollowALine) {
+    // A roof of 45 degrees; the path runs 1 above and 3 below it in turn, its force along the normal but for 2 degrees.
+    const std::vector<picture::LinePoint> roof{{-2, 0}, {0, 2}, {2, 0}};
+    picture::DrawnPath path;
+    for (int i = 0; i < 100; ++i) {
+        const double x = -1.98 + 0.04 * i;
+        path.way.push_back({x, 2 - std::abs(x) + (i % 2 ? 1 : -3)});
+        path.direction.push_back((x < 0 ? -45 : 45) + (i % 2 ? 2 : -2));
+    }
+    path.way.push_back({0, 100}); // out of contact
+    path.direction.push_back(NAN);
+    path.way.push_back({5, 0}); // beside the line
+    path.direction.push_back(0);
+    const Following f = following({path}, roof);
+    EXPECT_EQ(f.samples, 100u);
+    EXPECT_NEAR(f.sunk, 1, 1e-12);
+    EXPECT_NEAR(f.distance, 2, 1e-12);
+    EXPECT_NEAR(f.angle, 2, 1e-9);
+    EXPECT_NEAR(f.median_angle, 2, 1e-9);
+    EXPECT_EQ(following({path}, {{0, 0}, {0, 1}}).samples, 0u) << "no height can be read off that";
+}
+
+TEST(PathPicture, ShowsAHandfulOfPathsOfMany) {
+    PathCollector collector(1000, 10);
+    const std::vector<layout::uint> steps(100, 10);
+    const std::vector<float> values(3 * 100 * 10, 0.5f);
+    for (std::size_t first = 0; first < 1000; first += 100)
+        collector.add(PathRows<float>{first, 100, 10, steps, values, values, {}, {}, {}});
+    ASSERT_EQ(collector.paths().size(), 5u);
+    EXPECT_EQ(collector.paths()[4].label, "path 800");
+    EXPECT_EQ(collector.paths()[4].way.size(), 10u);
+    EXPECT_EQ(collector.paths()[0].direction[3], 45);
+    EXPECT_EQ(collector.reach().y, 0.5);
+}
+
+TEST(PathPicture, IsTheSameOfAPathInPieces) {
+    constexpr std::size_t kLong = 100000; // every third sample is shown
+    const std::vector<layout::uint> steps{kLong};
+    std::vector<float> position(3 * kLong, 0.f), force(3 * kLong, 1.f);
+    for (std::size_t i = 0; i < kLong; ++i)
+        position[3 * i] = static_cast<float>(i);
+    PathCollector whole(1, kLong), pieces(1, kLong);
+    whole.add(PathRows<float>{0, 1, kLong, steps, position, force, {}, {}, {}});
+    for (std::size_t first = 0, count = 0; first < kLong; first += count) {
+        count = std::min<std::size_t>(7777, kLong - first);
+        pieces.add(PathRows<float>{0,
+                                   1,
+                                   count,
+                                   steps,
+                                   std::span(position).subspan(3 * first),
+                                   std::span(force).subspan(3 * first),
+                                   {},
+                                   {},
+                                   {},
+                                   first});
+    }
+    ASSERT_EQ(pieces.paths().size(), 1u);
+    ASSERT_EQ(pieces.paths()[0].way.size(), whole.paths()[0].way.size());
+    for (std::size_t i = 0; i < pieces.paths()[0].way.size(); ++i)
+        EXPECT_EQ(pieces.paths()[0].way[i].x, whole.paths()[0].way[i].x);
 }
 
 } // namespace

@@ -24,7 +24,7 @@ namespace forceshade::testing {
 namespace {
 
 const std::vector<layout::uint> kLengths{5, 7, 1, 7, 3, 6, 2, 7, 7, 4, 5, 7, 7, 7, 1, 2, 7, 7, 7, 3};
-constexpr std::size_t kSteps = 7;
+constexpr std::size_t kLongest = 7;
 
 class PathFiles : public ::testing::Test {
 protected:
@@ -36,7 +36,7 @@ protected:
     }
     static PathVolumeHeader header() {
         PathVolumeHeader header;
-        header.steps = kSteps;
+        header.steps = kLongest;
         header.paths = kLengths.size();
         header.rate = 1000;
         header.channels = kPathChannels;
@@ -48,7 +48,7 @@ protected:
     VolumeResult write_exr(const std::string& name, const PathVolumeHeader& header, std::size_t most = 6,
                            std::size_t window = 3) const {
         PathVolumeWriter writer(folder_ / name, header);
-        return write_paths<T>(writer, kLengths, kSteps, most, window);
+        return write_paths<T>(writer, kLengths, kLongest, most, window);
     }
     Folder folder_;
 };
@@ -72,7 +72,7 @@ std::vector<float> channel_of(const std::filesystem::path& path, const std::stri
     return {};
 }
 
-TEST_F(PathFiles, exr_has_a_row_a_path_and_nan_behind_its_end) {
+TEST_F(PathFiles, ExrHasARowAPathAndNanBehindItsEnd) {
     const VolumeResult result = write_exr<float>("a.exr", header());
     EXPECT_EQ(result.non_finite, 0u) << "what lies behind an end is no value";
     EXPECT_EQ(result.bytes, std::filesystem::file_size(folder_ / "a.exr"));
@@ -81,10 +81,10 @@ TEST_F(PathFiles, exr_has_a_row_a_path_and_nan_behind_its_end) {
         std::size_t component = 0;
         for (const char* name : {"R", "G", "B"}) {
             const std::vector<float> values = channel_of(folder_ / "a.exr", part, name);
-            ASSERT_EQ(values.size(), kSteps * kLengths.size());
+            ASSERT_EQ(values.size(), kLongest * kLengths.size());
             for (std::size_t path = 0; path < kLengths.size(); ++path)
-                for (std::size_t step = 0; step < kSteps; ++step) {
-                    const float value = values[path * kSteps + step];
+                for (std::size_t step = 0; step < kLongest; ++step) {
+                    const float value = values[path * kLongest + step];
                     if (step < kLengths[path])
                         EXPECT_EQ(value, float(sample_value(path, step, component, channel))) << part << name;
                     else
@@ -94,15 +94,22 @@ TEST_F(PathFiles, exr_has_a_row_a_path_and_nan_behind_its_end) {
         }
         ++channel;
     }
-    EXPECT_EQ(channel_of(folder_ / "a.exr", "depth", "Z")[kSteps], 4001);
+    EXPECT_EQ(channel_of(folder_ / "a.exr", "depth", "Z")[kLongest], 4001);
     EXPECT_TRUE(std::isnan(channel_of(folder_ / "a.exr", "depth", "Z")[5]));
     const std::vector<float> facets = channel_of(folder_ / "a.exr", "facet", "id");
     EXPECT_EQ(facets[0], float(layout::kNoFacet));
-    EXPECT_EQ(facets[kSteps + 1], 1);
+    EXPECT_EQ(facets[kLongest + 1], 1);
     EXPECT_EQ(facets[5], float(layout::kNoFacet)) << "behind the end";
 }
 
-TEST_F(PathFiles, exr_says_what_it_holds) {
+TEST_F(PathFiles, ExrSaysWhatItHolds) {
+    PathVolumeHeader recorded = header(); // with times of its own
+    recorded.rate = 0;
+    write_exr<float>("b.exr", recorded);
+    EXPECT_EQ(Imf::MultiPartInputFile((folder_ / "b.exr").c_str())
+                  .header(0)
+                  .findTypedAttribute<Imf::DoubleAttribute>("forceshade.rate"),
+              nullptr);
     write_exr<float>("a.exr", header());
     Imf::MultiPartInputFile file((folder_ / "a.exr").c_str());
     ASSERT_EQ(file.parts(), 5);
@@ -119,7 +126,7 @@ TEST_F(PathFiles, exr_says_what_it_holds) {
     EXPECT_EQ(file.header(1).typedAttribute<Imf::StringAttribute>("forceshade.units").value(), "m m");
 }
 
-TEST_F(PathFiles, exr_is_the_same_however_paths_arrive) {
+TEST_F(PathFiles, ExrIsTheSameHoweverPathsArrive) {
     write_exr<float>("a.exr", header());
     for (const auto& [most, window] : {std::pair<std::size_t, std::size_t>{1, 1}, {1, 2}, {100, 7}, {3, 2}}) {
         write_exr<float>("b.exr", header(), most, window);
@@ -133,7 +140,7 @@ TEST_F(PathFiles, exr_is_the_same_however_paths_arrive) {
     EXPECT_EQ(read("a.exr"), read("b.exr"));
 }
 
-TEST_F(PathFiles, exr_without_further_channels_has_two_parts) {
+TEST_F(PathFiles, ExrWithoutFurtherChannelsHasTwoParts) {
     PathVolumeHeader plain = header();
     plain.channels = 0;
     plain.compression = Compression::pxr24;
@@ -149,15 +156,7 @@ TEST_F(PathFiles, exr_without_further_channels_has_two_parts) {
     EXPECT_NE(channel_of(folder_ / "b.exr", "force", "R")[1], float(sample_value(0, 1, 0, 1)));
 }
 
-TEST_F(PathFiles, of_paths_with_times_of_their_own_tell_no_rate) {
-    PathVolumeHeader recorded = header();
-    recorded.rate = 0;
-    write_exr<float>("a.exr", recorded);
-    Imf::MultiPartInputFile file((folder_ / "a.exr").c_str());
-    EXPECT_EQ(file.header(0).findTypedAttribute<Imf::DoubleAttribute>("forceshade.rate"), nullptr);
-}
-
-TEST_F(PathFiles, exr_says_where_in_a_part_of_a_path_a_value_stands) {
+TEST_F(PathFiles, ExrSaysWhereInAPartOfAPathAValueStands) {
     PathVolumeHeader one = header();
     one.paths = 1;
     one.channels = 0;
@@ -174,7 +173,7 @@ TEST_F(PathFiles, exr_says_where_in_a_part_of_a_path_a_value_stands) {
     EXPECT_EQ(result.largest_voxel[1], 0u);
 }
 
-TEST_F(PathFiles, exr_refuses_what_is_not_finite) {
+TEST_F(PathFiles, ExrRefusesWhatIsNotFinite) {
     PathVolumeHeader one = header();
     one.paths = 1;
     one.steps = 3;
@@ -194,7 +193,7 @@ TEST_F(PathFiles, exr_refuses_what_is_not_finite) {
               std::string::npos);
 }
 
-TEST_F(PathFiles, csv_holds_what_was_felt_path_after_path) {
+TEST_F(PathFiles, CsvHoldsWhatWasFeltPathAfterPath) {
     for (const std::size_t most : {1, 4, 100}) {
         PathCsvWriter writer(folder_ / "a.csv", {[](std::uint64_t path) { return path; },
                                                  [](std::uint64_t, std::uint64_t step) { return double(step) / 100; }});
@@ -207,9 +206,9 @@ TEST_F(PathFiles, csv_holds_what_was_felt_path_after_path) {
     }
 }
 
-TEST_F(PathFiles, npy_is_shaped_by_path_and_step) {
-    PathNpyWriter force(folder_ / "force.npy", kLengths.size(), kSteps, layout::kChannelForce, Precision::f64);
-    write_paths<double>(force, kLengths, kSteps, 6, 3);
+TEST_F(PathFiles, NpyIsShapedByPathAndStep) {
+    PathNpyWriter force(folder_ / "force.npy", kLengths.size(), kLongest, layout::kChannelForce, Precision::f64);
+    write_paths<double>(force, kLengths, kLongest, 6, 3);
     const std::string text = read("force.npy");
     EXPECT_NE(text.find("'shape': (20, 7, 3), }"), std::string::npos) << text.substr(0, 128);
     EXPECT_NE(text.find("'<f8'"), std::string::npos);
@@ -218,11 +217,11 @@ TEST_F(PathFiles, npy_is_shaped_by_path_and_step) {
     std::memcpy(values.data(), text.data() + 128, values.size() * 8);
     EXPECT_EQ(values[3 * (7 + 6) + 2], sample_value(1, 6, 2, 1));
     EXPECT_TRUE(std::isnan(values[3 * 5])) << "behind the first path's end";
-    PathNpyWriter facet(folder_ / "facet.npy", kLengths.size(), kSteps, layout::kChannelFacet, Precision::f64);
-    write_paths<double>(facet, kLengths, kSteps, 6, 3);
+    PathNpyWriter facet(folder_ / "facet.npy", kLengths.size(), kLongest, layout::kChannelFacet, Precision::f64);
+    write_paths<double>(facet, kLengths, kLongest, 6, 3);
     EXPECT_NE(read("facet.npy").find("'<u4', 'fortran_order': False, 'shape': (20, 7), }"), std::string::npos);
-    PathNpyWriter alone(folder_ / "alone.npy", kLengths.size(), kSteps, layout::kChannelForce, Precision::f64);
-    write_paths<double>(alone, kLengths, kSteps, 1, 2);
+    PathNpyWriter alone(folder_ / "alone.npy", kLengths.size(), kLongest, layout::kChannelForce, Precision::f64);
+    write_paths<double>(alone, kLengths, kLongest, 1, 2);
     EXPECT_EQ(read("alone.npy"), text) << "path by path, in pieces";
 }
 
@@ -234,9 +233,9 @@ PathLabels vtp_labels() {
 
 constexpr std::uint64_t kSamples = 102; // sum of kLengths
 
-TEST_F(PathFiles, vtp_is_a_polyline_a_path) {
+TEST_F(PathFiles, VtpIsAPolylineAPath) {
     PathVtpWriter writer(folder_ / "a.vtp", {kLengths.size(), kSamples, true, Precision::f32}, vtp_labels());
-    const VolumeResult result = write_paths<float>(writer, kLengths, kSteps, 6, 3);
+    const VolumeResult result = write_paths<float>(writer, kLengths, kLongest, 6, 3);
     const std::string text = read("a.vtp");
     EXPECT_EQ(result.bytes, text.size());
     for (const char* word :
@@ -270,11 +269,11 @@ TEST_F(PathFiles, vtp_is_a_polyline_a_path) {
     }
 }
 
-TEST_F(PathFiles, vtp_is_the_same_however_paths_arrive_and_keeps_doubles) {
+TEST_F(PathFiles, VtpIsTheSameHoweverPathsArriveAndKeepsDoubles) {
     std::string first;
     for (const auto& [most, window] : {std::pair<std::size_t, std::size_t>{6, 3}, {1, 1}, {1, 2}, {100, 7}}) {
         PathVtpWriter writer(folder_ / "a.vtp", {kLengths.size(), kSamples, false, Precision::f64}, vtp_labels());
-        write_paths<double>(writer, kLengths, kSteps, most, window);
+        write_paths<double>(writer, kLengths, kLongest, most, window);
         const std::string text = read("a.vtp");
         if (first.empty())
             first = text;

@@ -1,6 +1,7 @@
-// Rows into samples, and every way in which a file can fail to hold them.
+// CSV as the world writes it, rows into samples, and every way in which a file can fail to hold them.
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <fmt/format.h>
 
@@ -35,7 +36,7 @@ protected:
     static std::string row(const std::string& cells) { return "path,t,x,y,z\n0,0,0,0,0\n" + cells; }
 };
 
-TEST_F(PathFile, is_read_in_any_order_of_columns) {
+TEST_F(PathFile, IsReadInAnyOrderOfColumns) {
     for (const char* text :
          {"path,t,x,y,z\n7,0.5,1,-2,3e-3\n", "z,note,y,x,t,path\n3e-3,\"a,b\",-2,1,0.5,7\n",
           "path,t,x,y,z,gx,x2,note,note\n 7 ,+0.5,\"1\",-2.000,.003,nan,,,\n", "path,t,x,y,z\n7.0e0,0.5,1,-2,3e-3"}) {
@@ -48,7 +49,7 @@ TEST_F(PathFile, is_read_in_any_order_of_columns) {
     }
 }
 
-TEST_F(PathFile, gives_every_double_and_every_path_number) {
+TEST_F(PathFile, GivesEveryDoubleAndEveryPathNumber) {
     const auto read = samples("path,t,x,y,z\n18446744073709551615,0.1,4.9406564584124654e-324,-0,"
                               "0.1000000000000000055511151231257827\n");
     EXPECT_EQ(read[0].path, std::numeric_limits<std::uint64_t>::max());
@@ -57,7 +58,7 @@ TEST_F(PathFile, gives_every_double_and_every_path_number) {
     EXPECT_EQ(read[0].probe.z, 0.1);
 }
 
-TEST_F(PathFile, is_read_in_batches_of_any_size) {
+TEST_F(PathFile, IsReadInBatchesOfAnySize) {
     std::string text = "path,t,x,y,z\n";
     for (int i = 0; i < 100; ++i)
         text += fmt::format("{},0,{},0,0\n", i % 3, i);
@@ -69,7 +70,7 @@ TEST_F(PathFile, is_read_in_batches_of_any_size) {
     }
 }
 
-TEST_F(PathFile, needs_a_header_and_a_sample) {
+TEST_F(PathFile, NeedsAHeaderAndASample) {
     expect("", ": ", {"is empty", "path,t,x,y,z"});
     expect("\n\n", ": ", {"is empty"});
     expect("path,t,x,y,z\n", ": ", {"no sample below the header"});
@@ -83,7 +84,7 @@ TEST_F(PathFile, needs_a_header_and_a_sample) {
     expect("path,t,x,y,x,z\n0,0,0,0,0,0\n", ":1:12: ", {"two columns \"x\""});
 }
 
-TEST_F(PathFile, has_as_many_cells_in_every_row) {
+TEST_F(PathFile, HasAsManyCellsInEveryRow) {
     expect(row("1,2,3,4\n"), ":3:8: ", {"4 cells", "5", "header"});
     expect(row("1,2,3,4,5,6\n"), ":3:11: ", {"6 cells", "decimal commas"});
     expect(row("1,0,1\n"), ":3:6: ", {"3 cells"});
@@ -92,7 +93,7 @@ TEST_F(PathFile, has_as_many_cells_in_every_row) {
     expect(row(std::string("\0\0\0\n", 4)), ":3:", {"1 cell"});
 }
 
-TEST_F(PathFile, holds_finite_numbers_only) {
+TEST_F(PathFile, HoldsFiniteNumbersOnly) {
     expect(row("1,0,0.1,,0\n"), ":3:9: y: ", {"empty", "metres"});
     expect(row("1,,0.1,0,0\n"), ":3:3: t: ", {"empty", "seconds"});
     expect(row("1,0,nan,0,0\n"), ":3:5: x: ", {"\"nan\"", "not finite"});
@@ -112,7 +113,7 @@ TEST_F(PathFile, holds_finite_numbers_only) {
     expect(row("1,0," + std::string(100, 'a') + ",0,0\n"), ":3:5: x: ", {std::string(40, 'a') + "...\""});
 }
 
-TEST_F(PathFile, numbers_its_paths) {
+TEST_F(PathFile, NumbersItsPaths) {
     expect(row("-1,0,0,0,0\n"), ":3:1: path: ", {"negative"});
     expect(row("1.5,0,0,0,0\n"), ":3:1: path: ", {"not whole"});
     expect(row("1e300,0,0,0,0\n"), ":3:1: path: ", {"too large"});
@@ -122,9 +123,102 @@ TEST_F(PathFile, numbers_its_paths) {
     expect(row("nan,0,0,0,0\n"), ":3:1: path: ", {"not finite"});
 }
 
-TEST_F(PathFile, is_there) {
+TEST_F(PathFile, IsThere) {
     EXPECT_NE(message_of<IoError>([&] { PathReader(path("nosuch.csv"), 1); }).find("nosuch.csv"), std::string::npos);
     EXPECT_NE(message_of<IoError>([&] { PathReader(folder_.path(), 1); }), "");
+}
+
+using Records = std::vector<std::vector<std::string>>;
+
+class CsvText : public PathWorkplace {
+protected:
+    Records records(const std::string& text) const {
+        CsvReader reader(write("a.csv", text));
+        Records all;
+        while (reader.next()) {
+            all.emplace_back();
+            for (std::size_t i = 0; i < reader.size(); ++i)
+                all.back().emplace_back(reader.text(i));
+        }
+        return all;
+    }
+    std::string complaint(const std::string& text) const {
+        return message_of<UsageError>([&] { records(text); });
+    }
+};
+
+TEST_F(CsvText, IsSplitAtCommasAndLineEnds) {
+    const Records expected{{"a", "b"}, {"1", ""}, {"", "2"}};
+    EXPECT_EQ(records("a,b\n1,\n,2\n"), expected);
+    EXPECT_EQ(records("a,b\r\n1,\r\n,2\r\n"), expected);
+    EXPECT_EQ(records("\xEF\xBB\xBF"
+                      "a,b\n1,\n,2"),
+              expected)
+        << "a byte order mark, and no line feed at the end";
+    EXPECT_EQ(records("a,b\n\n1,\n\r\n,2\n\n"), expected) << "empty lines";
+    EXPECT_EQ(records(" a ,\tb\n1 , \n,  2\t\n"), expected) << "blanks";
+    EXPECT_EQ(records(""), Records{});
+    EXPECT_EQ(records("\n\n"), Records{});
+}
+
+TEST_F(CsvText, MayBeQuoted) {
+    EXPECT_EQ(records("\"a\",\"b,c\"\n"), (Records{{"a", "b,c"}}));
+    EXPECT_EQ(records("\"say \"\"a\"\"\" , \"two\nlines\"\n"), (Records{{"say \"a\"", "two\nlines"}}));
+    EXPECT_EQ(records("\"\"\n"), (Records{{""}})) << "a quoted nothing is a cell";
+    EXPECT_EQ(records("5\" nail,1\n"), (Records{{"5\" nail", "1"}}));
+}
+
+TEST_F(CsvText, IsRefusedWhereItHasNoMeaning) {
+    EXPECT_NE(complaint("a,b\n1,\"2\n3,4\n").find(":2:3: the quote"), std::string::npos);
+    EXPECT_NE(complaint("a,\"b\"c\n").find(":1:6: text after a closing quote"), std::string::npos);
+    EXPECT_NE(complaint("a,b\r1,2\r").find(":1:4: a carriage return"), std::string::npos);
+    EXPECT_NE(complaint(std::string("\xFF\xFE") + std::string("a\0,\0", 4)).find("UTF-16"), std::string::npos);
+    EXPECT_NE(complaint("a\n" + std::string(std::size_t(2) << 20, '1')).find(":2:1: what begins here is longer"),
+              std::string::npos);
+    EXPECT_NE(complaint("a\n\"" + std::string(std::size_t(2) << 20, '\n')).find(":2:1: "), std::string::npos);
+}
+
+TEST_F(CsvText, SaysWhereCellsStandInCharacters) {
+    CsvReader reader(write("a.csv", "\xEF\xBB\xBF"
+                                    "a,b\n\n\"\xC3\xBC\n\xE2\x82\xAC\",  7,8\n"));
+    ASSERT_TRUE(reader.next());
+    EXPECT_EQ(reader.where(0), (Location{1, 1}));
+    EXPECT_EQ(reader.where(1), (Location{1, 3}));
+    ASSERT_TRUE(reader.next());
+    EXPECT_EQ(reader.where(0), (Location{3, 1}));
+    EXPECT_EQ(reader.where(1), (Location{4, 6}));
+    EXPECT_EQ(reader.where(2), (Location{4, 8}));
+    EXPECT_EQ(reader.end(), (Location{4, 9}));
+    EXPECT_FALSE(reader.ends_open());
+}
+
+// Wherever a buffer ends, the text goes on.
+TEST_F(CsvText, IsTheSameAcrossTheEndsOfBuffers) {
+    std::mt19937 random(1996);
+    for (int round = 0; round < 4; ++round) {
+        Records expected;
+        std::string text;
+        while (text.size() < 600000) {
+            expected.emplace_back();
+            for (int cell = 0; cell < 5; ++cell) {
+                std::string content(random() % 9, 'x');
+                const bool quoted = random() % 3 == 0;
+                if (quoted && random() % 2)
+                    content += "\"\n,";
+                expected.back().push_back(content);
+                if (cell)
+                    text += ',';
+                if (quoted)
+                    text += '"';
+                for (const char c : content)
+                    text.append(c == '"' ? 2 : 1, c);
+                if (quoted)
+                    text += '"';
+            }
+            text += random() % 2 ? "\n" : "\r\n";
+        }
+        EXPECT_TRUE(records(text) == expected);
+    }
 }
 
 } // namespace

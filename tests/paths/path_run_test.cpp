@@ -69,10 +69,19 @@ protected:
                     force[3 * ((step - chunk.step_first) * chunk.pitch + path - chunk.path_first) + i] *= factor;
         };
     }
+    // Of a recorded path.
+    PathRunOptions recorded(bool samples) const {
+        PathRunOptions options;
+        options.stem = folder_ / "a";
+        options.recorded = folder_ / "in.csv";
+        if (samples)
+            options.samples = folder_ / "a.csv";
+        return options;
+    }
     Folder folder_;
 };
 
-TEST_F(PathRun, of_a_true_engine_agrees_with_the_oracle) {
+TEST_F(PathRun, OfATrueEngineAgreesWithTheOracle) {
     for (const bool software : {true, false})
         for (const char* paths : {"count = 50\nsteps = 200\n", "count = 7\nsteps = 300\npress = \"1 N\"\n",
                                   "kind = \"random_walk\"\ncount = 9\nsteps = 100\n", "count = 1\nsteps = 1\n"}) {
@@ -86,7 +95,7 @@ TEST_F(PathRun, of_a_true_engine_agrees_with_the_oracle) {
         }
 }
 
-TEST_F(PathRun, catches_a_single_bit) {
+TEST_F(PathRun, CatchesASingleBit) {
     for (const std::size_t path : {0, 33, 49})
         for (const std::size_t step : {0, 71, 199}) {
             Tampering engine;
@@ -100,7 +109,7 @@ TEST_F(PathRun, catches_a_single_bit) {
         }
 }
 
-TEST_F(PathRun, allows_hardware_its_roundings_and_no_more) {
+TEST_F(PathRun, AllowsHardwareItsRoundingsAndNoMore) {
     for (const char* paths : {"count = 50\nsteps = 200\n", "count = 50\nsteps = 200\npress = \"1 N\"\n"})
         for (const auto& [factor, beyond] : {std::pair{1 + 0x1p-22f, 0u}, {1.002f, 1u}, {0.f, 1u}}) {
             Tampering engine;
@@ -112,7 +121,7 @@ TEST_F(PathRun, allows_hardware_its_roundings_and_no_more) {
         }
 }
 
-TEST_F(PathRun, allows_hardware_a_place_that_is_rounded_and_no_other) {
+TEST_F(PathRun, AllowsHardwareAPlaceThatIsRoundedAndNoOther) {
     for (const char* paths : {"count = 50\nsteps = 200\ndepth = \"1 mm\"\n", "kind = \"minimum_jerk\"\nsteps = 200\n",
                               "kind = \"random_walk\"\nsteps = 200\nfollow = \"plane\"\n"})
         for (const auto& [off, beyond] : {std::pair{1e-9f, 0u}, {3e-5f, 1u}}) {
@@ -127,7 +136,7 @@ TEST_F(PathRun, allows_hardware_a_place_that_is_rounded_and_no_other) {
         }
 }
 
-TEST_F(PathRun, takes_hardware_that_left_its_bound_for_what_it_is) {
+TEST_F(PathRun, TakesHardwareThatLeftItsBoundForWhatItIs) {
     Tampering engine;
     engine.software = false;
     // So hard a wall that the loop is unstable.
@@ -146,7 +155,7 @@ TEST_F(PathRun, takes_hardware_that_left_its_bound_for_what_it_is) {
     EXPECT_GT(record.error.beyond, record.error.differing / 2);
 }
 
-TEST_F(PathRun, catches_positions_and_metrics) {
+TEST_F(PathRun, CatchesPositionsAndMetrics) {
     Tampering engine;
     engine.chunks = [](layout::PathChunk<float>&, std::vector<float>&, std::vector<float>& position) {
         position[3] = std::nextafter(position[3], 1.f);
@@ -160,7 +169,7 @@ TEST_F(PathRun, catches_positions_and_metrics) {
     EXPECT_NE(error_text(record, "a.exr", "device").find("path 3: its metrics"), std::string::npos);
 }
 
-TEST_F(PathRun, of_metrics_alone_is_held_against_the_oracle_too) {
+TEST_F(PathRun, OfMetricsAloneIsHeldAgainstTheOracleToo) {
     PathRunOptions options;
     options.stem = folder_ / "a";
     Tampering engine;
@@ -173,7 +182,7 @@ TEST_F(PathRun, of_metrics_alone_is_held_against_the_oracle_too) {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.paths.csv"});
 }
 
-TEST_F(PathRun, refuses_forces_that_are_no_numbers_and_leaves_nothing) {
+TEST_F(PathRun, RefusesForcesThatAreNoNumbersAndLeavesNothing) {
     Tampering engine;
     change(engine, 4, 5, NAN);
     const PreparedCase one = prepared();
@@ -182,7 +191,7 @@ TEST_F(PathRun, refuses_forces_that_are_no_numbers_and_leaves_nothing) {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{});
 }
 
-TEST_F(PathRun, compares_evenly_chosen_paths_of_many) {
+TEST_F(PathRun, ComparesEvenlyChosenPathsOfMany) {
     Tampering engine;
     const PathRecord record =
         run(engine, prepared("count = 3000\nsteps = 1000\nspeed = { mean = \"100 mm/s\", sd = \"10 mm/s\" }\n"));
@@ -191,7 +200,7 @@ TEST_F(PathRun, compares_evenly_chosen_paths_of_many) {
     EXPECT_EQ(record.error.differing, 0u);
 }
 
-TEST_F(PathRun, of_recorded_paths_takes_hardly_more_steps_than_they_have) {
+TEST_F(PathRun, OfRecordedPathsTakesHardlyMoreStepsThanTheyHave) {
     std::ofstream file(folder_ / "in.csv");
     file << "path,t,x,y,z\n";
     std::uint64_t samples = 0;
@@ -201,11 +210,7 @@ TEST_F(PathRun, of_recorded_paths_takes_hardly_more_steps_than_they_have) {
     file.close();
     for (const bool metrics_only : {false, true}) {
         Tampering engine;
-        PathRunOptions options;
-        options.stem = folder_ / "a";
-        options.recorded = folder_ / "in.csv";
-        if (!metrics_only)
-            options.samples = folder_ / "a.csv";
+        PathRunOptions options = recorded(!metrics_only);
         std::uint64_t taken = 0;
         engine.chunks = [&](layout::PathChunk<float>& chunk, std::vector<float>&, std::vector<float>&) {
             taken += chunk.path_count * chunk.step_count;
@@ -223,7 +228,7 @@ TEST_F(PathRun, of_recorded_paths_takes_hardly_more_steps_than_they_have) {
 }
 
 // Only where there is contact comes with the metrics, window after window.
-TEST_F(PathRun, of_metrics_of_a_long_recorded_path_on_hardware) {
+TEST_F(PathRun, OfMetricsOfALongRecordedPathOnHardware) {
     constexpr int kSteps = 5000;
     std::ofstream file(folder_ / "in.csv");
     file << "path,t,x,y,z\n";
@@ -234,16 +239,13 @@ TEST_F(PathRun, of_metrics_of_a_long_recorded_path_on_hardware) {
     engine.software = false;
     std::size_t windows = 0;
     engine.chunks = [&](layout::PathChunk<float>&, std::vector<float>&, std::vector<float>&) { ++windows; };
-    PathRunOptions options;
-    options.stem = folder_ / "a";
-    options.recorded = folder_ / "in.csv";
-    const PathRecord record = run_paths(engine, prepared(), options);
+    const PathRecord record = run_paths(engine, prepared(), recorded(false));
     EXPECT_GT(windows, 1u);
     EXPECT_EQ(record.error.samples, std::uint64_t(kSteps));
     EXPECT_EQ(error_text(record, "a", "device"), "");
 }
 
-TEST_F(PathRun, of_a_file_that_changes_meanwhile_writes_nothing) {
+TEST_F(PathRun, OfAFileThatChangesMeanwhileWritesNothing) {
     const auto write = [&](int rows) {
         std::ofstream file(folder_ / "in.csv");
         file << "path,t,x,y,z\n";
@@ -253,23 +255,19 @@ TEST_F(PathRun, of_a_file_that_changes_meanwhile_writes_nothing) {
     for (const int later : {150000, 1000, 0}) {
         write(200000);
         Tampering engine;
-        PathRunOptions options;
-        options.stem = folder_ / "a";
-        options.samples = folder_ / "a.csv";
-        options.recorded = folder_ / "in.csv";
         engine.chunks = [&](layout::PathChunk<float>& chunk, std::vector<float>&, std::vector<float>&) {
             if (chunk.step_first == 0)
                 write(later);
         };
         const PreparedCase one = prepared();
-        const std::string message = message_of<IoError>([&] { run_paths(engine, one, options); });
+        const std::string message = message_of<IoError>([&] { run_paths(engine, one, recorded(true)); });
         EXPECT_NE(message.find("in.csv was changed while it was read; no file was written"), std::string::npos)
             << message;
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"in.csv"});
     }
 }
 
-TEST_F(PathRun, validation_covers_every_path) {
+TEST_F(PathRun, ValidationCoversEveryPath) {
     Tampering engine;
     change(engine, 49, 199, 1 + 0x1p-23f);
     const PathComparison comparison = compare_paths(engine, prepared(), Precision::f32);

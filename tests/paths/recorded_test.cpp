@@ -107,23 +107,6 @@ TEST_F(Recorded, PathsMayBeInterleavedInAShortFile) {
               "path's stand together: sort it by path");
 }
 
-// A batch takes as many steps as its longest path has, for each of its paths.
-TEST_F(Recorded, ABatchHoldsPathsOfLengthsThatGoTogether) {
-    constexpr std::uint64_t kLong = 40000;
-    std::string text = "path,t,x,y,z\n";
-    for (int path = 0; path < 200; ++path)
-        for (std::uint64_t i = 0; i < (path == 100 ? kLong : 3); ++i)
-            text += fmt::format("{},{},0,0,0\n", path, i);
-    const auto file = std::make_shared<const RecordedFile>(write(text), kLoose);
-    RecordedPaths<double> recorded(file);
-    std::uint64_t steps = 0;
-    for (std::size_t first = 0, count = 0; first < file->paths(); first += count) {
-        count = recorded.select(first, 1000);
-        steps += count * *std::ranges::max_element(recorded.steps());
-    }
-    EXPECT_LT(steps, 10 * kLong) << "not 200 times";
-}
-
 TEST_F(Recorded, AFileThatChangesIsNoLongerRead) {
     const std::string text = grouped(40);
     const auto refusal = [&](const std::string& later, std::size_t kept, bool touch = true) {
@@ -174,9 +157,7 @@ TEST_F(Recorded, TimesIncreaseAndKeepToTheRate) {
 TEST_F(Recorded, TheProbeGoesWhereTheFileSays) {
     const auto file = write(grouped(40));
     for (const char* surface : {"kind = \"bump\"\n", "kind = \"mesh\"\nfile = \"cube.obj\"\n"}) {
-        std::ofstream(folder_ / "cube.obj") << "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 0\nv 1 -1 0\n"
-                                               "v 1 1 0\nv -1 1 0\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
-                                               "f 3 4 8 7\nf 4 1 5 8\n";
+        std::ofstream(folder_ / "cube.obj") << kCubeObj;
         const auto prepared = prepared_scene(
             fmt::format("[surface]\n{}[paths]\nkind = \"recorded\"\nfile = \"paths.csv\"\n", surface), folder_.path());
         ScenePaths<double> source(prepared);

@@ -94,17 +94,14 @@ protected:
     std::string text_;
 };
 
-TEST_F(SurfacePath, is_the_law_evaluated_directly_in_single_precision) {
-    for (const std::string& scene : scenes())
+TEST_F(SurfacePath, IsTheLawEvaluatedDirectly) {
+    for (const std::string& scene : scenes()) {
         expect_direct<float>(prepare(scene, Precision::f32));
-}
-
-TEST_F(SurfacePath, is_the_law_evaluated_directly_in_double_precision) {
-    for (const std::string& scene : scenes())
         expect_direct<double>(prepare(scene, Precision::f64));
+    }
 }
 
-TEST_F(SurfacePath, does_not_depend_on_the_columns_of_the_file) {
+TEST_F(SurfacePath, DoesNotDependOnTheColumnsOfTheFile) {
     const PreparedCase prepared = prepare(scenes()[1]);
     const std::string plain = felt(prepared, text_);
     EXPECT_TRUE(plain.starts_with(kHeader));
@@ -115,7 +112,7 @@ TEST_F(SurfacePath, does_not_depend_on_the_columns_of_the_file) {
     EXPECT_TRUE(felt(prepared, plain) == plain) << "what was written can be explored again";
 }
 
-TEST_F(SurfacePath, is_the_same_when_paths_are_interleaved) {
+TEST_F(SurfacePath, IsTheSameWhenPathsAreInterleaved) {
     const PreparedCase prepared = prepare(scenes()[1]);
     const auto whole = rows_of(felt(prepared, text_));
     std::string text = "path,t,x,y,z\n";
@@ -129,12 +126,7 @@ TEST_F(SurfacePath, is_the_same_when_paths_are_interleaved) {
         EXPECT_EQ(apart[i], whole[i % 1800 * 5 + i / 1800]);
 }
 
-TEST_F(SurfacePath, is_the_same_in_every_run) {
-    const PreparedCase prepared = prepare(scenes()[6], Precision::f32);
-    EXPECT_TRUE(felt(prepared, text_) == felt(prepared, text_));
-}
-
-TEST_F(SurfacePath, warns_of_a_last_line_without_end) {
+TEST_F(SurfacePath, WarnsOfALastLineWithoutEnd) {
     const PreparedCase prepared = prepare(scenes()[0]);
     write("in.csv", "path,t,x,y,z\n0,0,0,0,-0.001");
     const ExploreResult result = explore(prepared, "in.csv");
@@ -145,7 +137,7 @@ TEST_F(SurfacePath, warns_of_a_last_line_without_end) {
     EXPECT_EQ(explore(prepared, "in.csv").warnings.size(), 0u);
 }
 
-TEST_F(SurfacePath, leaves_nothing_where_something_is_wrong) {
+TEST_F(SurfacePath, LeavesNothingWhereSomethingIsWrong) {
     const PreparedCase prepared = prepare(scenes()[0], Precision::f32);
     write("in.csv", text_ + "0,0,nan,0,0\n");
     EXPECT_NE(message_of<UsageError>([&] { explore(prepared, "in.csv"); }).find("in.csv:9002:5: x: "),
@@ -154,18 +146,14 @@ TEST_F(SurfacePath, leaves_nothing_where_something_is_wrong) {
     EXPECT_NE(message_of<UsageError>([&] { explore(prepared, "in.csv"); }).find("too far away"), std::string::npos);
     EXPECT_NE(message_of<IoError>([&] { explore(prepared, "in.csv", "nosuch/out.csv"); }), "");
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"in.csv", "map.png"}));
-}
-
-TEST_F(SurfacePath, keeps_what_was_there_before_an_error) {
-    const PreparedCase prepared = prepare(scenes()[0]);
-    write("out.csv", "mine");
+    write("out.csv", "mine"); // what was there before an error stays
     write("in.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0,0,0\n");
     EXPECT_NE(message_of<UsageError>([&] { explore(prepared, "in.csv"); }), "");
     EXPECT_EQ(read("out.csv"), "mine");
 }
 
 // Where forces are as large as scenes and paths may make them, they are still numbers.
-TEST_F(SurfacePath, is_finite_at_the_limits_of_its_precision) {
+TEST_F(SurfacePath, IsFiniteAtTheLimitsOfItsPrecision) {
     const std::string scene = "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n";
     for (const Precision precision : {Precision::f32, Precision::f64}) {
         const char* far = precision == Precision::f32 ? "1e15" : "1e150";
@@ -214,7 +202,7 @@ template <typename T, typename Bits> void expect_round_trip(const Folder& folder
     }
 }
 
-TEST(PathWriter, prints_numbers_that_read_back_exactly) {
+TEST(PathWriter, PrintsNumbersThatReadBackExactly) {
     const Folder folder;
     expect_round_trip<float, std::uint32_t>(folder);
     expect_round_trip<double, std::uint64_t>(folder);
