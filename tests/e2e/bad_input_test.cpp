@@ -2,9 +2,8 @@
 #include <thread>
 #include <tuple>
 
-#include <sys/stat.h>
-
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "host/output/files.h"
 #include "tests/e2e/workplace.h"
@@ -74,75 +73,21 @@ TEST_F(BadInput, a_missing_or_broken_height_map_is_an_error_with_its_name) {
     std::filesystem::remove(path("map.exr"));
     expect_failure(4, {"sweep", "study.toml", "--out", "out"}, {"map.exr", "No such file"});
     EXPECT_FALSE(std::filesystem::exists(path("out"))) << "known before anything is written";
+    write("digest.toml", fmt::format(fmt::runtime(scene), "png") + "sha256 = \"" + std::string(64, '0') + "\"\n");
+    EXPECT_NE(forceshade({"field", "digest.toml", "--out", "field.exr"}).code, 0);
 }
 
-TEST_F(BadInput, a_height_map_that_is_not_the_one_meant_is_refused) {
-    write("map.png", "x");
-    write("scene.toml", "[surface]\nkind = \"height_map\"\nfile = \"map.png\"\nsize = [\"2 mm\", \"2 mm\"]\n"
-                        "height = \"1 mm\"\nsha256 = \"" +
-                            std::string(64, '0') + "\"\n");
-    const Outcome outcome = forceshade({"field", "scene.toml", "--out", "field.exr"});
-    EXPECT_NE(outcome.code, 0);
-    EXPECT_NE(outcome.error.find("map.png"), std::string::npos) << outcome.error;
-}
-
-TEST_F(BadInput, a_quantity_needs_a_unit_that_fits) {
+// What is wrong with each is for tests/scene.
+TEST_F(BadInput, a_scene_that_is_wrong_is_refused_with_its_place_by_every_command) {
     expect_refused("[surface]\nradius = 600\n", {"scene.toml:2:10", "unit", "600"});
-    expect_refused("[surface]\nradius = 0.6\n", {"scene.toml:2:10", "unit"});
-    expect_refused("[surface]\nradius = \"600\"\n", {"scene.toml:2:10", "unit"});
-    expect_refused("[surface]\nradius = \"600 mul\"\n", {"scene.toml:2:10", "mul", "mil"});
-    expect_refused("[surface]\nradius = \"600 N\"\n", {"scene.toml:2:10", "length"});
-    expect_refused("[force]\nstiffness = \"1 mm\"\n", {"scene.toml:2:13", "stiffness"});
-    expect_refused("[force]\nstiffness = \"0,5 N/mm\"\n", {"scene.toml:2:13"});
-    expect_refused("[force]\nstiffness = \"nan N/m\"\n", {"scene.toml:2:13"});
-    expect_refused("[force]\nstiffness = \"-3 N/m\"\n", {"scene.toml:2:13", "positive", "-3 N/m"});
-    expect_refused("[surface]\nradius = true\n", {"scene.toml:2:10"});
-}
-
-TEST_F(BadInput, a_misspelt_key_is_met_with_the_right_one) {
-    expect_refused("[surface]\nradios = \"600 mil\"\n", {"scene.toml:2:1", "radios", "did you mean \"radius\""});
-    expect_refused("[force]\nstifness = \"1 N/mm\"\n", {"scene.toml:2:1", "did you mean \"stiffness\""});
-    expect_refused("[gird]\nsize = [1, 1, 1]\n", {"scene.toml:1:2", "did you mean [grid]"});
-    expect_refused("[surface]\n\n  kind = \"bumb\"\n", {"scene.toml:3:10", "bumb", "bump"});
     expect_refused("[[variant]]\nsurface.facet = 2\n", {"scene.toml:2:", "facets"});
-    expect_refused("[output]\nchannels = [\"force\", \"dept\"]\n", {"scene.toml:2:22", "depth"});
-}
-
-TEST_F(BadInput, a_list_that_is_empty_is_refused) {
-    expect_refused("[surface]\nradius = []\n", {"scene.toml:2:10", "empty"});
     expect_refused("[output]\nchannels = []\n", {"scene.toml:2:12", "empty"});
-    expect_refused("[grid]\nsize = []\n", {"scene.toml:2:8", "empty"});
-    expect_refused("[force]\nshading = [[]]\n", {"scene.toml:2:"});
-}
-
-TEST_F(BadInput, a_grid_without_voxels_or_with_too_many_is_refused) {
-    expect_refused("[grid]\nsize = [0, 4, 4]\n", {"scene.toml:2:9", "got 0"});
-    expect_refused("[grid]\nsize = [4, 4, -1]\n", {"scene.toml:2:15", "got -1"});
-    // 2^64 voxels in three ways, the last with a product that wraps to 0 in 64 bits.
-    expect_refused("[grid]\nsize = [4194304, 2097152, 2097152]\n", {"scene.toml:2:", "size"});
-    expect_refused("[grid]\nsize = [4294967296, 4294967296, 1]\n", {"scene.toml:2:9", "4294967296"});
+    // 2^64 voxels, whose number wraps to 0.
     expect_refused("[grid]\nsize = [1073741824, 536870912, 32]\n", {"scene.toml:2:", "size"});
-    expect_refused("[grid]\nsize = [18446744073709551616, 1, 1]\n", {"scene.toml:2:", "18446744073709551616"});
-    expect_refused("[grid]\nsize = [2147483647, 2147483647, 2147483647]\n", {"scene.toml:2:", "size"});
-    expect_refused("[grid]\nsize = [4.5, 4, 4]\n", {"scene.toml:2:9"});
-    expect_refused("[grid]\nsize = [4, 4]\n", {"scene.toml:2:8", "3 values"});
-    expect_refused("[grid]\nspacing = \"0 mm\"\n", {"scene.toml:2:11", "positive"});
-}
-
-TEST_F(BadInput, text_that_is_no_toml_is_refused_with_its_place) {
-    expect_refused("[surface\n", {"scene.toml:1:9"});
-    expect_refused("[surface]\nradius = \"600 mil\n", {"scene.toml:2:"});
-    expect_refused("[surface]\nradius = \"600 mil\"\nradius = \"700 mil\"\n", {"scene.toml:3:1", "radius"});
     expect_refused(std::string("\x7f"
                                "ELF\x02\x01\x01\x00\xff\xfe",
                                10),
                    {"scene.toml:1:"});
-    expect_refused("[surface]\nradius = \"\xff\xfe mil\"\n", {"scene.toml:2:"});
-}
-
-TEST_F(BadInput, the_radius_cannot_be_less_than_half_of_the_width) {
-    expect_refused("[surface]\nradius = \"499.9999999999 mil\"\n", {"scene.toml:2:10", "radius", "half"});
-    expect_refused("[surface]\nwidth = \"1 m\"\n", {"radius"});
     write("axis.toml", "[surface]\nradius = [\"600 mil\", \"499 mil\"]\n");
     expect_failure(2, {"sweep", "axis.toml", "--out", "out"}, {"axis.toml:2:22", "radius"});
 }
@@ -249,6 +194,77 @@ TEST_F(BadInput, nothing_is_written_through_a_link_in_the_results) {
         std::filesystem::create_symlink(path("others/study.json"), path("out") / name);
     expect_success({"sweep", "scene.toml", "--out", "out"});
     EXPECT_EQ(tree_of(path("others")), before);
+}
+
+class SceneFile : public Workplace {
+protected:
+    // A shell's line, in which $0 is the program.
+    Outcome shell(const std::string& line) const {
+        Launch launch = this->launch({"-c", line, FORCESHADE_PROGRAM});
+        launch.program = "/bin/sh";
+        return run(launch);
+    }
+};
+
+TEST_F(SceneFile, every_one_that_init_writes_works_as_it_stands) {
+    write("spot.obj", read_text(FORCESHADE_SOURCE "/tests/data/spot.obj"));
+    std::filesystem::create_directory(path("scenes"));
+    for (const std::string kind : {"bump", "paths", "live", "experiment"})
+        expect_success({"init", kind, "-o", "scenes/" + kind + ".toml"});
+    expect_success({"init", "mesh", "spot.obj", "-o", "scenes/mesh.toml"});
+    for (const auto& arguments : std::vector<std::vector<std::string>>{
+             {"field", "scenes/bump.toml", "--out", "bump.exr"},
+             {"field", "scenes/mesh.toml", "--out", "mesh.exr"},
+             {"explore", "scenes/paths.toml", "--out", "paths.exr"},
+             {"live", "scenes/live.toml", "--device", "sim", "--duration", "1 s", "--fast", "--log", "felt.csv"},
+             {"experiment", "plan", "scenes/experiment.toml"}}) {
+        const Outcome outcome = expect_success(arguments);
+        EXPECT_EQ(outcome.error.find("warning"), std::string::npos) << outcome.error;
+        EXPECT_EQ(outcome.error.find(" 0 in contact"), std::string::npos) << outcome.error; // of the live loop
+    }
+}
+
+TEST_F(SceneFile, init_says_what_it_cannot_write_and_replaces_no_file) {
+    write("scene.toml", "mine");
+    expect_failure(2, {"init", "bump", "-o", "scene.toml"}, {"scene.toml is there already"});
+    EXPECT_EQ(read_text(path("scene.toml")), "mine");
+    expect_failure(2, {"init", "bmup"}, {"did you mean bump?"});
+    expect_failure(4, {"init", "mesh", "no.obj"}, {"no.obj", "No such file"});
+    expect_failure(2, {"init", "bump", "scene.toml"}, {"init bump takes no file"});
+    EXPECT_NE(expect_success({"init", "mesh"}).out.find("file = \"mesh.obj\""), std::string::npos);
+}
+
+TEST_F(SceneFile, a_dash_is_standard_input) {
+    EXPECT_EQ(shell("\"$0\" init bump | \"$0\" field - --out piped.exr --quiet").code, 0);
+    EXPECT_TRUE(std::filesystem::exists(path("piped.exr")));
+    for (const std::string command : {"field - --out x.exr", "sweep - --out x", "validate -", "explore - --out x.csv",
+                                      "live - --device sim", "experiment plan -", "study stability - --out x"}) {
+        const Outcome refused = shell("printf '[surface]\\nradius = 600\\n[gird]\\n' | \"$0\" " + command);
+        EXPECT_EQ(refused.code, 2) << command;
+        EXPECT_NE(refused.error.find("<stdin>:2:10: radius needs a unit"), std::string::npos) << refused.error;
+        EXPECT_NE(refused.error.find("error: <stdin>:3:2: unknown table [gird]"), std::string::npos) << refused.error;
+        EXPECT_NE(refused.error.find("2 errors in <stdin>"), std::string::npos) << refused.error;
+    }
+    write("spot.obj", read_text(FORCESHADE_SOURCE "/tests/data/spot.obj")); // of the current folder
+    EXPECT_EQ(shell("\"$0\" init mesh spot.obj | \"$0\" field - --out mesh.exr --quiet").code, 0);
+    EXPECT_EQ(shell("\"$0\" init live | \"$0\" live - --device sim --duration 0.1s --fast --quiet").code, 0);
+    EXPECT_NE(shell("\"$0\" live - --watch --device sim </dev/null").error.find("--watch"), std::string::npos);
+    EXPECT_NE(shell("\"$0\" field - --out x.exr </dev/null").error.find("<stdin> has no [surface]"), std::string::npos);
+}
+
+TEST_F(SceneFile, errors_of_an_experiment_are_told_with_those_of_its_stimuli) {
+    write("e.toml", "[experiment]\ntrails = 3\nblocks = 0\n[surface]\nradius = 600\n"
+                    "[[experiment.answer]]\nlabel = 1\n[[experiment.answer]]\nname = \"A B\"\n");
+    expect_failure(2, {"experiment", "plan", "e.toml"},
+                   {"e.toml:2:1: unknown key \"trails\"", "e.toml:3:10: blocks", "e.toml:5:10: radius", "e.toml:7:9",
+                    "e.toml:9:8", "5 errors in e.toml"});
+}
+
+TEST_F(SceneFile, a_mesh_given_as_a_scene_is_told_how_to_become_one) {
+    write("bunny.obj", "v 0 0 0\n");
+    for (const std::string command : {"field", "sweep", "explore"})
+        expect_failure(2, {command, "bunny.obj", "--out", "x.exr"}, {"forceshade init mesh bunny.obj -o bunny.toml"});
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"bunny.obj"});
 }
 
 } // namespace

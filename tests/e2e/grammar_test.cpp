@@ -130,15 +130,6 @@ TEST_F(GrammarTest, has_short_forms) {
     EXPECT_NE(expect_success({"help", "experiment", "run"}).out.find("--participant"), std::string::npos);
 }
 
-TEST_F(GrammarTest, tells_the_stages_if_asked) {
-    for (const char* engine : {"cpu", "gpu"}) {
-        const std::string said = expect_success({"field", "scene.toml", "-vo", "a.exr", "--engine", engine}).error;
-        for (const char* word : {"scene.toml", "device: ", "kernel", "stages: prepare"})
-            EXPECT_NE(said.find(word), std::string::npos) << said;
-    }
-    EXPECT_EQ(expect_success({"field", "scene.toml", "-o", "a.exr"}).error.find("stages"), std::string::npos);
-}
-
 TEST_F(GrammarTest, wraps_help_and_gives_two_examples_of_every_command) {
     const auto all = commands();
     EXPECT_GT(all.size(), 18u);

@@ -313,20 +313,6 @@ TEST_F(LiveFault, outside_of_the_devices_workspace_there_is_no_force) {
     EXPECT_GT(pushes_after(record(), 0), 0u);
 }
 
-TEST_F(LiveFault, a_device_that_is_not_there_or_makes_no_sense_is_refused) {
-    for (const auto& [fail, words] : {std::pair{"dhdOpen", "device in use"},
-                                      {"dhdGetDeviceCount", "no driver found"},
-                                      {"dhdGetPosition", "communication error"},
-                                      {"millimetres", "its SDK gives metres"},
-                                      {"nan", "its SDK gives metres"}}) {
-        Launch launch = felt({"--log", "log.csv"}, fail);
-        launch.environment["STUB_POSITION"] = "0.01,0.02,0.1";
-        EXPECT_EQ(run(launch).code, 3) << fail;
-        EXPECT_NE(text("stderr").find(words), std::string::npos) << text("stderr");
-        EXPECT_FALSE(std::filesystem::exists(path("log.csv"))) << fail;
-    }
-}
-
 TEST_F(LiveFault, waiting_for_a_device_can_be_interrupted) {
     Launch launch = felt({"--origin", "here", "--patience", "none"}, "time guard"); // never a new position
     Process process(launch);
@@ -335,15 +321,6 @@ TEST_F(LiveFault, waiting_for_a_device_can_be_interrupted) {
     const Outcome outcome = process.wait();
     EXPECT_EQ(outcome.code, 130);
     EXPECT_EQ(pushes_after(record(), 0), 0u);
-}
-
-TEST_F(LiveFault, a_device_that_never_takes_a_force_is_given_up) {
-    for (const char* const fail : {"dhdSetForce", "dhdEnableForce"}) {
-        EXPECT_EQ(run(felt({"--patience", "0.2 s"}, fail)).code, 3) << fail;
-        EXPECT_NE(text("stderr").find("dhd is gone"), std::string::npos) << text("stderr");
-        for (const Told& told : record())
-            EXPECT_EQ(told.size(), 0);
-    }
 }
 
 } // namespace

@@ -28,12 +28,9 @@ TEST_F(LiveMisuse, of_devices) {
     expect_refused(on("mouse"),
                    {"--device mouse", "sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]"});
     expect_refused(on(""), {"--device", "sim[:BUTTONS], replay:FILE"});
-    expect_refused(on("sim:x"), {"--device sim:x", "a button from 1 to 32"});
     expect_refused(on("replay:"), {"replay:FILE.csv"});
     expect_refused(on("replay"), {"replay:FILE.csv"});
     expect_refused(on("replay:nosuch.csv"), {"nosuch.csv", "No such file"}, 4);
-    expect_refused(on("replay:."), {"regular file"}, 4);
-    expect_refused(on("dhd:first"), {"dhd:first", "whole number"}, 2);
     expect_refused(fast({"--dead-man", "1"}), {"--dead-man 1", "no buttons"});
     expect_refused(fast({"--device", "sim:1@0 s..1 s", "--clutch", "2"}), {"--clutch 2", "at most 1 button"});
     expect_refused(fast({"--device", "sim:1@0 s..1 s", "--clutch", "1", "--dead-man", "1"}), {"cannot be both"});
@@ -46,17 +43,10 @@ TEST_F(LiveMisuse, of_recordings) {
     const auto from = [](const std::string& file) {
         return live("bump.toml", {"--device", "replay:" + file, "--fast", "--log", "log.csv"});
     };
-    write("empty.csv", "");
-    expect_refused(from("empty.csv"), {"empty.csv"});
-    write("rowless.csv", "path,t,x,y,z\n");
-    expect_refused(from("rowless.csv"), {"rowless.csv"});
     write("nan.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,nan,0\n");
     expect_refused(from("nan.csv"), {"nan.csv:3:11: y: \"nan\" is not finite"});
     write("cut.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0.0");
     expect_refused(from("cut.csv"), {"cut.csv:3", "cut off"});
-    expect_refused(from("bump.toml"), {"bump.toml:1:1: the header lacks"});
-    write("back.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.002,0,0,0\n0,0.001,0,0,0\n");
-    expect_refused(from("back.csv"), {"back.csv:4:1: t:"});
 }
 
 TEST_F(LiveMisuse, interleaved_paths_of_a_recording_are_played_one_after_the_other) {
@@ -89,13 +79,11 @@ TEST_F(LiveMisuse, of_quantities) {
             expect_refused({"live", "bump.toml", "--log", "log.csv", fmt::format("{}={}", flag, wrong)}, {flag});
         }
     }
-    for (const char* const wrong : {"0.5", "-3", "nan", "inf", "20 ms", "never"})
+    for (const char* const wrong : {"0", "0.5", "-3", "nan", "inf", "20 ms", "never"})
         expect_refused(fast({fmt::format("--watchdog={}", wrong)}), {"--watchdog", "none"});
     for (const char* const wrong : {"--cpu=-1", "--cpu=1000", "--cpu=9999999"})
         expect_refused(fast({wrong}), {"--cpu", "may run on"});
     expect_refused(fast({"--damping", "5 N s/m"}), {"--damping", "--passivity"});
-    for (const char* const wrong : {"0", "0.5", "-3", "nan", "many"})
-        expect_refused(fast({std::string("--watchdog=") + wrong}), {"--watchdog"});
     for (const char* const rate : {"99 Hz", "10001 Hz", "1 MHz", "1 Hz"})
         expect_refused({"live", "bump.toml", "--duration", "1 s", "--log", "log.csv", "--rate", rate},
                        {"100 Hz to 10 kHz", "--rate"});
@@ -137,7 +125,7 @@ TEST_F(LiveMisuse, of_ways_to_run) {
         all.insert(all.end(), {"--port", port});
         expect_refused(all, {words});
     }
-    for (const char* const to : {"5005", "udp", "udp:0", "udp:65536", "udp:localhost:5005", "udp:::1:5005", "tcp:5005"})
+    for (const char* const to : {"5005", "udp:0"})
         expect_refused(fast({"--send", to}), {"--send ", to, "udp:192.168.1.20:5005", "udp:[::1]:5005"});
     expect_refused(fast({"--send", "udp:255.255.255.255:5005"}), {"--send", "cannot send there"}, 4);
     expect_refused({"live", "nosuch.toml"}, {"nosuch.toml", "No such file"}, 4);
@@ -145,8 +133,6 @@ TEST_F(LiveMisuse, of_ways_to_run) {
     expect_refused({"live", "axis.toml", "--log", "log.csv"}, {"axis.toml:2"});
     write("lost.toml", "[surface]\nkind = \"mesh\"\nfile = \"nosuch.obj\"\n");
     expect_refused({"live", "lost.toml", "--log", "log.csv"}, {"nosuch.obj"}, 4);
-    write("typo.toml", "[force]\nstifness = \"1 N/mm\"\n");
-    expect_refused({"live", "typo.toml", "--log", "log.csv"}, {"typo.toml:2", "stiffness"});
     expect_refused({"live"}, {"SCENE"});
 }
 
@@ -162,7 +148,6 @@ TEST_F(LiveMisuse, of_files) {
     write("in.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0,0\n");
     expect_refused(live("bump.toml", {"--device", "replay:in.csv", "--fast", "--log", "in.csv", "--overwrite"}),
                    {"--log in.csv would replace in.csv, which is read"});
-    expect_refused(fast({"--log", "bump.toml", "--overwrite"}), {"--log"});
     expect_refused({"live", "bump.toml", "--fast", "--duration", "1 s", "--log", "bump.toml", "--overwrite"},
                    {"would replace bump.toml"});
     expect_refused({"live", "mesh.toml", "--fast", "--duration", "1 s", "--log", "spot.obj", "--overwrite"},

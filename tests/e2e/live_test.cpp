@@ -73,56 +73,6 @@ TEST_F(Live, a_recordings_own_rate_is_rounded_to_one_that_the_loop_has) {
     }
 }
 
-TEST_F(Live, on_the_software_device_the_kernels_compute_the_same_bits_in_single_precision) {
-    for (const char* const scene : {"bump.toml", "map.toml", "mesh.toml"}) {
-        SCOPED_TRACE(scene);
-        expect_success(live(scene, {"--fast", "--duration", "1 s", "--log", "log.csv", "--overwrite", "--quiet",
-                                    "--precision", "f32"}));
-        expect_success(replayed(scene, "log.csv", "out.csv", "gpu", "f32"));
-        const Rows felt = rows("log.csv"), computed = rows("out.csv");
-        ASSERT_EQ(felt.size(), 1000u);
-        ASSERT_EQ(computed.size(), 1000u);
-        for (std::size_t i = 0; i < felt.size(); ++i)
-            for (const char* const name : {"path", "gx", "gy", "gz", "fx", "fy", "fz", "depth", "facet"})
-                ASSERT_EQ(felt[i].at(name), computed[i].at(name)) << name << " of row " << i;
-    }
-}
-
-TEST_F(Live, forces_in_double_precision_are_the_kernels_within_the_bound_of_rounding) {
-    for (const char* const scene : {"bump.toml", "map.toml"}) {
-        SCOPED_TRACE(scene);
-        expect_success(live(scene, {"--fast", "--duration", "2 s", "--log", "log.csv", "--overwrite", "--quiet",
-                                    "--precision", "f64"}));
-        expect_success(replayed(scene, "log.csv", "out.csv", "gpu", "f32"));
-        const std::vector<Override> single{{"run.precision", "f32"}};
-        const PreparedCase prepared = CasePreparation().prepare(read_scene(path(scene), single));
-        const RoundingBound bound(prepared, Precision::f32);
-        const Rows exact = rows("log.csv"), computed = rows("out.csv");
-        ASSERT_EQ(exact.size(), computed.size());
-        std::size_t on_edge = 0, compared = 0;
-        for (std::size_t i = 0; i < exact.size(); ++i) {
-            if (exact[i].at("facet") != computed[i].at("facet")) {
-                ++on_edge;
-                continue;
-            }
-            double moved = 0, off = 0;
-            std::array<double, 3> place{};
-            for (int axis = 0; axis < 3; ++axis) {
-                const char* const names[] = {"x", "y", "z", "fx", "fy", "fz"};
-                const double there = number_in(exact[i], names[axis]);
-                place[axis] = static_cast<float>(there);
-                moved = std::hypot(moved, place[axis] - there);
-                off = std::hypot(off, number_in(computed[i], names[axis + 3]) - number_in(exact[i], names[axis + 3]));
-            }
-            const Bound allowed = bound.at(place[0], place[1], place[2]) + bound.over(moved);
-            ASSERT_LE(off, allowed.force) << "row " << i;
-            ++compared;
-        }
-        EXPECT_LT(on_edge, exact.size() / 100);
-        EXPECT_GT(compared, exact.size() / 2);
-    }
-}
-
 TEST_F(Live, the_report_says_what_the_log_holds) {
     const Outcome outcome =
         expect_success(live("hand.toml", {"--fast", "--duration", "2 s", "--log", "log.csv", "--max-force", "1.5 N",

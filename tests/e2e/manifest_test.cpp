@@ -131,11 +131,6 @@ TEST_F(Account, has_a_summary_with_a_row_a_case) {
         EXPECT_EQ(cell.find("seconds"), std::string::npos) << "timings would differ from run to run";
 }
 
-TEST_F(Account, keeps_the_cost_of_the_last_run_that_computed) {
-    expect_success({"sweep", "paper.toml", "--out", "out", "--quiet", "--engine", "gpu"});
-    EXPECT_EQ(read_json("out/manifest.json"), manifest_);
-}
-
 TEST_F(Account, says_that_the_cpu_computed) {
     expect_success({"sweep", "paper.toml", "--out", "cpu", "--only", "*facets-2*", "--engine", "cpu", "--precision",
                     "f64", "--quiet"});

@@ -1,4 +1,4 @@
-// Meshes as a user meets them: fields, sweeps and validation of polygon files, and what is said of bad ones.
+// Meshes from the command line: the command mesh, fields over them, what is refused.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -125,12 +125,6 @@ TEST_F(MeshField, warns_of_findings_and_refuses_what_has_no_meaning) {
     EXPECT_NE(outcome.error.find("warning: open.off: "), std::string::npos) << outcome.error;
     EXPECT_NE(outcome.error.find("4 boundary edges"), std::string::npos) << outcome.error;
 
-    write("line.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n");
-    write("line.toml", scene("line.off"));
-    expect_failure(2, {"field", "line.toml", "--out", "line.exr"}, {"line.off", "area"});
-    write("empty.off", "");
-    write("empty.toml", scene("empty.off"));
-    expect_failure(4, {"field", "empty.toml", "--out", "x.exr"}, {"empty.off"});
     write("missing.toml", scene("nowhere.obj"));
     expect_failure(4, {"field", "missing.toml", "--out", "x.exr"}, {"nowhere.obj"});
     write("quads.toml", scene("cube.off", "[force]\nshading = \"barycentric\"\n"));
@@ -147,21 +141,107 @@ TEST_F(MeshField, warns_of_findings_and_refuses_what_has_no_meaning) {
     EXPECT_NE(missed.error.find("the force is 0 everywhere"), std::string::npos) << missed.error;
 }
 
-// The same mesh in other units, and far from the origin: the same forces in single precision.
-TEST_F(MeshField, does_not_depend_on_unit_or_place) {
-    const auto forces = [&](const std::string& name, const std::string& keys) {
-        write(name + ".toml", scene("cube.off", keys + "[grid]\nsamples = 15\n"));
-        expect_success({"field", name + ".toml", "--out", name + ".exr"});
-        return read_exr(path(name + ".exr")).parts.at("force").channels;
-    };
-    const auto here = forces("here", "");
-    const auto there = forces("there", "transform.translate = [\"20 km\", \"-20 km\", \"20 km\"]\n");
-    // The size alone: on a plane of symmetry rounding chooses the side.
-    const auto size = [](const auto& force, std::size_t i) {
-        return std::hypot(force.at("R")[i], std::hypot(force.at("G")[i], force.at("B")[i]));
-    };
-    for (std::size_t i = 0; i < here.at("R").size(); ++i)
-        ASSERT_NEAR(size(here, i), size(there, i), 1e-5) << i;
+using nlohmann::json;
+
+const char* const kTetrahedron = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+class MeshCommand : public Workplace {
+protected:
+    json described(const std::vector<std::string>& arguments) const {
+        std::vector<std::string> all{"mesh", "--json"};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        return json::parse(expect_success(all).out);
+    }
+};
+
+bool has(const std::string& text, const std::string& words) {
+    return text.find(words) != std::string::npos;
+}
+
+TEST_F(MeshCommand, tells_size_and_kind_of_a_good_mesh) {
+    write("a.obj", kTetrahedron);
+    const Outcome outcome = expect_success({"mesh", "a.obj"});
+    EXPECT_TRUE(has(outcome.out, "4 triangles; 1 x 2 x 3 file units")) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "wrong    nothing")) << outcome.out;
+    EXPECT_TRUE(has(outcome.error, "--unit")) << outcome.error;
+    EXPECT_EQ(expect_success({"mesh", "a.obj", "--quiet"}).error, "");
+}
+
+TEST_F(MeshCommand, tells_sizes_in_metres_if_the_unit_is_given) {
+    write("a.obj", kTetrahedron);
+    EXPECT_TRUE(has(expect_success({"mesh", "a.obj", "--unit", "mm"}).out, "0.001 x 0.002 x 0.003 m"));
+    const json mesh = described({"a.obj", "--unit", "in"});
+    EXPECT_EQ(mesh["unit"], "m");
+    EXPECT_DOUBLE_EQ(mesh["high"][2], 3 * 0.0254);
+    EXPECT_DOUBLE_EQ(mesh["volume"], 0.0254 * 0.0254 * 0.0254);
+    expect_failure(2, {"mesh", "a.obj", "--unit", "kg"}, {"kg", "length"});
+    expect_failure(2, {"mesh", "a.obj", "--unit", "banana"}, {"banana"});
+}
+
+TEST_F(MeshCommand, warns_of_what_is_skipped) {
+    write("lines.obj", std::string(kTetrahedron) + "f 1 2\nl 1 2 3\nf 3 4\n");
+    EXPECT_EQ(described({"lines.obj"})["warnings"], json({"2 faces of two corners: skipped (the first in line 9)",
+                                                          "1 line element (l): skipped (in line 10)"}));
+    EXPECT_TRUE(has(expect_success({"mesh", "lines.obj"}).out, "wrong    2 faces of two corners: skipped"));
+    write("lines.toml", "[surface]\nkind = \"mesh\"\nfile = \"lines.obj\"\nunit = \"cm\"\n[grid]\nsamples = 5\n");
+    EXPECT_TRUE(has(expect_success({"field", "lines.toml", "--out", "lines.exr"}).error,
+                    "warning: lines.obj: 2 faces of two corners: skipped (the first in line 9)"));
+}
+
+TEST_F(MeshCommand, writes_the_keys_that_help_and_tries_them) {
+    std::string turned = kTetrahedron;
+    turned.replace(turned.find("f 1 3 2"), 7, "f 1 2 3");
+    write("turned.obj", turned);
+    const std::string text = expect_success({"mesh", "turned.obj", "--unit", "mm"}).out;
+    EXPECT_TRUE(has(text, "unit = \"mm\"  orient = \"outward\"")) << text;
+    EXPECT_TRUE(has(text, "then     closed, 1 piece; nothing is wrong")) << text;
+    const json faults = described({"turned.obj"})["faults"];
+    ASSERT_EQ(faults.size(), 1u);
+    EXPECT_EQ(faults[0]["key"], "orient = \"outward\"");
+    // One corner of two facets a thousandth off.
+    write("crack.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nv 0 0.001 3\nf 1 3 2\nf 1 2 4\nf 2 3 5\nf 3 1 4\n");
+    const std::string crack = expect_success({"mesh", "crack.obj", "--unit", "mm"}).out;
+    EXPECT_TRUE(has(crack, "weld = \"1e-06 m\"")) << crack;
+    EXPECT_TRUE(has(crack, "then     closed, 1 piece; nothing is wrong")) << crack;
+}
+
+TEST_F(MeshCommand, lists_pieces) {
+    // A tetrahedron of volume 1, one of 1/8 that is a cavity of it, and one apart that is inside out.
+    write("three.obj",
+          "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nv 0.1 0.2 0.3\nv 0.6 0.2 0.3\nv 0.1 1.2 0.3\nv 0.1 0.2 1.8\n"
+          "v 5 0 0\nv 6 0 0\nv 5 2 0\nv 5 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+          "f 6 7 5\nf 8 6 5\nf 8 7 6\nf 8 5 7\nf 10 11 9\nf 12 10 9\nf 12 11 10\nf 12 9 11\n");
+    const json pieces = described({"three.obj"})["pieces"];
+    ASSERT_EQ(pieces.size(), 3u);
+    for (const auto& [piece, volume, standing] :
+         {std::tuple(0, 1.0, "outward"), {1, -0.125, "cavity"}, {2, -1.0, "inside out"}}) {
+        EXPECT_NEAR(pieces[std::size_t(piece)]["volume"].get<double>(), volume, 1e-12);
+        EXPECT_EQ(pieces[std::size_t(piece)]["standing"], standing);
+    }
+    EXPECT_TRUE(has(expect_success({"mesh", "three.obj"}).out,
+                    "pieces   1: 4 facets, 1 file units^3, outward; 2: 4 facets, -0.125 file units^3, cavity; 3: "));
+}
+
+TEST_F(MeshCommand, draws_the_mesh) {
+    write("a.obj", kTetrahedron);
+    expect_success({"mesh", "a.obj", "--also", "png,svg", "--size", "700"});
+    EXPECT_GT(std::filesystem::file_size(path("a.mesh.png")), 5000u);
+    EXPECT_GT(std::filesystem::file_size(path("a.mesh.svg")), 5000u);
+    expect_failure(2, {"mesh", "a.obj", "--also", "png"}, {"a.mesh.png", "--overwrite"});
+    expect_success({"mesh", "a.obj", "--also", "pdf", "--out", "b"});
+    EXPECT_TRUE(std::filesystem::exists(path("b.pdf")));
+    expect_failure(2, {"mesh", "a.obj", "--also", "vti"}, {"vti", "png, svg, pdf"});
+    expect_failure(2, {"mesh", "a.obj", "--out", "b"}, {"--also"});
+}
+
+TEST_F(MeshCommand, refuses_what_has_no_meaning_or_cannot_be_read) {
+    write("line.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
+    expect_failure(2, {"mesh", "line.obj"}, {"line.obj", "has an area"});
+    write("a.ply", kTetrahedron);
+    expect_failure(2, {"mesh", "a.ply"}, {"rename it to .obj"});
+    expect_failure(4, {"mesh", "missing.obj"}, {"missing.obj"});
+    write("cut.obj", std::string(kTetrahedron) + "f 1 2");
+    expect_failure(4, {"mesh", "cut.obj"}, {"cut.obj:9", "three corners"});
 }
 
 } // namespace

@@ -1,15 +1,14 @@
-// Generated and recorded paths, from the command line: files, figures, refusals.
+// Generated and recorded paths, from the command line and in sweeps: files, figures, refusals.
 #include <algorithm>
 #include <csignal>
 #include <set>
 #include <sstream>
 #include <thread>
 
-#include <fmt/format.h>
-
 #include <ImfChannelList.h>
 #include <ImfHeader.h>
 #include <ImfMultiPartInputFile.h>
+#include <fmt/format.h>
 
 #include "tests/e2e/path_workplace.h"
 
@@ -35,16 +34,12 @@ TEST_F(Paths, become_an_exr_and_a_table) {
         EXPECT_GT(std::stod(rows[i].at("largest_force_N")), 0.5);
     }
     const Tree first = tree_of(folder_.path());
-    expect_success(explore("open.toml", "a.exr", {"--also", "npy,png", "--quiet"}));
+    const nlohmann::json said =
+        nlohmann::json::parse(expect_success(explore("open.toml", "a.exr", {"--also", "npy,png", "--json"})).out);
+    EXPECT_EQ(said["samples"], 2000);
+    EXPECT_EQ(said["oracle"]["samples_differing"], 0);
     EXPECT_EQ(differences(first, tree_of(folder_.path())), std::set<std::string>{}) << "the same bytes in every run";
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
-}
-
-TEST_F(Paths, in_closed_loop_have_a_speed_ratio) {
-    expect_success(explore("closed.toml", "a.csv"));
-    for (const auto& row : table_in(read_text(path("a.paths.csv"))))
-        EXPECT_GT(std::stod(row.at("speed_ratio")), 0);
-    EXPECT_EQ(table_in(read_text(path("a.csv"))).size(), 6u * 300);
 }
 
 TEST_F(Paths, are_the_same_on_a_gpu) {
@@ -72,32 +67,6 @@ TEST_F(Paths, of_metrics_alone_take_no_memory_for_steps) {
     const std::uint64_t few = expect_success(explore("few.toml", "a.exr", {"--metrics-only"})).peak_memory;
     EXPECT_LT(expect_success(explore("many.toml", "a.exr", {"--metrics-only"})).peak_memory, few + 4 * kMebibyte);
     expect_failure(2, explore("open.toml", "a.exr", {"--metrics-only", "--also", "npy"}), {"--metrics-only"});
-}
-
-TEST_F(Paths, say_in_json_what_became_of_them) {
-    const nlohmann::json said = nlohmann::json::parse(expect_success(explore("open.toml", "a.exr", {"--json"})).out);
-    EXPECT_EQ(said["paths"], 20);
-    EXPECT_EQ(said["steps"], 100);
-    EXPECT_EQ(said["samples"], 2000);
-    EXPECT_EQ(said["oracle"]["samples_compared"], 2000);
-    EXPECT_EQ(said["oracle"]["samples_differing"], 0);
-    EXPECT_EQ(said["files"][0]["name"], "a.exr");
-    EXPECT_GT(said["steps_per_second"], 0);
-    EXPECT_LT(said["work_J"], 1);
-}
-
-TEST_F(Paths, at_their_extremes_are_written) {
-    write("one.toml", scene("count = 1\nsteps = 1\n"));
-    write("still.toml", scene("count = 3\nsteps = 50\nlength = \"0 mm\"\n"));
-    write("wide.toml", scene("count = 100000\nsteps = 1\n"));
-    for (const char* out : {"a.exr", "a.csv"}) {
-        expect_success(explore("one.toml", out, {"--also", "png"}));
-        EXPECT_EQ(table_in(read_text(path("a.paths.csv"))).size(), 1u);
-        expect_success(explore("still.toml", out, {"--also", "png"}));
-        EXPECT_EQ(table_in(read_text(path("a.paths.csv"))).size(), 3u);
-        expect_success(explore("wide.toml", out));
-        EXPECT_EQ(table_in(read_text(path("a.paths.csv"))).size(), 100000u);
-    }
 }
 
 TEST_F(Paths, leave_nothing_where_they_cannot_be_written) {
@@ -188,27 +157,18 @@ TEST_F(Paths, recorded_at_times_of_their_own_are_in_contact_as_long_as_those_say
     write("rate.toml", "[surface]\nfacets = 3\n[paths]\nrate = \"10 Hz\"\n");
     for (const char* scene : {"plain.toml", "rate.toml"})
         for (const char* precision : {"f32", "f64"}) {
-            const std::vector<std::string> common{"--paths", "in.csv", "--precision", precision};
-            const auto with = [&](std::vector<std::string> more) {
-                more.insert(more.end(), common.begin(), common.end());
-                return more;
-            };
-            expect_success(explore(scene, "a.csv", common));
+            expect_success(explore(scene, "a.csv", {"--paths", "in.csv", "--precision", precision}));
             const std::string table = read_text(path("a.paths.csv"));
             const auto rows = table_in(table);
             ASSERT_EQ(rows.size(), 3u);
             EXPECT_EQ(rows[0].at("contact_time_s"), "1") << "0.5 + 0.25 + 0.25";
             EXPECT_EQ(rows[1].at("contact_time_s"), "0") << "one sample has no time";
             EXPECT_EQ(rows[2].at("contact_time_s"), "10");
-            for (const char* engine : {"cpu", "gpu"})
-                for (const std::vector<std::string>& how : {std::vector<std::string>{"--out", "a.exr"},
-                                                            {"--out", "a.csv", "--metrics-only"},
-                                                            {"--out", "a.csv", "--also", "npy"}}) {
-                    std::vector<std::string> all{"explore", scene, "--engine", engine};
-                    all.insert(all.end(), how.begin(), how.end());
-                    expect_success(with(all));
-                    EXPECT_EQ(read_text(path("a.paths.csv")), table) << engine << how.back();
-                }
+            for (const char* how : {"a.exr", "--metrics-only"}) {
+                expect_success({"explore", scene, "--paths", "in.csv", "--precision", precision, "--engine", "gpu",
+                                "--out", how[0] == 'a' ? how : "a.csv", how[0] == 'a' ? "--quiet" : how});
+                EXPECT_EQ(read_text(path("a.paths.csv")), table) << how;
+            }
         }
 }
 
@@ -241,50 +201,81 @@ TEST_F(Paths, recorded_that_leave_their_bound_say_at_which_of_their_times) {
     expect_failure(2, explore("wild.toml", "a.csv"), {"in.csv:1002:1: t: ", "paths.rate", "resample"});
 }
 
-TEST_F(Paths, recorded_of_very_unequal_lengths_are_written_alike_by_every_route) {
-    std::string rows = "path,t,x,y,z\n";
-    for (int p = 0; p < 300; ++p)
-        for (int i = 0; i < (p == 150 ? 70000 : p % 3 + 1); ++i)
-            rows += fmt::format("{},{},{:.7f},{:.5f},0.003\n", p, i * 0.25, (i % 4000 - 2000) * 1e-5, p * 1e-5);
-    write("in.csv", rows);
-    write("plain.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n");
-    expect_success(explore("plain.toml", "row.csv", {"--paths", "in.csv"}));
-    const std::string row = read_text(path("row.csv")), table = read_text(path("row.paths.csv"));
-    for (const char* engine : {"cpu", "gpu"}) {
-        expect_success(
-            {"explore", "plain.toml", "--paths", "in.csv", "--out", "a.csv", "--also", "png", "--engine", engine});
-        EXPECT_TRUE(read_text(path("a.csv")) == row) << engine;
-        EXPECT_EQ(read_text(path("a.paths.csv")), table) << engine;
-    }
+TEST_F(Paths, stand_in_sweeps_beside_fields_or_alone) {
+    write("study.toml",
+          "[surface]\nfacets = [1, 3]\n[force]\nshading = \"reference\"\n[paths]\ncount = 5\nsteps = 40\n");
+    expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu", "--also", "png,vtp"});
+    const std::set<std::string> expected{"bump_facets-1.paths.exr",
+                                         "bump_facets-1.paths.csv",
+                                         "bump_facets-1.paths.png",
+                                         "bump_facets-1.paths.vtp",
+                                         "bump_facets-3.paths.exr",
+                                         "bump_facets-3.paths.csv",
+                                         "bump_facets-3.paths.png",
+                                         "bump_facets-3.paths.vtp",
+                                         "summary.csv",
+                                         "study.toml"};
+    const Tree first = results_in(path("s"));
+    std::set<std::string> there;
+    for (const auto& [name, text] : first)
+        there.insert(name);
+    EXPECT_EQ(there, expected);
+    const auto rows = table_in(first.at("summary.csv"));
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[0].at("paths"), "5");
+    EXPECT_EQ(rows[0].at("path_samples"), "200");
+    EXPECT_EQ(rows[0].at("path_samples_differing"), "0");
+    EXPECT_EQ(rows[0].at("voxels"), "0");
+    // Again: all is kept. A file gone: made again, byte for byte.
+    EXPECT_NE(expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu", "--also", "png,vtp"})
+                  .error.find("0 computed, 2 kept"),
+              std::string::npos);
+    std::filesystem::remove(path("s/bump_facets-3.paths.csv"));
+    EXPECT_NE(expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu"}).error.find("1 computed"),
+              std::string::npos);
+    EXPECT_EQ(differences(first, results_in(path("s"))), std::set<std::string>{});
+    // The resolved study asks for the same.
+    expect_success({"sweep", "s/study.toml", "--out", "t", "--engine", "cpu", "--also", "png,vtp"});
+    EXPECT_EQ(differences(first, results_in(path("t"))), std::set<std::string>{});
+    write("both.toml", read_text(path("study.toml")) + "[grid]\nsize = [8, 2, 4]\n");
+    expect_success({"sweep", "both.toml", "--out", "b", "--engine", "cpu"});
+    for (const char* name : {"bump_facets-1.exr", "bump_facets-1.paths.exr", "bump_facets-1.paths.csv"})
+        EXPECT_TRUE(std::filesystem::exists(path("b") / name)) << name;
+    EXPECT_EQ(read_json("b/manifest.json")["cases"][0]["paths"]["paths"], 5);
+    expect_failure(2, {"field", "open.toml", "--out", "f.exr", "--engine", "cpu"}, {"[paths]", "[grid]", "explore"});
 }
 
-TEST_F(Paths, that_leave_their_bound_are_flagged_and_hold_no_nan) {
-    write("wild.toml", "[surface]\nfacets = 3\n[force]\nstiffness = \"100 N/mm\"\n[paths]\ncount = 5\nsteps = 3000\n"
-                       "press = \"1 N\"\nbound = \"20 mm\"\n[hand]\nmax_force = \"1000 N\"\ndelay_samples = 1\n");
-    for (const char* engine : {"cpu", "gpu"}) {
-        const Outcome outcome = expect_success({"explore", "wild.toml", "--out", "a.csv", "--engine", engine});
-        EXPECT_NE(outcome.error.find("5 of 5 paths left the bound"), std::string::npos) << outcome.error;
-        EXPECT_EQ(read_text(path("a.csv")).find("nan"), std::string::npos);
-        EXPECT_EQ(read_text(path("a.csv")).find("inf"), std::string::npos);
-        for (const auto& row : table_in(read_text(path("a.paths.csv")))) {
-            EXPECT_EQ(row.at("unstable"), "1");
-            EXPECT_GT(std::stod(row.at("unstable_time_s")), 0.01);
-            EXPECT_LT(std::stod(row.at("unstable_time_s")), 3);
-        }
-    }
+TEST_F(Paths, recorded_in_a_file_stand_in_sweeps_under_its_digest) {
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,0.003\n0,1,0.001,0,0.003\n");
+    write("study.toml", "[surface]\nfacets = [1, 3]\n[paths]\nkind = \"recorded\"\nfile = \"in.csv\"\n");
+    const auto sweep = [&] { return expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu"}).error; };
+    EXPECT_NE(sweep().find("2 computed"), std::string::npos);
+    EXPECT_NE(sweep().find("2 kept"), std::string::npos);
+    EXPECT_EQ(read_json("s/manifest.json")["cases"][0]["inputs"][0]["name"], "in.csv");
+    const Tree first = results_in(path("s"));
+    EXPECT_NE(first.at("study.toml").find("sha256"), std::string::npos);
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,0.003\n0,1,0.002,0,0.003\n");
+    EXPECT_NE(sweep().find("2 computed"), std::string::npos) << "the file is another one";
+    expect_failure(4, {"sweep", "s/study.toml", "--out", "t", "--engine", "cpu"}, {"in.csv"}); // it is not beside that
 }
 
-TEST_F(Paths, that_begin_within_a_mesh_are_told_of) {
-    write("roof.obj", "v -1 -1 0\nv 0 -1 1\nv 1 -1 0\nv -1 1 0\nv 0 1 1\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n");
-    write("mesh.toml",
-          "[surface]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"cm\"\n[paths]\ncount = 3\nsteps = 50\n"
-          "length = \"4 mm\"\ndepth = \"5 mm\"\nspeed = { mean = \"100 mm/s\", sd = \"5 mm/s\" }\n");
-    const Outcome outcome = expect_success(explore("mesh.toml", "a.exr", {"--also", "png"}));
-    EXPECT_NE(outcome.error.find("3 of 3 paths begin behind the mesh's surface"), std::string::npos) << outcome.error;
-    for (const auto& row : table_in(read_text(path("a.paths.csv")))) {
-        EXPECT_EQ(row.at("began_inside"), "1");
-        EXPECT_EQ(row.at("contact_time_s"), "0.05") << "pushed out at the nearest place";
-    }
+TEST_F(Paths, of_a_study_are_shared_out_among_shards) {
+    write("study.toml", "[surface]\nfacets = [1, 2, 3]\n[paths]\ncount = 5\nsteps = 40\n");
+    expect_success({"sweep", "study.toml", "--out", "all", "--engine", "cpu"});
+    for (const char* shard : {"2/2", "1/2"})
+        expect_success({"sweep", "study.toml", "--out", "shards", "--engine", "cpu", "--shard", shard});
+    expect_success({"sweep", "study.toml", "--out", "shards", "--merge"});
+    EXPECT_EQ(differences(results_in(path("all")), results_in(path("shards"))), std::set<std::string>{});
+}
+
+TEST_F(Paths, are_validated) {
+    const Outcome outcome = expect_success({"validate", "closed.toml"});
+    EXPECT_EQ(last_line(outcome.out), fmt::format("{} samples, 0 differ", 2 * 6 * 300));
+    EXPECT_EQ(outcome.out.find("voxels"), std::string::npos) << outcome.out;
+    write("both.toml", read_text(path("open.toml")) + "[grid]\nsize = [8, 2, 4]\n");
+    const Outcome both = expect_success({"validate", "both.toml", "--engine", "cpu", "--precision", "f32"});
+    EXPECT_EQ(last_line(both.out), "2000 samples, 0 differ");
+    EXPECT_NE(both.out.find("\n64 voxels, 0 differ\n"), std::string::npos) << both.out;
 }
 
 } // namespace

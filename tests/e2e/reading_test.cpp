@@ -56,15 +56,6 @@ TEST_F(Reading, with_numpy_gives_the_arrays_beside_it) {
     EXPECT_EQ(outcome.out, "good\n") << outcome.error << "packages python3-numpy and python3-openimageio";
 }
 
-TEST_F(Reading, with_oiiotool_shows_grid_scene_and_units) {
-    const Outcome outcome = tool("oiiotool", {"--info", "-v", "-a", "field.exr"});
-    ASSERT_EQ(outcome.code, 0) << outcome.error << "package openimageio-tools";
-    for (const char* word : {"forceshade.grid: 16, 4, 8", "forceshade.origin", "forceshade.spacing", "forceshade.units",
-                             "forceshade.scene", "stiffness = ", "forceshade.version", "forceshade.omitted",
-                             "16 x   32, 3 channel, float", "channel list: R, G, B"})
-        EXPECT_NE(outcome.out.find(word), std::string::npos) << "no " << word << " in " << outcome.out;
-}
-
 // Width and height of a PNG.
 std::pair<unsigned, unsigned> size_of_png(const std::string& bytes) {
     const auto number = [&](std::size_t at) {

@@ -100,12 +100,5 @@ INSTANTIATE_TEST_SUITE_P(Pages, Readme,
                                            "host/scene/README.md", "host/study/README.md", "host/sweep/README.md",
                                            "shaders/README.md"));
 
-TEST(MainReadme, is_short_and_shows_how) {
-    const std::string text = read_text(FORCESHADE_SOURCE "/README.md");
-    EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 150);
-    for (const char* language : {"sh", "python"})
-        EXPECT_NE(text.find(std::string("```") + language), std::string::npos) << language;
-}
-
 } // namespace
 } // namespace forceshade::testing

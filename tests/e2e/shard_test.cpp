@@ -127,13 +127,6 @@ TEST_F(Shards, whose_files_are_damaged_are_found_by_a_merge_that_verifies) {
     EXPECT_EQ(json::parse(merge("out", 1).out)["missing"].size(), 1u);
 }
 
-TEST_F(Shards, are_merged_by_a_sweep_of_the_whole_too) {
-    const Tree expected = whole();
-    run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2"})});
-    EXPECT_EQ(run_together({part("out")}).front(), 0);
-    expect_whole("out", expected);
-}
-
 TEST_F(Shards, tell_how_they_stand) {
     expect_failure(4, {"sweep", "--status", "out"}, {"no such folder"});
     std::filesystem::create_directory(path("out"));

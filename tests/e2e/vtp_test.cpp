@@ -79,28 +79,6 @@ assert (surface["turn"].max() > 10) == (sys.argv[1] != "none"), surface["turn"].
 print("good")
 )";
 
-// Points and numbers of the lines against the rows of the CSV file beside them.
-constexpr const char* kLines = R"(
-root, lines = read("a.vtp")
-table = columns("a.csv")
-real = lines["force"].dtype
-assert real == (numpy.float32 if sys.argv[1] == "f32" else numpy.float64), real
-for name, (x, y, z) in (("Points", "xyz"), ("force", ("fx", "fy", "fz")), ("proxy", ("gx", "gy", "gz"))):
-    rows = numpy.stack([table[c] for c in (x, y, z)], axis=1).astype(real)
-    assert (lines[name] == rows).all(), name
-assert (lines["depth"] == table["depth"].astype(real)).all()
-assert (lines["facet"] == table["facet"]).all()
-assert (lines["time"] == table["t"]).all()
-assert (lines["connectivity"] == numpy.arange(len(table["t"]))).all()
-begins = numpy.concatenate(([0], lines["offsets"][:-1]))
-assert (lines["path"] == table["path"][begins]).all()
-assert lines["offsets"][-1] == len(table["t"])
-assert (numpy.repeat(lines["path"], numpy.diff(lines["offsets"], prepend=0)) == table["path"]).all()
-piece = root.find("PolyData/Piece")
-assert int(piece.get("NumberOfLines")) == len(lines["path"]) and int(piece.get("NumberOfPoints")) == len(table["t"])
-print("good")
-)";
-
 class Vtp : public Paths {
 protected:
     void expect_good(const std::string& script, const std::string& argument = "") const {
@@ -124,102 +102,6 @@ TEST_F(Vtp, of_a_mesh_holds_what_a_probe_feels_on_each_facet) {
         expect_success({"explore", "spot.toml", "--paths", "in.csv", "--out", "felt.csv", "--precision", "f64",
                         "--engine", "cpu"});
         expect_good(kCompare, shading);
-    }
-}
-
-TEST_F(Vtp, of_paths_holds_what_the_csv_file_does) {
-    std::string rows = "path,t,x,y,z\n";
-    for (int p = 30; p > 0; p -= 10)
-        for (int i = 0; i < 3 * p; ++i)
-            rows += fmt::format("{},{:.6g},{:.6g},{},{}\n", p, 100 + i * 0.002, (i - 40) * 3e-4, p * 1e-4,
-                                i % 7 ? 0.003 : 0.1);
-    write("in.csv", rows);
-    write("plain.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n");
-    for (const char* precision : {"f32", "f64"}) {
-        const std::vector<std::string> also{"--also", "vtp", "--precision", precision};
-        const Outcome outcome = expect_success(explore("open.toml", "a.csv", also));
-        EXPECT_NE(outcome.error.find("wrote a.csv, a.paths.csv and a.vtp\n"), std::string::npos) << outcome.error;
-        expect_good(kLines, precision);
-        expect_success(explore("closed.toml", "a.csv", also));
-        expect_good(kLines, precision);
-        expect_success(
-            explore("plain.toml", "a.csv", {"--also", "vtp", "--precision", precision, "--paths", "in.csv"}));
-        expect_good("assert (read(\"a.vtp\")[1][\"facet\"] == -1).any()\n" + std::string(kLines), precision);
-    }
-    // What samples an EXR file does not hold is in the lines all the same, but for the proxies.
-    expect_success(explore("open.toml", "a.exr", {"--also", "vtp"}));
-    expect_good("root, lines = read(\"a.vtp\")\nassert sorted(lines) == "
-                "[\"Points\", \"connectivity\", \"depth\", \"facet\", \"force\", \"offsets\", \"path\", \"time\"], "
-                "sorted(lines)\nprint(\"good\")\n");
-    EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
-}
-
-TEST_F(Vtp, stands_in_sweeps_with_its_hash_and_is_made_again_byte_for_byte) {
-    const std::string study = "[surface]\nfacets = [1, 3]\n[force]\nshading = \"reference\"\n"
-                              "[grid]\nsize = [16, 4, 8]\norigin = [\"-14 mm\", \"-1 mm\", \"-4 mm\"]\n"
-                              "spacing = \"1.8 mm\"\n";
-    write("study.toml", study + "[paths]\ncount = 5\nsteps = 40\n");
-    const auto sweep = [&](const char* out, std::vector<std::string> more = {"--also", "vtp"}) {
-        more.insert(more.begin(), {"sweep", "study.toml", "--out", out, "--engine", "cpu"});
-        return expect_success(more).error;
-    };
-    sweep("s");
-    const Tree first = results_in(path("s"));
-    const nlohmann::json manifest = read_json("s/manifest.json");
-    for (const char* stem : {"bump_facets-1", "bump_facets-3"})
-        for (const char* end : {".vtp", ".paths.vtp"}) {
-            const std::string name = std::string(stem) + end;
-            ASSERT_TRUE(first.contains(name)) << name;
-            bool listed = false;
-            for (const nlohmann::json& one : manifest["cases"])
-                for (const nlohmann::json& file : one["files"])
-                    if (file["name"] == name) {
-                        listed = true;
-                        EXPECT_EQ(file["bytes"], first.at(name).size());
-                        EXPECT_EQ(file["sha256"].get<std::string>().size(), 64u);
-                    }
-            EXPECT_TRUE(listed) << name;
-        }
-    sweep("t");
-    EXPECT_EQ(differences(first, results_in(path("t"))), std::set<std::string>{}) << "the same bytes in every run";
-    EXPECT_NE(sweep("s").find("0 computed, 2 kept"), std::string::npos);
-    for (const char* name : {"s/bump_facets-1.vtp", "s/bump_facets-3.paths.vtp"}) {
-        write(name, "damaged");
-        EXPECT_NE(sweep("s").find("1 computed"), std::string::npos) << name;
-        EXPECT_EQ(differences(first, results_in(path("s"))), std::set<std::string>{});
-    }
-    // What nobody asks for any more follows its case all the same; what the case no longer has goes.
-    write("study.toml", study);
-    sweep("s", {});
-    EXPECT_TRUE(std::filesystem::exists(path("s/bump_facets-1.vtp")));
-    EXPECT_FALSE(std::filesystem::exists(path("s/bump_facets-1.paths.vtp")));
-    const Outcome foreseen =
-        expect_success({"sweep", "study.toml", "--out", "u", "--also", "vtp", "--dry-run", "--json"});
-    EXPECT_GT(nlohmann::json::parse(foreseen.out)["expected_bytes"], first.at("bump_facets-1.vtp").size());
-}
-
-TEST_F(Vtp, is_replaced_only_if_that_is_asked_for) {
-    const auto outcome = [&](std::vector<std::string> arguments, const char* further) {
-        Launch launch = this->launch({});
-        launch.arguments = std::move(arguments);
-        launch.arguments.insert(launch.arguments.end(), {"--also", "vtp", "--engine", "cpu"});
-        if (*further)
-            launch.arguments.emplace_back(further);
-        return run(launch);
-    };
-    write("bump.toml", kOneCase);
-    const std::vector<std::vector<std::string>> commands{{"field", "bump.toml", "--out", "f.exr"},
-                                                         {"explore", "open.toml", "--out", "e.exr"}};
-    for (const std::vector<std::string>& command : commands) {
-        const std::string name = command.back().substr(0, 1) + ".vtp";
-        write(name, "mine");
-        const Outcome refused = outcome(command, "");
-        EXPECT_EQ(refused.code, 2);
-        EXPECT_NE(refused.error.find(name + " is there already"), std::string::npos) << refused.error;
-        EXPECT_EQ(outcome(command, "--no-clobber").code, 0);
-        EXPECT_EQ(read_text(path(name)), "mine");
-        EXPECT_EQ(outcome(command, "--overwrite").code, 0);
-        EXPECT_TRUE(read_text(path(name)).starts_with("<?xml"));
     }
 }
 
