@@ -148,6 +148,33 @@ TEST(MeshContact, TextureAndMapAreTheReferees) {
     }
 }
 
+// On an edge both of its facets are shaded alike.
+TEST(MeshContact, DirectionIsContinuousAcrossEdges) {
+    for (const PolygonSoup& polygons : {shapes::icosphere(2), shapes::cube()}) {
+        const Oracle oracle(polygons);
+        const MeshParts& parts = *oracle.structure.parts;
+        for (const uint shading : {layout::kShadingBarycentric, layout::kShadingMeanValue}) {
+            if (shading == layout::kShadingBarycentric && oracle.mesh.triangles.corners.size() != polygons.facets())
+                continue;
+            for (uint edge = 0; edge < parts.triangle_corners.size(); ++edge) {
+                const uint one = parts.triangle_facets[edge / 3],
+                           other = parts.triangle_facets[parts.triangle_neighbours[edge]];
+                const auto vertex = [&](uint corner) {
+                    return reference::vector_at(oracle.law.mesh.vertices, parts.triangle_corners[corner]);
+                };
+                const glm::dvec3 start = vertex(edge), end = vertex(edge % 3 == 2 ? edge - 2 : edge + 1);
+                for (const double share : {0.01, 0.5, 0.9}) {
+                    const glm::dvec3 on = start + share * (end - start);
+                    EXPECT_LT(reference::length(
+                                  glm::dvec3(reference::shading_direction(oracle.law.mesh, shading, one, on) -
+                                             reference::shading_direction(oracle.law.mesh, shading, other, on))),
+                              1e-9);
+                }
+            }
+        }
+    }
+}
+
 TEST(MeshContact, OutOfContactIsNothingAtAll) {
     const Oracle oracle(shapes::cube());
     const Contact contact = oracle.at({0.3, 1.5, 0.2});
