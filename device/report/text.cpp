@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "host/picture/canvas.h"
-#include "host/picture/ticks.h"
 
 namespace forceshade::device {
 
@@ -45,20 +44,20 @@ std::string quantity(double value, std::string_view base, const NumberStyle& sty
     double rounded = 0;
     std::from_chars(digits.data(), digits.data() + digits.size(), rounded);
     rounded *= 1 + 1e-12; // 1e-6 is a little less than that
-    const int exponent = picture::decade(rounded);
+    const int exponent = numbers::decade(rounded);
     const bool metric = base != "s" && !base.starts_with("m");
     if (!metric && exponent >= 3 && exponent < 15)
         return fmt::format("{}{:.0f} {}", sign, size, base);
-    const picture::Unit unit = picture::choose_unit(rounded, base);
+    const numbers::Unit unit = numbers::choose_unit(rounded, base);
     if (unit.name.find(' ') != std::string::npos || (!metric && exponent >= 3)) // there is no prefix
         return fmt::format("{}{:.2e} {}", sign, size, base);
     const int decimals = 2 - exponent + unit.exponent;
-    const double number = picture::divide_by_power_of_ten(rounded, unit.exponent);
+    const double number = numbers::divide_by_power_of_ten(rounded, unit.exponent);
     std::string name = unit.name;
     if (name.starts_with("µ"))
         name.replace(0, std::string_view("µ").size(), style.micro);
     return fmt::format("{}{} {}", sign,
-                       style.zeros ? picture::decimal(number, decimals) : picture::trimmed(number, decimals), name);
+                       style.zeros ? numbers::decimal(number, decimals) : numbers::trimmed(number, decimals), name);
 }
 
 std::string time_text(double nanoseconds, const NumberStyle& style) {
@@ -78,11 +77,7 @@ std::string share_text(std::uint64_t part, std::uint64_t whole) {
     if (percent < 0.001)
         return fmt::format(" ({:.0f} in 10^9)", std::max(1.0, percent * 1e7));
     const int decimals = percent >= 10 ? 1 : percent >= 1 ? 2 : percent >= 0.1 ? 3 : percent >= 0.01 ? 4 : 5;
-    return fmt::format(" ({} %)", picture::trimmed(percent, decimals));
-}
-
-std::string counted(std::uint64_t count, std::string_view noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+    return fmt::format(" ({} %)", numbers::trimmed(percent, decimals));
 }
 
 std::string_view cut_to_columns(std::string_view text, std::size_t columns) {

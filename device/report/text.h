@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "device/loop/sample.h"
+#include "host/numbers.h"
 
 namespace forceshade::device {
 
@@ -27,8 +28,7 @@ std::string time_text(double nanoseconds, const NumberStyle& style = {});
 /// " (0.5 %)", empty for 0 of 0. "0 %" only of none, "100 %" only of all.
 std::string share_text(std::uint64_t part, std::uint64_t whole);
 
-/// "1 sample", "2 samples".
-std::string counted(std::uint64_t count, std::string_view noun);
+using numbers::counted;
 
 inline constexpr std::size_t kColumns = 100;
 

@@ -17,6 +17,7 @@
 #include "host/mesh/places.h"
 #include "host/mesh/self_intersections.h"
 #include "host/mesh/surface.h"
+#include "host/numbers.h"
 #include "host/reference/elementary.h"
 
 namespace forceshade {
@@ -136,15 +137,6 @@ MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_
     return with_connections(inspect_shape(polygons, self_intersection_triangles), polygons);
 }
 
-namespace {
-
-// "1 hole", "3 holes"
-std::string counted(std::size_t count, std::string_view one, std::string_view many) {
-    return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
-} // namespace
-
 bool is_solid(const MeshFindings& findings) {
     const bool sound = findings.non_manifold_edges + findings.non_manifold_vertices + findings.misoriented_edges +
                            findings.degenerate_facets + findings.redundant_facets + findings.opposed_facets +
@@ -176,8 +168,8 @@ std::string_view force_of_open_mesh(MeshUse use) {
 }
 
 MeshFault openness(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {
-    MeshFault fault{fmt::format("{} along {}", counted(found.boundary_edges, "boundary edge", "boundary edges"),
-                                counted(found.holes, "hole or rim", "holes or rims")),
+    MeshFault fault{fmt::format("{} along {}", numbers::counted(found.boundary_edges, "boundary edge"),
+                                numbers::counted(found.holes, "hole or rim", "holes or rims")),
                     std::string(force_of_open_mesh(use))};
     if (!found.closing_distance)
         return fault;
@@ -204,8 +196,8 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
     const auto add = [&](std::size_t count, std::string_view one, std::string_view many, std::string_view what,
                          std::string force = "", std::string remedy = "", std::string key = "") {
         if (count > 0)
-            all.push_back(
-                {counted(count, one, many) + std::string(what), std::move(force), std::move(remedy), std::move(key)});
+            all.push_back({numbers::counted(count, one, many) + std::string(what), std::move(force), std::move(remedy),
+                           std::move(key)});
     };
     if (found.boundary_edges > 0)
         all.push_back(openness(found, use, unit, metres));

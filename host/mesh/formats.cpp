@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "host/mesh/surface.h"
+#include "host/numbers.h"
 
 namespace forceshade::mesh_file {
 
@@ -292,8 +292,8 @@ PolygonFile read_binary(const Source& source) {
     std::vector<std::string> warnings;
     if (*behind > 0)
         warnings.push_back(
-            fmt::format("{} byte{} behind the last triangle (the file announces {}): skipped (at byte {}){}", *behind,
-                        *behind == 1 ? "" : "s", (end - kHeader) / kTriangle, end,
+            fmt::format("{} behind the last triangle (the file announces {}): skipped (at byte {}){}",
+                        numbers::counted(*behind, "byte"), (end - kHeader) / kTriangle, end,
                         *behind % kTriangle == 0 ? fmt::format("; they may be {} more", *behind / kTriangle) : ""));
     return {triangles(std::move(corners)), "", "STL (binary)", std::move(warnings)};
 }

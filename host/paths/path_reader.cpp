@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/numbers.h"
 #include "host/scene/value.h"
 
 namespace forceshade {
@@ -230,7 +231,7 @@ void PathReader::check_width() const {
         return;
     const Location where = csv_.size() > width_ ? csv_.where(width_) : csv_.end();
     fail(csv_.source(), where,
-         fmt::format("{} cell{} in this row, the header has {}{}", csv_.size(), csv_.size() == 1 ? "" : "s", width_,
+         fmt::format("{} in this row, the header has {}{}", numbers::counted(csv_.size(), "cell"), width_,
                      csv_.ends_open()       ? "; the file ends here without a line feed: was it cut off?"
                      : csv_.size() > width_ ? "; are there decimal commas? Use points"
                                             : ""));

@@ -140,10 +140,6 @@ private:
     std::vector<std::pair<std::size_t, Rgb8>> hidden_;
 };
 
-std::string counted(std::size_t count, const char* one, const char* several) {
-    return fmt::format("{} {}", count, count == 1 ? one : several);
-}
-
 std::vector<LegendItem> legend(const MeshMarks& marks) {
     std::vector<LegendItem> items{swatch_item("outer side", kFront), swatch_item("inner side", kBack)};
     if (const auto inward = std::count(marks.inward.begin(), marks.inward.end(), true); inward > 0)
@@ -156,7 +152,7 @@ std::vector<LegendItem> legend(const MeshMarks& marks) {
     const auto add = [&](const std::vector<MeshMarks::Edge>& edges, Rgb8 colour, double width,
                          const std::string& what) {
         if (!edges.empty())
-            items.push_back({fmt::format("{} {}", counted(edges.size(), "edge", "edges"), what), kKeyLength,
+            items.push_back({fmt::format("{} {}", counted(edges.size(), "edge"), what), kKeyLength,
                              [=](Canvas& canvas, Point left, Point right) {
                                  const Point ends[] = {left, right};
                                  canvas.polyline(ends, {colour, width, {}, false});

@@ -31,7 +31,7 @@ std::string map_words(const HeightMapSpec& map) {
 std::string surface_words(const SurfaceSpec& surface) {
     switch (surface.kind) {
     case SurfaceKind::bump:
-        return fmt::format("Bump of {} facet{}, radius {}", surface.facets, surface.facets == 1 ? "" : "s",
+        return fmt::format("Bump of {}, radius {}", counted(surface.facets, "facet"),
                            quantity_text(surface.radius, "m"));
     case SurfaceKind::cylinder_bump:
         return "Cylinder bump, radius " + quantity_text(surface.radius, "m");

@@ -1,5 +1,4 @@
-// Numbers as a reader of a picture meets them: SI prefixes, decimal text, round values, independent of the locale. And
-// the one maker of ticks: round ones at steps of 1, 2 or 5, powers of ten on logarithmic axes, units, and an offset
+// The one maker of ticks: round ones at steps of 1, 2 or 5, powers of ten on logarithmic axes, units, and an offset
 // where a grid is far from the origin.
 #pragma once
 
@@ -9,45 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "host/numbers.h"
+
 namespace forceshade::picture {
 
-/// A power of ten of a base unit: "mm" (-3), "kN" (3); beyond the prefixes "10⁻³⁰ N".
-struct Unit {
-    int exponent = 0;
-    std::string name;
-};
-
-/// Exponent of the leading decimal digit of `value` > 0, finite: 3 for 1000 and for 9999.
-int decade(double value);
-
-/// value / 10^exponent, also where 10^exponent alone would overflow or be denormal.
-double divide_by_power_of_ten(double value, int exponent);
-
-/// The unit in which `largest` > 0 reads as 1 to 999; lengths stay in km up to 10⁶ km. `base` is "N" or "m".
-Unit choose_unit(double largest, std::string_view base);
-
-/// "5 mm", or "5 × 10⁹ m" where there is no prefix.
-std::string with_unit(const std::string& number, const Unit& unit);
-/// " / mm", or " / (10⁹ m)", to follow the name of a quantity whose numbers are in that unit.
-std::string per_unit(const Unit& unit);
-
-/// "⁻³".
-std::string superscript(int number);
-
-/// `value` with that many decimals, true minus sign (U+2212), no negative zero.
-std::string decimal(double value, int decimals);
-
-/// The same without trailing zeros behind the point.
-std::string trimmed(double value, int decimals);
-
-/// `value` > 0 in three significant digits: "2.5", "31.2", "50000", "3.8 × 10⁶".
-std::string three_digits(double value);
-
-/// A size >= 0 in its unit: "16.8 N", "0 m".
-std::string quantity_text(double value, std::string_view base);
-
-/// The number of decimals, at most `most`, that `value` needs to be written to within 10^-most / 2.
-int needed_decimals(double value, int most);
+using namespace numbers;
 
 /// The largest 1, 2 or 5 times a power of ten that does not exceed `value` > 0.
 double round_below(double value);
@@ -89,9 +54,6 @@ struct Axis {
 
 /// How a tick is written; `decimals` are those that its step needs.
 using TickLabel = std::function<std::string(double value, int decimals)>;
-
-/// "−0.5", and "1.5×10⁵" for what is below 0.001 or from 100000 on.
-std::string number_label(double value, int decimals);
 
 /// At most `most` >= 2 ticks, on a logarithmic axis 1, 2, 5 or 1, 3 or 1 times powers of ten.
 Axis number_axis(std::string title, const Range& range, std::size_t most, const TickLabel& label = number_label);
