@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/mesh/places.h"
 #include "host/mesh/surface.h"
+#include "host/numbers.h"
 #include "host/reference/elementary.h"
 
 namespace forceshade {
@@ -19,46 +21,31 @@ using reference::cross, reference::dot;
 
 constexpr std::size_t kMostSolidAngles = 100'000'000;
 
-// Facets in sets, each the same way round as its set's least member or the other (union-find with parities).
+// Facets in sets, each the same way round as its set's least member or the other: every one is there twice, as it is
+// and, `count` further on, turned; what agrees is joined.
 class OrientedSets {
 public:
-    explicit OrientedSets(std::size_t count) : parents_(count), flipped_(count, false) {
-        std::iota(parents_.begin(), parents_.end(), 0u);
-    }
+    explicit OrientedSets(std::size_t count) : count_(static_cast<std::uint32_t>(count)), sets_(2 * count) {}
 
+    /// The set's least member, and whether this one is turned against it.
     std::pair<std::uint32_t, bool> find(std::uint32_t member) {
-        std::uint32_t root = member;
-        bool flipped = false;
-        for (; parents_[root] != root; root = parents_[root])
-            flipped = flipped != flipped_[root];
-        const bool result = flipped;
-        while (parents_[member] != member) {
-            const std::uint32_t next = std::exchange(parents_[member], root);
-            const bool step = flipped_[member];
-            flipped_[member] = flipped;
-            flipped = flipped != step;
-            member = next;
-        }
-        return {root, result};
+        const std::uint32_t plain = sets_.find(member), turned = sets_.find(member + count_);
+        return {std::min(plain, turned), turned < plain};
     }
 
     /// False if it is known otherwise.
-    bool join(std::uint32_t one, std::uint32_t other, bool flipped) {
-        auto [a, a_flipped] = find(one);
-        auto [b, b_flipped] = find(other);
-        const bool relative = (a_flipped != b_flipped) != flipped;
-        if (a == b)
-            return !relative;
-        if (a > b)
-            std::swap(a, b);
-        parents_[b] = a;
-        flipped_[b] = relative;
+    bool join(std::uint32_t one, std::uint32_t other, bool turned) {
+        const std::uint32_t alike = other + (turned ? count_ : 0), opposite = other + (turned ? 0 : count_);
+        if (sets_.find(one) == sets_.find(opposite))
+            return false;
+        sets_.join(one, alike);
+        sets_.join(one + count_, opposite);
         return true;
     }
 
 private:
-    std::vector<std::uint32_t> parents_;
-    std::vector<bool> flipped_; // against the parent
+    std::uint32_t count_;
+    DisjointSets sets_;
 };
 
 class PieceFinder {
@@ -237,8 +224,8 @@ std::string name_of(std::size_t piece, const MeshPieces& found) {
     if (found.pieces.size() == 1)
         return "the mesh";
     const MeshPiece& one = found.pieces[piece];
-    return fmt::format("piece {} of {} ({} facet{}, from facet {} on)", piece + 1, found.pieces.size(), one.facets,
-                       one.facets == 1 ? "" : "s", one.first_facet);
+    return fmt::format("piece {} of {} ({}, from facet {} on)", piece + 1, found.pieces.size(),
+                       numbers::counted(one.facets, "facet"), one.first_facet);
 }
 
 std::vector<std::string> orient_outward(PolygonSoup& polygons) {
@@ -250,9 +237,8 @@ std::vector<std::string> orient_outward(PolygonSoup& polygons) {
                                          "no outside; leave orient out, or cut the mesh there",
                                          name_of(i, found)));
         if (found.pieces[i].opposed > 0)
-            turned.push_back(fmt::format("turned {} facet{} of {}, which faced against the others",
-                                         found.pieces[i].opposed, found.pieces[i].opposed == 1 ? "" : "s",
-                                         name_of(i, found)));
+            turned.push_back(fmt::format("turned {} of {}, which faced against the others",
+                                         numbers::counted(found.pieces[i].opposed, "facet"), name_of(i, found)));
     }
     for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
         if (found.opposed[facet])
