@@ -86,9 +86,8 @@ private:
     }
 
     void add_coarse_warning() {
-        constexpr Precision kPrecision = std::is_same_v<T, float> ? Precision::f32 : Precision::f64;
         const StepScale& scale = census_.scale();
-        if (const auto warning = coarse_warning(kPrecision, scale.farthest(), kMedianStep, scale.median_step()))
+        if (const auto warning = coarse_warning(kPrecisionOf<T>, scale.farthest(), kMedianStep, scale.median_step()))
             result_.warnings.push_back(*warning);
     }
 
@@ -156,9 +155,9 @@ private:
 
 ExploreResult explore(const PreparedCase& prepared, const std::filesystem::path& paths,
                       const std::filesystem::path& out, float stretch, const ExploreProgress& progress) {
-    if (prepared.one.scene.precision == Precision::f32)
-        return Exploration<float>(prepared, paths, out, stretch).run(progress);
-    return Exploration<double>(prepared, paths, out, stretch).run(progress);
+    return in_precision(prepared.one.scene.precision, [&]<typename T>(std::type_identity<T>) {
+        return Exploration<T>(prepared, paths, out, stretch).run(progress);
+    });
 }
 
 } // namespace forceshade

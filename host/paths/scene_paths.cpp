@@ -1,9 +1,7 @@
 #include "host/paths/scene_paths.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -73,8 +71,7 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     if (prepared.images.mesh && spec_.kind != PathKind::recorded && !(farthest <= largest_coordinate<T>(prepared)))
         throw UsageError(fmt::format("the paths reach {:.3g} m from the origin, further from the mesh than {} can "
                                      "follow: at most {:.3g} m; are the units right?",
-                                     farthest, std::is_same_v<T, float> ? "f32" : "f64",
-                                     largest_coordinate<T>(prepared)));
+                                     farthest, name_of(kPrecisionOf<T>), largest_coordinate<T>(prepared)));
     if (spec_.kind == PathKind::recorded) {
         if (!recorded)
             recorded = read_recorded<T>(prepared, spec_.path);
@@ -115,20 +112,19 @@ template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
 }
 
 template <typename T> std::optional<std::string> ScenePaths<T>::coarse() const {
-    constexpr Precision kPrecision = std::is_same_v<T, float> ? Precision::f32 : Precision::f64;
     if (recorded_) {
         const StepScale& scale = recorded_->file()->scale();
-        return coarse_warning(kPrecision, scale.farthest(), kMedianStep, scale.median_step());
+        return coarse_warning(kPrecisionOf<T>, scale.farthest(), kMedianStep, scale.median_step());
     }
     PathsSpec open = spec_;
     open.loop = PathLoop::open;
     open.drive = PathDrive::depth;
     const double farthest = farthest_coordinate(open, region_), step = typical(spec_.speed) / spec_.rate; /* m */
     if (spec_.steps > 1)
-        if (const auto warning = coarse_warning(kPrecision, farthest, "the step from sample to sample", step))
+        if (const auto warning = coarse_warning(kPrecisionOf<T>, farthest, "the step from sample to sample", step))
             return warning;
     return spec_.drive == PathDrive::depth
-               ? coarse_warning(kPrecision, farthest, "the depth", std::abs(typical(spec_.depth)))
+               ? coarse_warning(kPrecisionOf<T>, farthest, "the depth", std::abs(typical(spec_.depth)))
                : std::nullopt;
 }
 
@@ -196,28 +192,21 @@ template <typename T> void ScenePaths<T>::start_proxies(const layout::PathBatch<
     proxies_.resize(batch.count);
     const bool given = features_.motion == layout::kMotionRecorded;
     const std::span<const T> begun = given ? positions(0, 1) : std::span<const T>{};
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-        reference::Neighbourhood<T> around;
-        for (std::size_t begin; (begin = kShare * next++) < batch.count;)
-            for (std::size_t path = begin; path < std::min(begin + kShare, batch.count); ++path) {
-                const auto target =
-                    given ? reference::vector_at(begun, path) : reference::motion_at(law_, features_, batch, path, 0);
-                const auto state = reference::begin_state(features_, hand_, target);
-                const reference::Vector<T> place{state.x, state.y, state.z};
-                const bool closed = features_.loop == layout::kLoopClosed;
-                const auto probe = closed ? reference::measured(hand_, place) : place;
-                proxies_[path] =
-                    reference::proxy_start(law_, around, reference::to_mesh_frame(law_.mesh.params, probe));
-            }
-    };
-    {
-        std::vector<std::jthread> helpers;
-        const std::size_t shares = (batch.count + kShare - 1) / kShare;
-        for (std::size_t i = 1; i < std::min<std::size_t>(shares, most_threads()); ++i)
-            helpers.emplace_back(work);
-        work();
-    }
+    const std::size_t shares = (batch.count + kShare - 1) / kShare;
+    const std::size_t threads = std::min<std::size_t>(shares, most_threads());
+    std::vector<reference::Neighbourhood<T>> around(threads);
+    reference::share_out(threads, shares, [&](std::size_t thread, std::size_t share) {
+        for (std::size_t path = kShare * share; path < std::min(kShare * (share + 1), batch.count); ++path) {
+            const auto target =
+                given ? reference::vector_at(begun, path) : reference::motion_at(law_, features_, batch, path, 0);
+            const auto state = reference::begin_state(features_, hand_, target);
+            const reference::Vector<T> place{state.x, state.y, state.z};
+            const bool closed = features_.loop == layout::kLoopClosed;
+            const auto probe = closed ? reference::measured(hand_, place) : place;
+            proxies_[path] =
+                reference::proxy_start(law_, around[thread], reference::to_mesh_frame(law_.mesh.params, probe));
+        }
+    });
     for (std::size_t path = 0; path < batch.count; ++path)
         if (batch.first + path >= counted_)
             inside_ += proxies_[path].inside;

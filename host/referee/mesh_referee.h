@@ -21,8 +21,8 @@ struct ChosenTriangles {
 
 ChosenTriangles choose_triangles(const Mesh& mesh);
 
-enum class MeshShading { none, morgenbesser, barycentric, mean_value, two_pass };
-enum class MeshInside { pseudonormal, winding };
+using MeshShading = Shading;
+using MeshInside = InsideTest;
 
 /// The gradient of a height map over the world's (x, y) in m.
 using Slope = std::function<std::array<Real, 2>(Real, Real)>;

@@ -194,7 +194,7 @@ PathOracle<T>::PathOracle(const PreparedCase& prepared, const layout::PathInput<
                           std::uint64_t most)
     : input_(input), exact_bits_(exact_bits) {
     if (!exact_bits)
-        bound_.emplace(prepared, std::is_same_v<T, float> ? Precision::f32 : Precision::f64);
+        bound_.emplace(prepared, kPrecisionOf<T>);
     const std::uint64_t samples = std::uint64_t(input.paths) * input.steps;
     every_ = most == 0 ? 1 : std::max<std::uint64_t>(1, (samples + most - 1) / most);
 }

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +15,7 @@
 #include "host/referee/mesh_referee.h"
 #include "host/referee/reading.h"
 #include "host/referee/rounding_bound.h"
+#include "host/reference/chunks.h"
 #include "host/reference/mesh_contact.h"
 #include "host/threads.h"
 
@@ -137,8 +137,6 @@ template <typename T> glm::dvec3 probe_at(const FieldTables<T>& tables, VoxelInd
     return {double(tables.x[at.x]), double(tables.y[at.y]), double(tables.z[at.z])};
 }
 
-template <typename T> constexpr Precision kPrecision = std::is_same_v<T, float> ? Precision::f32 : Precision::f64;
-
 // What a referee says of a computed voxel.
 struct Finding {
     Verdict verdict;
@@ -168,7 +166,7 @@ public:
           exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)),
           referee_(prepared.one.scene, prepared.images), rounded_(rounded_scene<T>(prepared.one.scene)),
           rounded_tables_(make_tables<double>(rounded_, prepared.images, Extent::what_varies)),
-          rounded_referee_(rounded_, prepared.images), bound_(prepared, kPrecision<T>) {}
+          rounded_referee_(rounded_, prepared.images), bound_(prepared, kPrecisionOf<T>) {}
 
     const FieldTables<T>& tables() const { return tables_; }
 
@@ -255,29 +253,13 @@ constexpr std::uint64_t kBruteBudget = 20'000'000; // triangles that the brute r
 constexpr unsigned kChosenOfRow = 2;               // voxels of a kind that it looks at in a row, at most
 constexpr std::uint64_t kChosenRows = 1024;        // rows in which it does, at most
 
-brute::MeshShading brute_shading(Shading shading) {
-    switch (shading) {
-    case Shading::morgenbesser:
-        return brute::MeshShading::morgenbesser;
-    case Shading::barycentric:
-        return brute::MeshShading::barycentric;
-    case Shading::mean_value:
-        return brute::MeshShading::mean_value;
-    case Shading::two_pass:
-        return brute::MeshShading::two_pass;
-    default:
-        return brute::MeshShading::none;
-    }
-}
-
 // The scene as plain loops see it. The case must outlive the law.
 brute::MeshLaw brute_law(const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
     brute::MeshLaw law;
     law.stiffness = scene.force.stiffness;
-    law.shading = brute_shading(scene.force.shading);
-    if (scene.surface.mesh.inside == InsideTest::winding)
-        law.inside = brute::MeshInside::winding;
+    law.shading = scene.force.shading;
+    law.inside = scene.surface.mesh.inside;
     if (!scene.texture)
         return law;
     const auto slope = [map = &scene.texture->map, image = prepared.images.texture.get()](
@@ -303,7 +285,7 @@ public:
         : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
           exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)), law_(tables_.law()),
           exact_law_(exact_.law()), referee_(prepared.images.mesh->mesh, brute_law(prepared)),
-          bound_(prepared, kPrecision<T>), centre_(prepared.images.mesh->structure.centre),
+          bound_(prepared, kPrecisionOf<T>), centre_(prepared.images.mesh->structure.centre),
           origin_(scene_origin(prepared)), channels_(tables_.features.channels) {
         const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
         const std::uint64_t affordable = std::max<std::uint64_t>(1, kBruteBudget / law_.mesh.params.triangles);
@@ -530,13 +512,10 @@ void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
         const std::size_t rows = chunk.y_count * chunk.z_count;
         const std::size_t threads = std::min<std::size_t>(rows, most_threads());
         std::vector<VoxelComparison<T, Referees>> parts(threads, {referees, exact_bits, {}});
-        std::vector<std::jthread> workers;
-        for (std::size_t worker = 0; worker < threads; ++worker)
-            workers.emplace_back([&, worker] {
-                for (std::size_t row = worker * rows / threads; row < (worker + 1) * rows / threads; ++row)
-                    parts[worker].compare_row(chunk, row);
-            });
-        workers.clear();
+        reference::share_out(threads, threads, [&](std::size_t, std::size_t part) {
+            for (std::size_t row = part * rows / threads; row < (part + 1) * rows / threads; ++row)
+                parts[part].compare_row(chunk, row);
+        });
         for (const auto& part : parts)
             merge(result, part.result);
     });
@@ -545,16 +524,13 @@ void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
 } // namespace
 
 Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision) {
-    const bool mesh = prepared.images.mesh != nullptr;
     Comparison result;
     result.name = prepared.one.name;
     result.precision = precision;
-    if (precision == Precision::f32)
-        mesh ? compare<float, MeshReferees<float>>(engine, prepared, result)
-             : compare<float, SurfaceReferees<float>>(engine, prepared, result);
-    else
-        mesh ? compare<double, MeshReferees<double>>(engine, prepared, result)
-             : compare<double, SurfaceReferees<double>>(engine, prepared, result);
+    in_precision(precision, [&]<typename T>(std::type_identity<T>) {
+        prepared.images.mesh ? compare<T, MeshReferees<T>>(engine, prepared, result)
+                             : compare<T, SurfaceReferees<T>>(engine, prepared, result);
+    });
     result.passed = result.beyond == 0 && result.oracle.unexplained == 0 && result.closed_form.unexplained == 0;
     return result;
 }

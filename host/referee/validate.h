@@ -11,10 +11,6 @@
 
 namespace forceshade {
 
-inline const char* name_of(Precision precision) {
-    return precision == Precision::f32 ? "f32" : "f64";
-}
-
 /// The scene with its edges and radii rounded to T as a kernel's tables round them, so that a referee of the rounded
 /// scene puts a voxel of rounded position on the same side of every edge as a kernel without error does. A voxel
 /// exactly on an edge in T has a force that need not occur anywhere in the scene as written: two edges that coincide,

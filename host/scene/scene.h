@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace forceshade {
@@ -26,7 +27,14 @@ enum class Shading { none, reference, height_map, morgenbesser, barycentric, mea
 enum class DepthReading { vertical, normal };
 enum class ReferenceDirection { normal, radial };
 enum class MapFunction { cylinder, dip, sine, gaussian, file };
-enum class NormalWeights { plain, angle, file, groups, crease };
+/// How the normals of a vertex's facets are weighted in the vertex's own (L7).
+enum class NormalWeights {
+    plain,  // equally, as in the paper
+    angle,  // by the facet's angle at the vertex, which does not depend on how a face was cut into facets
+    file,   // not at all: corners have the normals of their file
+    groups, // equally, of facets of the same smoothing group only
+    crease  // equally, of facets that meet at no sharper an angle than a given one
+};
 enum class InsideTest { pseudonormal, winding, automatic };
 enum class Orientation { file, outward };
 enum class TextureEffect { force, normal };
@@ -39,6 +47,18 @@ enum class PathFollow { plane, surface };
 enum class PathDrive { depth, press, push };
 enum class CompareKind { sphere, cylinder, plane, mesh };
 enum class CompareAxis { x, y, z };
+
+/// "f32" or "f64".
+constexpr const char* name_of(Precision precision) {
+    return precision == Precision::f32 ? "f32" : "f64";
+}
+/// That of float, and of double.
+template <typename T>
+inline constexpr Precision kPrecisionOf = std::is_same_v<T, float> ? Precision::f32 : Precision::f64;
+/// What run(std::type_identity<T>) gives for the T of a precision.
+template <typename Run> decltype(auto) in_precision(Precision precision, Run&& run) {
+    return precision == Precision::f32 ? run(std::type_identity<float>()) : run(std::type_identity<double>());
+}
 
 /// A file that a scene names.
 struct FileSpec {
