@@ -90,22 +90,6 @@ std::shared_ptr<const File> cached(std::deque<std::pair<Key, std::shared_ptr<con
     return files.front().second;
 }
 
-Smoothing smoothing_of(const MeshSpec& spec) {
-    switch (spec.normals) {
-    case NormalWeights::plain:
-        return VertexNormals::plain;
-    case NormalWeights::angle:
-        return VertexNormals::angle;
-    case NormalWeights::file:
-        return VertexNormals::file;
-    case NormalWeights::groups:
-        return VertexNormals::groups;
-    case NormalWeights::crease:
-        return {VertexNormals::crease, spec.crease};
-    }
-    throw std::logic_error("no such normals");
-}
-
 // Pseudonormals where the mesh bounds solids without crossings, as far as that is known, and for sheets.
 InsideTest inside_of(const MeshFindings& found, MeshStructure& structure) {
     if (!found.closed) {
@@ -168,7 +152,7 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const Pol
         connected.emplace(file.polygons);
         mesh->mesh = prepare_mesh(
             file.polygons, {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
-            smoothing_of(spec), &*connected);
+            Smoothing(spec.normals, spec.crease), &*connected);
         mesh->structure = build_structure(mesh->mesh, {.winding = spec.inside == InsideTest::winding});
     });
     const std::string made = fmt::format("{} {} {}", file.sha256, weld, static_cast<int>(spec.orient));

@@ -9,6 +9,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/scene/scene.h"
+
 namespace forceshade {
 
 class Connectivity;
@@ -31,14 +33,7 @@ struct PolygonSoup {
     void end_facet() { begins.push_back(static_cast<std::uint32_t>(corners.size())); }
 };
 
-/// How the normals of a vertex's facets are weighted in the vertex's own (L7).
-enum class VertexNormals {
-    plain,  // equally, as in the paper
-    file,   // not at all: corners have the normals of their file
-    angle,  // by the facet's angle at the vertex, which does not depend on how a face was cut into facets
-    groups, // equally, of facets of the same smoothing group only
-    crease  // equally, of facets that meet at no sharper an angle than a given one
-};
+using VertexNormals = NormalWeights;
 
 struct Smoothing {
     Smoothing(VertexNormals by = VertexNormals::plain, double angle = 0) : weights(by), crease(angle) {}
@@ -46,6 +41,9 @@ struct Smoothing {
     VertexNormals weights;
     double crease; // rad: of weights `crease`
 };
+
+/// The direction of a vector of any size; 0 of 0.
+glm::dvec3 unit_vector(glm::dvec3 v);
 
 /// The unit normal of a triangle, counterclockwise seen from where it points; good to a few units in the last place
 /// whatever the triangle's shape, place and size. 0 if and only if the corners are collinear.
@@ -61,6 +59,14 @@ std::vector<glm::dvec3> facet_normals(const PolygonSoup& polygons);
 /// Facets in `left_out` (ascending) are ignored.
 std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const glm::dvec3> facet_normals,
                                        VertexNormals weights, std::span<const std::uint32_t> left_out = {});
+
+/// The unit normal of each corner: the plain average over those facets at its vertex that are smooth with its own. By
+/// `groups` those of the same smoothing group (PolygonSoup::groups; a facet of group 0 is smooth with none). By
+/// `crease` those that are connected with it across edges there at which the facets' normals differ by no more than
+/// the angle. 0 where they cancel, and at corners of facets that have no area or are left out.
+/// \param smoothing weights must be `groups` or `crease`
+std::vector<glm::dvec3> corner_normals(const Connectivity& mesh, std::span<const glm::dvec3> facet_normals,
+                                       const Smoothing& smoothing, std::span<const std::uint32_t> left_out);
 
 /// The triangles that a mesh's facets are cut into.
 struct MeshTriangles {

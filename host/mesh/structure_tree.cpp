@@ -420,30 +420,22 @@ std::optional<double> height_at(const MeshStructure& structure, double x, double
     const MeshParts& parts = *structure.parts;
     const glm::dvec3 at = to_mesh_frame(structure, {x, y, 0});
     double best = -std::numeric_limits<double>::infinity();
-    layout::uint waiting[reference::kMeshStack];
-    std::size_t count = 0;
-    waiting[count++] = 0;
-    while (count > 0) {
-        const layout::MeshNode& node = parts.nodes[waiting[--count]];
-        for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
-            const layout::uint child = node.child[i];
-            if (child == layout::kMeshNoChild || !(at.x >= node.low_x[i] && at.x <= node.high_x[i]) ||
-                !(at.y >= node.low_y[i] && at.y <= node.high_y[i]) || node.high_z[i] < best)
-                continue;
-            if ((child & layout::kMeshLeaf) == 0) {
-                waiting[count++] = child;
-                continue;
+    layout::MeshView<double> tree{};
+    tree.nodes = parts.nodes;
+    reference::visit_tree(
+        tree, [](layout::uint) { return true; },
+        [&](const layout::MeshNode& node, layout::uint i) {
+            return at.x >= node.low_x[i] && at.x <= node.high_x[i] && at.y >= node.low_y[i] && at.y <= node.high_y[i] &&
+                   node.high_z[i] >= best;
+        },
+        [&](layout::uint first, layout::uint end) {
+            for (std::size_t corner = 3 * std::size_t(first); corner < 3 * std::size_t(end); corner += 3) {
+                const glm::dvec3 corners[] = {corner_at(parts, *structure.reals, corner),
+                                              corner_at(parts, *structure.reals, corner + 1),
+                                              corner_at(parts, *structure.reals, corner + 2)};
+                best = std::max(best, height_on(corners, at.x, at.y));
             }
-            reference::visit_leaf(child, [&](layout::uint first, layout::uint end) {
-                for (std::size_t corner = 3 * std::size_t(first); corner < 3 * std::size_t(end); corner += 3) {
-                    const glm::dvec3 corners[] = {corner_at(parts, *structure.reals, corner),
-                                                  corner_at(parts, *structure.reals, corner + 1),
-                                                  corner_at(parts, *structure.reals, corner + 2)};
-                    best = std::max(best, height_on(corners, at.x, at.y));
-                }
-            });
-        }
-    }
+        });
     if (best == -std::numeric_limits<double>::infinity())
         return std::nullopt;
     return structure.centre.z + structure.scale * best;
