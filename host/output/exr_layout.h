@@ -4,10 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <vector>
-
-#include <ImfHeader.h>
 
 #include "host/output/exr_volume.h"
 #include "host/output/rows.h"
@@ -31,17 +28,5 @@ std::vector<Part> parts_of(const VolumeHeader& header);
 
 /// Throws UsageError if no EXR can hold such a grid.
 void require_possible(const VolumeHeader& header);
-
-/// Rows that are handed to OpenEXR at once: a multiple of every compression's block, about 4 MiB of force.
-/// It decides how the parts' blocks interleave in the file, so it may depend on the image's size alone.
-std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows);
-
-/// An image of several parts, ready to be written.
-struct Sheet {
-    std::uint64_t width = 0, rows = 0;
-    std::vector<Part> parts;
-    std::vector<Imf::Header> headers; /* of the parts */
-    int threads = 0;                  /* that compress this file; 0: it asks for no parallel work */
-};
 
 } // namespace forceshade::exr

@@ -19,8 +19,6 @@ namespace forceshade {
 namespace exr {
 namespace {
 
-constexpr std::uint64_t kBlockRows = 16; // of ZIP and PXR24; the others have fewer
-
 const char* unit_of(std::uint32_t channel) {
     constexpr std::uint32_t kForces = layout::kChannelForce | layout::kChannelUnshaded | kChannelMagnitudeError;
     return channel == layout::kChannelFacet ? "1" : channel == kChannelAngle ? "deg" : channel & kForces ? "N" : "m";
@@ -69,13 +67,6 @@ void require_possible(const VolumeHeader& header) {
     if (nx > kMostColumns)
         throw UsageError(fmt::format(
             "a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx, kMostColumns));
-}
-
-std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows) {
-    constexpr std::uint64_t kGroupBytes = 4 << 20;
-    const std::uint64_t most = kGroupBytes / (width * 3 * sizeof(float));
-    return std::min(std::max(most / kBlockRows, std::uint64_t{1}) * kBlockRows,
-                    (rows + kBlockRows - 1) / kBlockRows * kBlockRows);
 }
 
 namespace {

@@ -16,6 +16,7 @@
 #include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
@@ -36,7 +37,26 @@ namespace forceshade {
 
 namespace {
 
-using exr::Part, exr::Sheet;
+using exr::Part;
+
+constexpr std::uint64_t kBlockRows = 16; // of ZIP and PXR24; the others have fewer
+
+// An image of several parts, ready to be written.
+struct Sheet {
+    std::uint64_t width = 0, rows = 0;
+    std::vector<Part> parts;
+    std::vector<Imf::Header> headers; /* of the parts */
+    int threads = 0;                  /* that compress this file; 0: it asks for no parallel work */
+};
+
+// Rows that are handed to OpenEXR at once: a multiple of every compression's block, about 4 MiB of force. It decides
+// how the parts' blocks interleave in the file, so it may depend on the image's size alone.
+std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows) {
+    constexpr std::uint64_t kGroupBytes = 4 << 20;
+    const std::uint64_t most = kGroupBytes / (width * 3 * sizeof(float));
+    return std::min(std::max(most / kBlockRows, std::uint64_t{1}) * kBlockRows,
+                    (rows + kBlockRows - 1) / kBlockRows * kBlockRows);
+}
 
 // In the order of Compression.
 constexpr std::array kCompressions{Imf::NO_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION,
@@ -175,7 +195,7 @@ public:
     // Throws IoError.
     RowsWriter(const std::filesystem::path& path, Sheet sheet, bool allow_non_finite)
         : sheet_(std::move(sheet)), allow_non_finite_(allow_non_finite), file_(path), stream_(file_),
-          group_rows_(exr::rows_per_group(sheet_.width, sheet_.rows)) {
+          group_rows_(rows_per_group(sheet_.width, sheet_.rows)) {
         require_workers(sheet_.threads);
         for (const Part& part : sheet_.parts)
             parts_.emplace_back(part, std::min(group_rows_, sheet_.rows) * sheet_.width * part.sample_bytes());

@@ -104,7 +104,7 @@ public:
     std::string finish();
 
 private:
-    struct State; // OpenSSL's, or the library's own (sha256.cpp, sha256_alone.cpp)
+    struct State; // OpenSSL's, or the library's own (sha256.cpp, alone.cpp)
     std::unique_ptr<State> state_;
 };
 

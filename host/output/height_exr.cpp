@@ -1,4 +1,4 @@
-#include "host/output/height_exr.h"
+#include "host/output/height_image.h"
 
 #include <algorithm>
 #include <bit>

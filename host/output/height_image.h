@@ -8,6 +8,8 @@
 
 namespace forceshade {
 
+class ReadableFile;
+
 struct HeightImage {
     std::size_t columns = 0;
     std::size_t rows = 0;
@@ -22,5 +24,11 @@ struct HeightImage {
 /// are missing, truncated or damaged; UsageError for pictures that are not a height map, with the row and column (from
 /// 0) of a coloured, infinite or NaN pixel.
 HeightImage read_height_image(const std::filesystem::path& path);
+
+/// Throws UsageError if an image announces too many samples, or more than fit into the memory that is allowed.
+void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows);
+
+/// An OpenEXR image, all but its SHA-256 (height_exr.cpp, alone.cpp). Throws as read_height_image.
+HeightImage read_height_exr(const ReadableFile& file);
 
 } // namespace forceshade

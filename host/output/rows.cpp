@@ -25,26 +25,18 @@ std::span<const T> require_samples(std::span<const T> samples, const layout::Fie
 } // namespace
 
 const char* name_of_channel(std::uint32_t channel) {
-    switch (channel) {
-    case layout::kChannelForce:
-        return "force";
-    case layout::kChannelDepth:
-        return "depth";
-    case layout::kChannelFacet:
-        return "facet";
-    case layout::kChannelProxy:
-        return "proxy";
-    case layout::kChannelUnshaded:
-        return "unshaded";
-    case layout::kChannelPosition:
-        return "position";
-    case kChannelAngle:
-        return "angle";
-    case kChannelMagnitudeError:
-        return "magnitude_error";
-    default:
-        throw std::logic_error(fmt::format("no channel {}", channel));
-    }
+    static constexpr std::pair<std::uint32_t, const char*> kNames[] = {{layout::kChannelForce, "force"},
+                                                                       {layout::kChannelDepth, "depth"},
+                                                                       {layout::kChannelFacet, "facet"},
+                                                                       {layout::kChannelProxy, "proxy"},
+                                                                       {layout::kChannelUnshaded, "unshaded"},
+                                                                       {layout::kChannelPosition, "position"},
+                                                                       {kChannelAngle, "angle"},
+                                                                       {kChannelMagnitudeError, "magnitude_error"}};
+    for (const auto& [known, name] : kNames)
+        if (known == channel)
+            return name;
+    throw std::logic_error(fmt::format("no channel {}", channel));
 }
 
 void RowOrder::accept(const AnyFieldChunk& any, std::size_t repeat_y) {
@@ -71,22 +63,15 @@ void RowOrder::require_complete() const {
 }
 
 template <typename real> std::span<const real> values_of(const layout::FieldChunk<real>& chunk, std::uint32_t channel) {
-    switch (channel) {
-    case layout::kChannelForce:
-        return require_samples(chunk.force, chunk, channel);
-    case layout::kChannelDepth:
-        return require_samples(chunk.depth, chunk, channel);
-    case layout::kChannelProxy:
-        return require_samples(chunk.proxy, chunk, channel);
-    case layout::kChannelUnshaded:
-        return require_samples(chunk.unshaded, chunk, channel);
-    case kChannelAngle:
-        return require_samples(chunk.angle, chunk, channel);
-    case kChannelMagnitudeError:
-        return require_samples(chunk.magnitude_error, chunk, channel);
-    default:
-        throw std::logic_error(fmt::format("channel {} holds no reals", channel));
-    }
+    for (const auto& [known, samples] : {std::pair(layout::kChannelForce, chunk.force),
+                                         {layout::kChannelDepth, chunk.depth},
+                                         {layout::kChannelProxy, chunk.proxy},
+                                         {layout::kChannelUnshaded, chunk.unshaded},
+                                         {kChannelAngle, chunk.angle},
+                                         {kChannelMagnitudeError, chunk.magnitude_error}})
+        if (known == channel)
+            return require_samples(samples, chunk, channel);
+    throw std::logic_error(fmt::format("channel {} holds no reals", channel));
 }
 
 template <typename real> std::span<const layout::uint> ids_of(const layout::FieldChunk<real>& chunk) {
@@ -240,10 +225,11 @@ template std::span<const double> values_of(const PathRows<double>&, std::uint32_
 
 std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes) {
     std::size_t bytes = 0;
-    for (const layout::uint vector : {layout::kChannelForce, layout::kChannelPosition, layout::kChannelProxy})
-        bytes += channels & vector ? 3 * real_bytes : 0;
-    bytes += channels & layout::kChannelDepth ? real_bytes : 0;
-    return bytes + (channels & layout::kChannelFacet ? sizeof(layout::uint) : 0);
+    for (const std::uint32_t channel : {layout::kChannelForce, layout::kChannelPosition, layout::kChannelProxy,
+                                        layout::kChannelDepth, layout::kChannelFacet})
+        if (channels & channel)
+            bytes += components_of(channel) * (channel == layout::kChannelFacet ? sizeof(layout::uint) : real_bytes);
+    return bytes;
 }
 
 template <typename T> void RowGatherer<T>::add(const layout::PathChunk<T>& chunk) {

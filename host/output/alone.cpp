@@ -1,4 +1,5 @@
-// SHA-256 (FIPS 180-4) in the place of sha256.cpp, for the library without OpenSSL: slower, the same digits.
+// What stands in the place of sha256.cpp and height_exr.cpp in the library, which does without OpenSSL and OpenEXR:
+// SHA-256 (FIPS 180-4), slower, with the same digits; and no height maps but PNG.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -6,7 +7,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/error.h"
 #include "host/output/files.h"
+#include "host/output/height_image.h"
+#include "host/output/reading.h"
 
 namespace forceshade {
 
@@ -90,6 +94,12 @@ std::string Sha256::finish() {
         end[padding + i] = static_cast<std::byte>(bits >> (56 - 8 * i));
     state_->add(std::span(end).first(padding + 8));
     return fmt::format("{:08x}", fmt::join(state_->hash, ""));
+}
+
+HeightImage read_height_exr(const ReadableFile& file) {
+    throw UsageError(fmt::format("{}: this build reads no OpenEXR images: convert the height map to PNG, or build with "
+                                 "FORCESHADE_LIBRARY_ONLY=OFF",
+                                 file.path().string()));
 }
 
 } // namespace forceshade
