@@ -53,20 +53,20 @@ void write_rows(Target& file, const AnyFieldChunk& any, std::uint32_t channel, s
 
 VolumeResult publish_raw(TemporaryFile& file) {
     VolumeResult result;
-    Clock::time_point start = Clock::now();
-    file.flush_to_disk();
-    result.timings.flush = seconds_since(start);
-    start = Clock::now();
-    result.sha256 = sha256_of_file(file.temporary_path());
+    timed(result.timings.flush, [&] { file.flush_to_disk(); });
+    timed(result.timings.hash, [&] { result.sha256 = sha256_of_file(file.temporary_path()); });
     result.bytes = std::filesystem::file_size(file.temporary_path());
-    result.timings.hash = seconds_since(start);
     file.publish();
     return result;
 }
 
 // Format version 1.0; NumPy wants the data to begin at a multiple of 64 bytes.
-std::string npy_header(const std::vector<std::uint64_t>& shape, std::uint32_t channel, Precision precision) {
-    const char* type = channel == layout::kChannelFacet ? "<u4" : precision == Precision::f64 ? "<f8" : "<f4";
+std::string npy_header(std::vector<std::uint64_t> shape, std::uint32_t channel, Precision precision,
+                       const glm::dvec3& origin) {
+    if (components_of(channel) == 3)
+        shape.push_back(3);
+    const bool is_double = precision == Precision::f64 || is_moved(channel, origin);
+    const char* type = channel == layout::kChannelFacet ? "<u4" : is_double ? "<f8" : "<f4";
     std::string text =
         fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
     constexpr std::size_t kPreamble = 10;
@@ -80,12 +80,8 @@ std::string npy_header(const std::vector<std::uint64_t>& shape, std::uint32_t ch
 
 NpyWriter::NpyWriter(const std::filesystem::path& path, const std::array<std::uint64_t, 3>& size, std::uint32_t channel,
                      Precision precision, const glm::dvec3& origin)
-    : file_(path), order_(size), channel_(channel), precision_(is_moved(channel, origin) ? Precision::f64 : precision),
-      origin_(origin) {
-    std::vector<std::uint64_t> shape(size.rbegin(), size.rend());
-    if (components_of(channel) == 3)
-        shape.push_back(3);
-    file_.write(npy_header(shape, channel, precision_));
+    : file_(path), order_(size), channel_(channel), precision_(precision), origin_(origin) {
+    file_.write(npy_header({size.rbegin(), size.rend()}, channel, precision, origin));
 }
 
 void NpyWriter::write(const AnyFieldChunk& chunk, std::size_t repeat_y) {

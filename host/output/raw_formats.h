@@ -28,8 +28,9 @@ VolumeResult publish_raw(TemporaryFile& file);
 
 // One channel of a field as a NumPy array, shape (nz, ny, nx, 3) for vectors and (nz, ny, nx) for scalars, streamed.
 
-/// The bytes before the numbers of an array of a channel.
-std::string npy_header(const std::vector<std::uint64_t>& shape, std::uint32_t channel, Precision precision);
+/// The bytes before the numbers of an array of a channel; `shape` without the components of a sample.
+std::string npy_header(std::vector<std::uint64_t> shape, std::uint32_t channel, Precision precision,
+                       const glm::dvec3& origin);
 
 class NpyWriter final : public ChunkSink {
 public:

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "host/numbers.h"
 #include "host/output/raw_formats.h"
-#include "host/picture/ticks.h"
 
 namespace forceshade {
 
@@ -85,19 +85,19 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
 template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
 template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
 
-const char* path_summary_header() {
-    return "path,steps,contact_time_s,largest_force_N,rms_force_N,largest_turn_deg,steepest_turn_deg_per_mm,work_J,"
-           "effort_J,eta,rounds,least_round_work_J,mean_round_work_J,largest_round_work_J,least_depth_m,mean_depth_m,"
-           "largest_depth_m,depth_deviation_m,"
-           "unstable,unstable_time_s,fell,speed_ratio,began_inside,unfinished_samples\n";
+std::string path_summary_header() {
+    std::string names;
+    for_each_figure(0, {}, [&](std::string_view name, const auto&) { names.append(name) += ','; });
+    names.back() = '\n';
+    return names;
 }
 
 PathSummary::PathSummary(const std::filesystem::path& path, Precision precision) : file_(path), precision_(precision) {
-    file_.write(std::string_view(path_summary_header()));
+    file_.write(path_summary_header());
 }
 
 void PathSummary::add(std::uint64_t path, const PathFigures& figures) {
-    for_each_figure(path, figures, [&]<typename Value>(const Value& value) {
+    for_each_figure(path, figures, [&]<typename Value>(const char*, const Value& value) {
         if constexpr (std::is_same_v<Value, SampleTime>)
             row_.add(value.seconds);
         else if constexpr (std::is_same_v<Value, std::optional<double>>) {
@@ -195,10 +195,7 @@ void write_row(TemporaryFile& file, std::span<const Value> samples, std::size_t 
 PathNpyWriter::PathNpyWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps,
                              std::uint32_t channel, Precision precision, const glm::dvec3& origin)
     : file_(path), steps_(steps), channel_(channel), origin_(origin) {
-    std::vector<std::uint64_t> shape{paths, steps};
-    if (components_of(channel) == 3)
-        shape.push_back(3);
-    file_.write(npy_header(shape, channel, is_moved(channel, origin) ? Precision::f64 : precision));
+    file_.write(npy_header({paths, steps}, channel, precision, origin));
 }
 
 void PathNpyWriter::write(const AnyPathRows& any) {
@@ -328,7 +325,7 @@ std::optional<OnLine> on_line(const std::vector<picture::LinePoint>& line, doubl
 
 std::string follows(const Following& f, const char* line) {
     return fmt::format("{} from {} sunk by {}, the force {:.2f}° (median {:.2f}°) from its normal",
-                       picture::quantity_text(f.distance, "m"), line, picture::quantity_text(std::fabs(f.sunk), "m"),
+                       numbers::quantity_text(f.distance, "m"), line, numbers::quantity_text(std::fabs(f.sunk), "m"),
                        f.angle, f.median_angle);
 }
 

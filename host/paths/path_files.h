@@ -84,28 +84,38 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
 
 // STEM.paths.csv: a row for each path, what it was like.
 
-/// Hands a path's figures to add(value) in the order of path_summary_header(): whole numbers as std::uint64_t, others
-/// as double or optional double, and as SampleTime what has the precision of times, which is double whatever the run's.
+/// A number that has the precision of times, which is double whatever the run's.
 struct SampleTime {
     std::optional<double> seconds;
 };
+/// The columns of STEM.paths.csv: hands a path's figures to add(name, value), whole numbers as std::uint64_t, others as
+/// optional double or SampleTime.
 template <typename Add> void for_each_figure(std::uint64_t path, const PathFigures& figures, const Add& add) {
-    add(path);
-    add(figures.steps);
-    for (const double value : {figures.contact_time, figures.largest_force, figures.rms_force, figures.largest_turn,
-                               figures.steepest_turn, figures.work, figures.effort})
-        add(std::optional(value));
-    add(figures.eta);
-    add(figures.rounds);
-    for (const auto& value : {figures.least_round, figures.mean_round, figures.largest_round, figures.least_depth,
-                              figures.mean_depth, figures.largest_depth, figures.depth_deviation})
-        add(value);
-    add(std::uint64_t(figures.unstable_time ? 1 : 0));
-    add(SampleTime{figures.unstable_time});
-    add(std::uint64_t(figures.fell ? 1 : 0));
-    add(figures.speed_ratio);
-    add(std::uint64_t(figures.began_inside ? 1 : 0));
-    add(figures.unfinished);
+    using Real = std::optional<double>;
+    add("path", path);
+    add("steps", figures.steps);
+    add("contact_time_s", Real(figures.contact_time));
+    add("largest_force_N", Real(figures.largest_force));
+    add("rms_force_N", Real(figures.rms_force));
+    add("largest_turn_deg", Real(figures.largest_turn));
+    add("steepest_turn_deg_per_mm", Real(figures.steepest_turn));
+    add("work_J", Real(figures.work));
+    add("effort_J", Real(figures.effort));
+    add("eta", figures.eta);
+    add("rounds", figures.rounds);
+    add("least_round_work_J", figures.least_round);
+    add("mean_round_work_J", figures.mean_round);
+    add("largest_round_work_J", figures.largest_round);
+    add("least_depth_m", figures.least_depth);
+    add("mean_depth_m", figures.mean_depth);
+    add("largest_depth_m", figures.largest_depth);
+    add("depth_deviation_m", figures.depth_deviation);
+    add("unstable", std::uint64_t(figures.unstable_time ? 1 : 0));
+    add("unstable_time_s", SampleTime{figures.unstable_time});
+    add("fell", std::uint64_t(figures.fell ? 1 : 0));
+    add("speed_ratio", figures.speed_ratio);
+    add("began_inside", std::uint64_t(figures.began_inside ? 1 : 0));
+    add("unfinished_samples", figures.unfinished);
 }
 
 /// A row of a CSV file of numbers, each the shortest that reads back as the same number.
@@ -144,7 +154,7 @@ private:
 };
 
 /// The file's header line.
-const char* path_summary_header();
+std::string path_summary_header();
 
 // Explored paths as a CSV file: where the probe was, and the contact there.
 

@@ -40,23 +40,34 @@ void require_memory_for(const std::string& what, double bytes) {
 template <typename Value> using Array = py::array_t<Value, py::array::c_style>;
 using Shape = std::vector<py::ssize_t>;
 
-// The array of a channel. An id is a number of 31 bits, and kNoFacet, read as int32, is -1.
+// The array of a channel. An id is a number of 31 bits, and kNoFacet, read as int32, is -1. Places that are measured
+// from an origin, m, other than 0 become doubles of the world.
 template <typename Value> class Channel {
 public:
     using Stored = std::conditional_t<std::is_same_v<Value, layout::uint>, std::int32_t, Value>;
 
-    Channel(py::dict& into, std::uint32_t channel, Shape shape) : components_(components_of(channel)) {
+    Channel(py::dict& into, std::uint32_t channel, Shape shape, const glm::dvec3& origin = glm::dvec3(0))
+        : components_(components_of(channel)), origin_(origin) {
         if (components_ > 1)
             shape.push_back(py::ssize_t(components_));
-        array_ = Array<Stored>(shape);
-        data_ = array_.mutable_data();
-        into[name_of_channel(channel)] = array_;
+        const auto make = [&]<typename Number>(Number*& data) {
+            Array<Number> array(shape);
+            data = array.mutable_data();
+            into[name_of_channel(channel)] = array;
+        };
+        if (is_moved(channel, origin))
+            make(moved_);
+        else
+            make(data_);
     }
 
     // Values from sample `first` on.
     void put(std::size_t first, std::span<const Value> values) {
-        std::transform(values.begin(), values.end(), data_ + first * components_,
-                       [](Value value) { return static_cast<Stored>(value); });
+        if (moved_)
+            std::ranges::copy(in_world(values, origin_), moved_ + first * components_);
+        else
+            std::ranges::transform(values, data_ + first * components_,
+                                   [](Value value) { return static_cast<Stored>(value); });
     }
     void put(std::size_t sample, const reference::Vector<Value>& vector) {
         const Value values[] = {vector.x, vector.y, vector.z};
@@ -67,37 +78,9 @@ public:
 
 private:
     std::size_t components_;
-    Array<Stored> array_;
-    Stored* data_ = nullptr;
-};
-
-// Of places: floats of the precision, or where these are measured from an origin, m, that is not 0, doubles of the
-// world.
-template <typename T> class Places {
-public:
-    Places(py::dict& into, std::uint32_t channel, const Shape& shape, const glm::dvec3& origin) : origin_(origin) {
-        if (is_moved(channel, origin))
-            moved_.emplace(into, channel, shape);
-        else
-            plain_.emplace(into, channel, shape);
-    }
-
-    // Coordinates from sample `first` on.
-    void put(std::size_t first, std::span<const T> values) {
-        if (moved_)
-            moved_->put(first, std::span<const double>(in_world(values, origin_)));
-        else
-            plain_->put(first, values);
-    }
-    void put(std::size_t sample, const reference::Vector<T>& place) {
-        const T values[] = {place.x, place.y, place.z};
-        put(sample, values);
-    }
-
-private:
     glm::dvec3 origin_; /* m */
-    std::optional<Channel<T>> plain_;
-    std::optional<Channel<double>> moved_;
+    Stored* data_ = nullptr;
+    double* moved_ = nullptr;
 };
 
 // Contacts of single probes.
@@ -116,9 +99,7 @@ template <typename T> struct ContactArrays {
     }
 
     static Shape shape(std::size_t count) { return {py::ssize_t(count)}; }
-    Channel<T> force, unshaded;
-    Places<T> proxy;
-    Channel<T> depth;
+    Channel<T> force, unshaded, proxy, depth;
     Channel<layout::uint> facet;
 };
 
@@ -165,11 +146,10 @@ template <typename T> class FieldArrays {
 public:
     FieldArrays(py::dict& into, std::uint32_t channels, const Shape& shape, const glm::dvec3& origin)
         : rows_(std::size_t(shape[1])), columns_(std::size_t(shape[2])) {
-        for (const std::uint32_t channel : {layout::kChannelForce, layout::kChannelDepth, layout::kChannelUnshaded})
+        for (const std::uint32_t channel :
+             {layout::kChannelForce, layout::kChannelDepth, layout::kChannelUnshaded, layout::kChannelProxy})
             if (channels & channel)
-                reals_.emplace_back(channel, Channel<T>(into, channel, shape));
-        if (channels & layout::kChannelProxy)
-            proxy_.emplace(into, layout::kChannelProxy, shape, origin);
+                reals_.emplace_back(channel, Channel<T>(into, channel, shape, origin));
         if (channels & layout::kChannelFacet)
             facet_.emplace(into, layout::kChannelFacet, shape);
     }
@@ -183,8 +163,6 @@ public:
                     array.put(
                         to,
                         values_of(chunk, channel).subspan(from * array.components(), columns_ * array.components()));
-                if (proxy_)
-                    proxy_->put(to, values_of(chunk, layout::kChannelProxy).subspan(3 * from, 3 * columns_));
                 if (facet_)
                     facet_->put(to, ids_of(chunk).subspan(from, columns_));
             }
@@ -193,7 +171,6 @@ public:
 private:
     std::size_t rows_, columns_;
     std::vector<std::pair<std::uint32_t, Channel<T>>> reals_;
-    std::optional<Places<T>> proxy_;
     std::optional<Channel<layout::uint>> facet_;
 };
 
@@ -214,10 +191,8 @@ PreparedScene::PreparedScene(const std::string& text, const std::string& name, c
     const py::gil_scoped_release release;
     prepared_ = CasePreparation().prepare(one, polygons ? &*polygons : nullptr);
     std::ranges::copy(prepared_.warnings, std::back_inserter(warnings_));
-    if (prepared_.one.scene.precision == Precision::f32)
-        law_ = CaseLaw<float>(prepared_);
-    else
-        law_ = CaseLaw<double>(prepared_);
+    in_precision(prepared_.one.scene.precision,
+                 [&]<typename T>(std::type_identity<T>) { law_ = CaseLaw<T>(prepared_); });
     if (compares())
         comparison_.emplace(prepared_);
 }
@@ -231,7 +206,7 @@ py::dict PreparedScene::field(const std::vector<std::string>& channels, const En
         scene.output.channels = channels_named(channels);
     py::dict result;
     add_axes(result, scene.grid);
-    const auto evaluate = [&]<typename T>(std::type_identity<T>) {
+    in_precision(scene.precision, [&]<typename T>(std::type_identity<T>) {
         const FieldTables<T> tables = make_tables<T>(scene, prepared.images, Extent::what_varies);
         const layout::FieldInput<T> input = tables.input();
         const std::uint32_t wanted = tables.features.channels;
@@ -248,11 +223,7 @@ py::dict PreparedScene::field(const std::vector<std::string>& channels, const En
             arrays.put(chunk);
             check_signals();
         });
-    };
-    if (scene.precision == Precision::f32)
-        evaluate(std::type_identity<float>{});
-    else
-        evaluate(std::type_identity<double>{});
+    });
     return result;
 }
 
@@ -313,23 +284,16 @@ namespace {
 template <typename T> class PathArrays {
 public:
     PathArrays(py::dict& into, std::size_t paths, std::size_t steps, Precision precision, const glm::dvec3& origin)
-        : steps_(steps), precision_(precision), places_{Places<T>(into, layout::kChannelPosition,
-                                                                  {py::ssize_t(paths), py::ssize_t(steps)}, origin),
-                                                        Places<T>(into, layout::kChannelProxy,
-                                                                  {py::ssize_t(paths), py::ssize_t(steps)}, origin)},
-          samples_{Channel<T>(into, layout::kChannelForce, {py::ssize_t(paths), py::ssize_t(steps)}),
-                   Channel<T>(into, layout::kChannelDepth, {py::ssize_t(paths), py::ssize_t(steps)})},
-          facet_(into, layout::kChannelFacet, {py::ssize_t(paths), py::ssize_t(steps)}) {
+        : steps_(steps), precision_(precision), facet_(into, layout::kChannelFacet, shape(paths, steps)) {
+        for (const std::uint32_t channel :
+             {layout::kChannelPosition, layout::kChannelProxy, layout::kChannelForce, layout::kChannelDepth})
+            reals_.emplace_back(channel, Channel<T>(into, channel, shape(paths, steps), origin));
         py::dict figures;
-        std::string names = path_summary_header();
-        names.pop_back(); // the line's end
-        for (std::size_t begin = 0; begin < names.size();) {
-            const std::size_t end = std::min(names.find(',', begin), names.size());
+        for_each_figure(0, {}, [&](const char* name, const auto&) {
             Array<double> column(static_cast<py::ssize_t>(paths));
             columns_.push_back(column.mutable_data());
-            figures[py::str(names.substr(begin, end - begin))] = column;
-            begin = end + 1;
-        }
+            figures[name] = column;
+        });
         into["figures"] = figures;
     }
 
@@ -337,18 +301,14 @@ public:
         for (std::size_t path = 0; path < rows.path_count; ++path) {
             const std::size_t from = path * rows.pitch, count = rows.samples(path);
             const std::size_t to = (rows.path_first + path) * steps_ + rows.step_first;
-            places_[0].put(to, rows.position.subspan(3 * from, 3 * count));
-            places_[1].put(to, rows.proxy.subspan(3 * from, 3 * count));
-            samples_[0].put(to, rows.force.subspan(3 * from, 3 * count));
-            samples_[1].put(to, rows.depth.subspan(from, count));
+            for (auto& [channel, array] : reals_)
+                array.put(to, values_of(rows, channel).subspan(from * array.components(), count * array.components()));
             facet_.put(to, rows.facet.subspan(from, count));
             if (rows.ends(path))
                 for (std::size_t rest = to + count; rest < (rows.path_first + path + 1) * steps_; ++rest) {
                     const T missing[] = {nan_, nan_, nan_};
-                    for (Places<T>& places : places_)
-                        places.put(rest, std::span(missing));
-                    for (Channel<T>& channel : samples_)
-                        channel.put(rest, std::span(missing).first(channel.components()));
+                    for (auto& [channel, array] : reals_)
+                        array.put(rest, std::span(missing).first(array.components()));
                     facet_.put(rest, layout::kNoFacet);
                 }
         }
@@ -356,7 +316,7 @@ public:
 
     void put(std::size_t path, const PathFigures& figures) {
         std::size_t column = 0;
-        for_each_figure(path, figures, [&]<typename Value>(const Value& value) {
+        for_each_figure(path, figures, [&]<typename Value>(const char*, const Value& value) {
             double& cell = columns_[column++][path];
             if constexpr (std::is_same_v<Value, SampleTime>)
                 cell = value.seconds.value_or(std::numeric_limits<double>::quiet_NaN());
@@ -370,11 +330,11 @@ public:
 
 private:
     static constexpr T nan_ = std::numeric_limits<T>::quiet_NaN();
+    static Shape shape(std::size_t paths, std::size_t steps) { return {py::ssize_t(paths), py::ssize_t(steps)}; }
 
     std::size_t steps_;
     Precision precision_;
-    std::array<Places<T>, 2> places_;   // position, proxy
-    std::array<Channel<T>, 2> samples_; // force, depth
+    std::vector<std::pair<std::uint32_t, Channel<T>>> reals_;
     Channel<layout::uint> facet_;
     std::vector<double*> columns_; // of the figures
 };
@@ -400,7 +360,7 @@ py::dict PreparedScene::explore(const std::optional<std::vector<Points>>& given,
                                         layout::kChannelFacet | layout::kChannelProxy;
     py::dict result;
     result["rate"] = rate;
-    const auto run = [&]<typename T>(std::type_identity<T>) {
+    in_precision(scene.precision, [&]<typename T>(std::type_identity<T>) {
         std::shared_ptr<const RecordedFile> recorded;
         if (given)
             recorded = std::make_shared<const RecordedFile>(
@@ -429,20 +389,14 @@ py::dict PreparedScene::explore(const std::optional<std::vector<Points>>& given,
                     arrays.put(first + i, figures_of(metrics[i], {source.lengths()[i], rate, closed, inside}));
                 }
             });
-    };
-    if (scene.precision == Precision::f32)
-        run(std::type_identity<float>{});
-    else
-        run(std::type_identity<double>{});
+    });
     return result;
 }
 
 GodObject::GodObject(std::shared_ptr<const PreparedScene> scene) : scene_(std::move(scene)) {
     const PreparedCase& prepared = scene_->prepared();
-    if (prepared.one.scene.precision == Precision::f32)
-        probe_ = std::make_unique<CaseProbe<float>>(prepared);
-    else
-        probe_ = std::make_unique<CaseProbe<double>>(prepared);
+    in_precision(prepared.one.scene.precision,
+                 [&]<typename T>(std::type_identity<T>) { probe_ = std::make_unique<CaseProbe<T>>(prepared); });
 }
 
 void GodObject::reset() {
@@ -471,20 +425,17 @@ py::dict GodObject::follow(const Points& points) {
 namespace {
 
 template <typename Value>
-void add(py::dict& into, std::uint32_t channel, const Shape& shape, const std::vector<Value>& values) {
+void add(py::dict& into, std::uint32_t channel, const Shape& shape, const std::vector<Value>& values,
+         const glm::dvec3& origin = glm::dvec3(0)) {
     if (!values.empty())
-        Channel<Value>(into, channel, shape).put(0, std::span<const Value>(values));
+        Channel<Value>(into, channel, shape, origin).put(0, std::span<const Value>(values));
 }
 
 // Hz: of the scene's own paths; NaN where there are none.
 double rate_of(const std::string& scene) {
-    try {
-        const Case one = parse_scene(scene, "scene");
-        if (one.scene.paths && one.scene.paths->kind != PathKind::recorded)
-            return one.scene.paths->rate;
-    } catch (const Error&) { // the text of some other version
-    }
-    return std::numeric_limits<double>::quiet_NaN();
+    const std::optional<Case> one = stated_scene(scene);
+    const bool own = one && one->scene.paths && one->scene.paths->kind != PathKind::recorded;
+    return own ? one->scene.paths->rate : std::numeric_limits<double>::quiet_NaN();
 }
 
 py::dict read_field(const std::string& file) {
@@ -500,7 +451,7 @@ py::dict read_field(const std::string& file) {
             continue;
         constexpr std::uint64_t kRows = 4096;
         const auto read = [&]<typename Value>(std::vector<Value> values, auto rows) {
-            Channel<Value> array(result, channel, shape);
+            Channel<Value> array(result, channel, shape, header.place_origin);
             const py::gil_scoped_release release;
             for (std::uint64_t first = 0; first < reader.rows(); first += kRows) {
                 rows(first, std::min(kRows, reader.rows() - first), values);
@@ -511,12 +462,6 @@ py::dict read_field(const std::string& file) {
         if (channel == layout::kChannelFacet)
             read(std::vector<std::uint32_t>(),
                  [&](auto first, auto count, auto& ids) { reader.read_ids(first, count, ids); });
-        else if (is_moved(channel, header.place_origin))
-            read(std::vector<double>(),
-                 [&, stored = std::vector<float>()](auto first, auto count, auto& places) mutable {
-                     reader.read(channel, first, count, stored);
-                     places = in_world(std::span<const float>(stored), header.place_origin);
-                 });
         else
             read(std::vector<float>(),
                  [&](auto first, auto count, auto& values) { reader.read(channel, first, count, values); });
@@ -534,13 +479,8 @@ py::dict read_exr(const std::string& file) {
     const Shape shape{py::ssize_t(read.paths), py::ssize_t(read.steps)};
     py::dict result;
     add(result, layout::kChannelForce, shape, read.force);
-    if (read.origin == glm::dvec3(0)) {
-        add(result, layout::kChannelPosition, shape, read.position);
-        add(result, layout::kChannelProxy, shape, read.proxy);
-    } else {
-        add(result, layout::kChannelPosition, shape, in_world(std::span<const float>(read.position), read.origin));
-        add(result, layout::kChannelProxy, shape, in_world(std::span<const float>(read.proxy), read.origin));
-    }
+    add(result, layout::kChannelPosition, shape, read.position, read.origin);
+    add(result, layout::kChannelProxy, shape, read.proxy, read.origin);
     add(result, layout::kChannelDepth, shape, read.depth);
     add(result, layout::kChannelFacet, shape, read.facet);
     add(result, kChannelAngle, shape, read.angle);

@@ -55,12 +55,8 @@ void choose_strides(SampledVolume& volume, std::uint64_t most) {
 bool is_alike_in_y(const VolumeHeader& header) {
     if (header.size[1] > 1)
         return header.omitted.find(" y samples, alike") != std::string::npos;
-    try { // unknown for a file without a scene
-        return !header.scene.empty() &&
-               !depends_on_y(features_of(parse_scene(header.scene, "the volume's scene").scene));
-    } catch (const Error&) {
-        return false; // that of another version, or of none: it may depend on y
-    }
+    const std::optional<Case> one = stated_scene(header.scene); // unknown without it
+    return one && !depends_on_y(features_of(one->scene));
 }
 
 double power_of_two_above(const std::vector<float>& values) {
@@ -109,14 +105,6 @@ constexpr std::size_t kRows = 33;
 constexpr double kUnits = 20000; /* of the volume's width */
 constexpr std::uint64_t kMostPaths = 8, kLeastSteps = 50, kMostSteps = 600;
 constexpr std::size_t kCharactersASample = 24; /* of three vectors of three halves, compressed */
-
-std::optional<Case> case_of(const std::string& scene) {
-    try {
-        return scene.empty() ? std::nullopt : std::optional(parse_scene(scene, "the volume's scene"));
-    } catch (const Error&) {
-        return std::nullopt;
-    }
-}
 
 // Keeps the ends, and every n-th point between them.
 void add_row(Json& sheet, const std::vector<picture::LinePoint>& line, double unit) {
@@ -309,7 +297,7 @@ PackedForce pack_force(const SampledVolume& volume) {
 }
 
 Json surface_data(const SampledVolume& volume) {
-    const std::optional<Case> one = case_of(volume.scene);
+    const std::optional<Case> one = stated_scene(volume.scene);
     if (!one || one->scene.surface.kind == SurfaceKind::mesh ||
         (one->scene.surface.kind == SurfaceKind::height_map && one->scene.surface.map.function == MapFunction::file))
         return {};
@@ -339,7 +327,7 @@ Json surface_data(const SampledVolume& volume) {
 }
 
 Json loop_data(const std::string& scene) {
-    const std::optional<Case> one = case_of(scene);
+    const std::optional<Case> one = stated_scene(scene);
     if (!one)
         return {};
     const HandSpec& hand = one->scene.hand;
@@ -352,7 +340,7 @@ Json loop_data(const std::string& scene) {
 }
 
 double path_period(const std::string& scene) {
-    const std::optional<Case> one = case_of(scene);
+    const std::optional<Case> one = stated_scene(scene);
     return one && one->scene.paths && one->scene.paths->kind != PathKind::recorded ? 1 / one->scene.paths->rate : NAN;
 }
 

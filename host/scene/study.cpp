@@ -259,6 +259,14 @@ Case parse_scene(std::string_view text, const std::string& source, const std::fi
     return std::move(study.cases.front());
 }
 
+std::optional<Case> stated_scene(const std::string& text) {
+    try {
+        return text.empty() ? std::nullopt : std::optional(parse_scene(text, "the stated scene"));
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
 Case read_scene(const std::filesystem::path& path, std::span<const Override> overrides,
                 std::vector<std::string>* warnings) {
     const SceneText read = read_scene_text(path);

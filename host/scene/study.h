@@ -80,6 +80,9 @@ Case read_scene(const std::filesystem::path& path, std::span<const Override> ove
 Case parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder = {},
                  std::span<const Override> overrides = {}, std::vector<std::string>* warnings = nullptr);
 
+/// The scene that a file of results states; none if it states none, or one of another version of the program.
+std::optional<Case> stated_scene(const std::string& text);
+
 /// The paper's study: 7 bumps x 3 radii, and n = 4, 8, 16, 32, 64 shaded and unshaded; 51 cases.
 Study default_study(std::span<const Override> overrides = {}, const CaseChoice& choice = {});
 std::string_view default_study_toml();
