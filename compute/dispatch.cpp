@@ -270,8 +270,8 @@ void Dispatcher::Implementation::finish(InFlight& slot, FieldTimes& times) {
     std::memcpy(&status, visible_to_host(device, slot.status), sizeof(status));
     if (status & layout::kStatusUnfinished)
         throw DeviceError(DeviceError::Kind::unfinished,
-                          "the device's driver ended a loop of the kernel before its work was done; do not trust this "
-                          "field can be trusted");
+                          "the device's driver ended a loop of the kernel before its work was done; do not trust "
+                          "what it computed");
 }
 
 Dispatcher::Dispatcher(Device& device, const Shape& shape)

@@ -22,32 +22,25 @@ std::uint32_t filling_invocations(const DeviceReport& report) {
     return report.software ? 256 * most_threads() : 65536;
 }
 
-} // namespace
+// A field on its way through the device.
+template <typename T> struct FieldRun {
+    Dispatcher& dispatcher;
+    const FieldKernelOptions& options;
+    const layout::FieldInput<T>& input;
+    const bool packed = sizeof(T) == sizeof(float) && options.packed_stores && dispatcher.report().int64;
 
-struct FieldKernel::Implementation {
-    Dispatcher dispatcher;
-    FieldKernelOptions options;
-
-    bool packed(std::size_t real_size) const {
-        return real_size == sizeof(float) && options.packed_stores && dispatcher.report().int64;
+    std::uint32_t lanes() const { return packed ? layout::kLanesPacked : layout::kLanes; }
+    std::span<const std::uint32_t> code() const {
+        return sizeof(T) == sizeof(double) ? kernels::field_f64()
+               : packed                    ? kernels::field_f32_packed()
+                                           : kernels::field_f32();
     }
-    std::uint32_t lanes(std::size_t real_size) const {
-        return packed(real_size) ? layout::kLanesPacked : layout::kLanes;
-    }
-    std::span<const std::uint32_t> code(std::size_t real_size) const {
-        if (real_size == sizeof(double))
-            return kernels::field_f64();
-        return packed(real_size) ? kernels::field_f32_packed() : kernels::field_f32();
-    }
-
-    template <typename T> FieldPlan reserve(const layout::FieldInput<T>& input);
-    template <typename T>
-    void run(const layout::FieldInput<T>& input, const FieldPlan& plan, std::size_t pipeline, FieldTimes& times,
-             const TakeField<T>& take);
+    FieldPlan reserve() const;
+    void run(const FieldPlan& plan, std::size_t pipeline, FieldTimes& times, const TakeField<T>& take) const;
 };
 
 // Buffers for the results, smaller ones while the device is short of memory.
-template <typename T> FieldPlan FieldKernel::Implementation::reserve(const layout::FieldInput<T>& input) {
+template <typename T> FieldPlan FieldRun<T>::reserve() const {
     const layout::Features& features = input.law.features;
     const DeviceReport& report = dispatcher.report();
     const SampleBytes sample = bytes_per_sample(features.channels, sizeof(T));
@@ -55,7 +48,7 @@ template <typename T> FieldPlan FieldKernel::Implementation::reserve(const layou
     limits.buffer_range = report.buffer_range;
     limits.group_invocations = report.group_invocations;
     limits.group_count = report.group_count;
-    limits.lanes = lanes(sizeof(T));
+    limits.lanes = lanes();
     limits.rows = options.rows;
     limits.invocations = filling_invocations(report);
     limits.along_z = columns_vary_in_y(features);
@@ -80,8 +73,7 @@ template <typename T> FieldPlan FieldKernel::Implementation::reserve(const layou
 }
 
 template <typename T>
-void FieldKernel::Implementation::run(const layout::FieldInput<T>& input, const FieldPlan& plan, std::size_t pipeline,
-                                      FieldTimes& times, const TakeField<T>& take) {
+void FieldRun<T>::run(const FieldPlan& plan, std::size_t pipeline, FieldTimes& times, const TakeField<T>& take) const {
     const auto ny = static_cast<uint>(input.y.size()), nz = static_cast<uint>(input.z.size());
     for (uint z = 0; z < nz; z += plan.z_step)
         for (uint y = 0; y < ny; y += plan.y_step) {
@@ -98,33 +90,35 @@ void FieldKernel::Implementation::run(const layout::FieldInput<T>& input, const 
             dispatcher.expect_channels(layout::kBindForce, input.law.features.channels,
                                        std::size_t(plan.x_pitch) * chunk.y_count * chunk.z_count, sizeof(T));
             const Dispatcher::Run run{pipeline, plan.groups(chunk.y_count, chunk.z_count), bytes_of(chunk)};
-            dispatcher.submit({&run, 1}, [this, chunk, &input, &take] {
+            dispatcher.submit({&run, 1}, [this, chunk, &take] {
                 take(dispatcher.field_chunk<T>(layout::kBindForce, input.x.size(), chunk));
             });
         }
 }
 
+} // namespace
+
 FieldKernel::FieldKernel(Device& device, const FieldKernelOptions& options)
-    : implementation_(new Implementation{Dispatcher(device, {layout::kBindCount, layout::kBindStatus,
-                                                             sizeof(layout::ChunkParams), 2, options.force_staging}),
-                                         options}) {}
+    : dispatcher_(new Dispatcher(
+          device, {layout::kBindCount, layout::kBindStatus, sizeof(layout::ChunkParams), 2, options.force_staging})),
+      options_(options) {}
 
 FieldKernel::~FieldKernel() = default;
 
 template <typename T> FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take) {
-    Implementation& self = *implementation_;
-    Dispatcher& dispatcher = self.dispatcher;
+    Dispatcher& dispatcher = *dispatcher_;
     check_precision<T>(dispatcher.report());
     FieldTimes times;
     run_checked("evaluating a field", [&] {
+        const FieldRun<T> field{dispatcher, options_, input};
         FieldPlan plan;
         dispatcher.upload(times, [&](const PutTable& put) {
-            put_field_tables(input, self.lanes(sizeof(T)), put);
-            plan = self.reserve(input);
+            put_field_tables(input, field.lanes(), put);
+            plan = field.reserve();
         });
         const std::size_t pipeline =
-            dispatcher.pipeline(self.code(sizeof(T)), constants_of(plan.group, input.law.features), times);
-        dispatcher.complete(times, [&] { self.run(input, plan, pipeline, times, take); });
+            dispatcher.pipeline(field.code(), constants_of(plan.group, input.law.features), times);
+        dispatcher.complete(times, [&] { field.run(plan, pipeline, times, take); });
     });
     return times;
 }

@@ -26,7 +26,7 @@ bool reads_pseudonormals(const layout::Features& features) {
     return features.inside == layout::kInsidePseudonormal;
 }
 
-template <typename Value> std::span<const std::byte> bytes_of(const std::vector<Value>& values) {
+template <typename Value> std::span<const std::byte> bytes_in(const std::vector<Value>& values) {
     return std::as_bytes(std::span<const Value>(values));
 }
 
@@ -135,7 +135,7 @@ std::vector<uint> put_triangles(const layout::MeshView<T>& mesh, const layout::F
             record[4 * i + 3] = sorted.turned ? -normal : normal;
         }
     }
-    put(layout::kMeshBindRecords, bytes_of(records));
+    put(layout::kMeshBindRecords, bytes_in(records));
     const bool around = reads_pseudonormals(features);
     std::vector<uint> words(around ? 8 * triangles : (triangles + 3) / 4 * 4);
     for (std::size_t t = 0; t < triangles; ++t) {
@@ -153,7 +153,7 @@ std::vector<uint> put_triangles(const layout::MeshView<T>& mesh, const layout::F
                             : place[across] << 1 | (candidates[across] & layout::kMeshCandidateTurned);
         }
     }
-    put(layout::kMeshBindTriangles, bytes_of(words));
+    put(layout::kMeshBindTriangles, bytes_in(words));
     return candidates;
 }
 
@@ -170,7 +170,7 @@ void put_vertices(const layout::MeshView<T>& mesh, const layout::Features& featu
         if (reads_pseudonormals(features))
             add_vector(mesh.vertex_pseudonormals, v, vectors);
     }
-    put(layout::kMeshBindVertices, bytes_of(vectors));
+    put(layout::kMeshBindVertices, bytes_in(vectors));
 }
 
 template <typename T>
@@ -182,12 +182,12 @@ void put_facets(const layout::MeshView<T>& mesh, const layout::Features& feature
     if (reads_pseudonormals(features))
         for (std::size_t e = 0; e < mesh.edge_pseudonormals.size() / 3; ++e)
             add_vector(mesh.edge_pseudonormals, e, normals);
-    put(layout::kMeshBindNormals, bytes_of(normals));
+    put(layout::kMeshBindNormals, bytes_in(normals));
     if (!reads_corners(features))
         return;
     std::vector<uint> facets(mesh.facet_begins.begin(), mesh.facet_begins.end());
     facets.insert(facets.end(), mesh.facet_corners.begin(), mesh.facet_corners.end());
-    put(layout::kMeshBindFacets, bytes_of(facets));
+    put(layout::kMeshBindFacets, bytes_in(facets));
 }
 
 template <typename T> void put_path_triangles(const layout::Law<T>& law, const PutTable& put) {
@@ -211,8 +211,8 @@ template <typename T> void put_path_triangles(const layout::Law<T>& law, const P
         to[6] = first + obstacles.front[t + 1];
         to[7] = obstacles.crowded[t] ? layout::kTriangleCrowded : 0;
     }
-    put(layout::kMeshPathBindTriangles, bytes_of(words));
-    put(layout::kMeshPathBindIndices, bytes_of(indices));
+    put(layout::kMeshPathBindTriangles, bytes_in(words));
+    put(layout::kMeshPathBindIndices, bytes_in(indices));
 }
 
 template <typename T> uint put_path_vectors(const layout::Law<T>& law, const PutTable& put) {
@@ -232,7 +232,7 @@ template <typename T> uint put_path_vectors(const layout::Law<T>& law, const Put
         add_vector(mesh.vertices, v, table);
         add_vector(mesh.vertex_normals, v, table);
     }
-    put(layout::kMeshPathBindVectors, bytes_of(table));
+    put(layout::kMeshPathBindVectors, bytes_in(table));
     return begin;
 }
 
@@ -241,7 +241,7 @@ template <typename T> uint put_path_vectors(const layout::Law<T>& law, const Put
 template <typename T>
 void put_field_tables(const layout::FieldInput<T>& input, std::uint32_t lanes, const PutTable& put) {
     put(layout::kBindLaw, std::as_bytes(std::span(&input.law.params, 1)));
-    put(layout::kBindAxes, bytes_of(axes_of(input, lanes)));
+    put(layout::kBindAxes, bytes_in(axes_of(input, lanes)));
     put(layout::kBindFacetVertices, std::as_bytes(input.law.facet_vertices));
     put_gradients(input.law, layout::kBindMapGradients, layout::kBindTextureGradients, put);
 }
@@ -249,7 +249,7 @@ void put_field_tables(const layout::FieldInput<T>& input, std::uint32_t lanes, c
 template <typename T> std::vector<uint> put_mesh_tables(const layout::FieldInput<T>& input, const PutTable& put) {
     const layout::MeshView<T>& mesh = input.law.mesh;
     put_mesh_law(input.law, layout::kMeshBindLaw, put);
-    put(layout::kMeshBindAxes, bytes_of(axes_of(input, layout::kMeshBlock)));
+    put(layout::kMeshBindAxes, bytes_in(axes_of(input, layout::kMeshBlock)));
     put_gradients(input.law, layout::kMeshBindMapGradients, layout::kMeshBindTextureGradients, put);
     put_vertices(mesh, input.law.features, put);
     put_facets(mesh, input.law.features, put);
@@ -285,7 +285,7 @@ void put_batch_tables(const layout::PathInput<T>& input, const layout::PathBatch
     else if (hands.size() > 1)
         hands = hands.subspan(batch.first, batch.count);
     put(motions, std::as_bytes(batch.motions.empty() ? std::span(&no_motion, 1) : batch.motions));
-    put(motions + 1, bytes_of(harmonics));
+    put(motions + 1, bytes_in(harmonics));
     put(motions + 2, std::as_bytes(hands));
 }
 

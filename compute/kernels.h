@@ -22,6 +22,8 @@ struct FieldTimes {
     std::uint64_t uploaded = 0; /* bytes of tables, plans and recorded positions */
 };
 
+class Dispatcher;
+
 /// Receives samples of a field.
 template <typename T> using TakeField = std::function<void(const layout::FieldChunk<T>&)>;
 /// Receive samples of paths, and the metrics of consecutive paths from `first` on when they have ended.
@@ -51,8 +53,8 @@ public:
     template <typename T> FieldTimes evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take);
 
 private:
-    struct Implementation;
-    std::unique_ptr<Implementation> implementation_;
+    std::unique_ptr<Dispatcher> dispatcher_;
+    FieldKernelOptions options_;
 };
 
 /// Gives the plan of the samples z in [z_first, z_first + z_count): blocks are numbered in the whole grid and begin at
@@ -79,8 +81,8 @@ public:
     FieldTimes evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take, const PlanSlab& plan = {});
 
 private:
-    struct Implementation;
-    std::unique_ptr<Implementation> implementation_;
+    std::unique_ptr<Dispatcher> dispatcher_;
+    MeshKernelOptions options_;
 };
 
 struct PathKernelOptions {
@@ -103,8 +105,8 @@ public:
     FieldTimes explore(const layout::PathInput<T>& input, const TakePaths<T>& take, const TakeMetrics<T>& take_metrics);
 
 private:
-    struct Implementation;
-    std::unique_ptr<Implementation> implementation_;
+    std::unique_ptr<Dispatcher> dispatcher_;
+    PathKernelOptions options_;
 };
 
 struct MeshPathOptions {
@@ -136,8 +138,8 @@ public:
                           const TakeMetrics<T>& take_metrics);
 
 private:
-    struct Implementation;
-    std::unique_ptr<Implementation> implementation_;
+    std::unique_ptr<Dispatcher> dispatcher_;
+    MeshPathOptions options_;
 };
 
 } // namespace forceshade::compute

@@ -24,19 +24,9 @@ Constants free_constants() {
     return constants;
 }
 
-} // namespace
-
-struct MeshKernel::Implementation {
-    Dispatcher dispatcher;
-    MeshKernelOptions options;
-    MeshChunkPlan part; // of the chunk at hand
-
-    template <typename T> struct Field;
-    template <typename T> MeshChunkSteps steps(const layout::FieldInput<T>& input, std::uint64_t x_pitch) const;
-};
-
 template <typename T>
-MeshChunkSteps MeshKernel::Implementation::steps(const layout::FieldInput<T>& input, std::uint64_t x_pitch) const {
+MeshChunkSteps steps_of(const Dispatcher& dispatcher, const MeshKernelOptions& options,
+                        const layout::FieldInput<T>& input, std::uint64_t x_pitch) {
     const SampleBytes sample = bytes_per_sample(input.law.features.channels, sizeof(T));
     const DeviceReport& report = dispatcher.report();
     const std::size_t wanted =
@@ -46,8 +36,9 @@ MeshChunkSteps MeshKernel::Implementation::steps(const layout::FieldInput<T>& in
     return plan_mesh_chunks(x_pitch, input.y.size(), input.z.size(), sample, report.buffer_range, bytes);
 }
 
-template <typename T> struct MeshKernel::Implementation::Field {
-    Implementation& self;
+// A mesh's field on its way through the device.
+template <typename T> struct MeshFieldRun {
+    Dispatcher& dispatcher;
     const layout::FieldInput<T>& input;
     const TakeField<T>& take;
     FieldTimes& times;
@@ -56,6 +47,7 @@ template <typename T> struct MeshKernel::Implementation::Field {
     std::uint32_t x_pitch;
     MeshChunkSteps steps;
     bool voxel_by_voxel;
+    MeshChunkPlan part{}; // of the chunk at hand
 
     void submit(const layout::MeshPlan& plan, uint y, uint z, uint z_end);
     void slab(const layout::MeshPlan& plan, std::size_t z_first, std::size_t z_count) {
@@ -66,9 +58,7 @@ template <typename T> struct MeshKernel::Implementation::Field {
     }
 };
 
-template <typename T>
-void MeshKernel::Implementation::Field<T>::submit(const layout::MeshPlan& plan, uint y, uint z, uint z_end) {
-    Dispatcher& dispatcher = self.dispatcher;
+template <typename T> void MeshFieldRun<T>::submit(const layout::MeshPlan& plan, uint y, uint z, uint z_end) {
     const auto ny = static_cast<uint>(input.y.size());
     dispatcher.begin(times);
     layout::MeshChunkParams chunk{};
@@ -80,10 +70,10 @@ void MeshKernel::Implementation::Field<T>::submit(const layout::MeshPlan& plan, 
     chunk.z_count = std::min(steps.z_step, z_end - z);
     chunk.z_axis = chunk.x_pitch + ny;
     const Clock::time_point start = Clock::now();
-    cut_plan(plan, chunk, candidates, voxel_by_voxel, self.part);
-    chunk.blocks = self.part.blocks;
+    cut_plan(plan, chunk, candidates, voxel_by_voxel, part);
+    chunk.blocks = part.blocks;
     chunk.candidates = layout::kMeshBlockWords * chunk.blocks;
-    const Bytes words = std::as_bytes(std::span<const uint>(self.part.words));
+    const Bytes words = std::as_bytes(std::span<const uint>(part.words));
     if (words.size() > dispatcher.report().buffer_range)
         throw DeviceError(DeviceError::Kind::out_of_memory,
                           fmt::format("the candidates of a part of the grid take {} bytes and a buffer of this device "
@@ -105,22 +95,21 @@ void MeshKernel::Implementation::Field<T>::submit(const layout::MeshPlan& plan, 
     if (chunk.blocks != 0)
         runs.push_back({pipeline, divide_up(chunk.blocks, kGroup), bytes_of(chunk), true, !runs.empty()});
     dispatcher.submit(
-        runs, [this, chunk] { take(self.dispatcher.field_chunk<T>(layout::kMeshBindForce, input.x.size(), chunk)); });
+        runs, [this, chunk] { take(dispatcher.field_chunk<T>(layout::kMeshBindForce, input.x.size(), chunk)); });
 }
 
+} // namespace
+
 MeshKernel::MeshKernel(Device& device, const MeshKernelOptions& options)
-    : implementation_(
-          new Implementation{Dispatcher(device, {layout::kMeshBindCount, layout::kMeshBindStatus,
-                                                 sizeof(layout::MeshChunkParams), 2, options.force_staging}),
-                             options,
-                             {}}) {}
+    : dispatcher_(new Dispatcher(device, {layout::kMeshBindCount, layout::kMeshBindStatus,
+                                          sizeof(layout::MeshChunkParams), 2, options.force_staging})),
+      options_(options) {}
 
 MeshKernel::~MeshKernel() = default;
 
 template <typename T>
 FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take, const PlanSlab& plan) {
-    Implementation& self = *implementation_;
-    Dispatcher& dispatcher = self.dispatcher;
+    Dispatcher& dispatcher = *dispatcher_;
     check_precision<T>(dispatcher.report());
     FieldTimes times;
     run_checked("evaluating a field", [&] {
@@ -130,20 +119,18 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeFi
         const auto code = sizeof(T) == sizeof(double) ? kernels::mesh_field_f64() : kernels::mesh_field_f32();
         const auto x_pitch =
             static_cast<std::uint32_t>(divide_up(input.x.size(), layout::kMeshBlock) * layout::kMeshBlock);
-        Implementation::Field<T> field{
-            self,
-            input,
-            take,
-            times,
-            dispatcher.pipeline(code, constants_of(kGroup, input.law.features, loops), times),
-            dispatcher.pipeline(code, free_constants(), times),
-            std::move(candidates),
-            x_pitch,
-            self.steps(input, x_pitch),
-            loops.voxel_by_voxel};
+        MeshFieldRun<T> field{dispatcher,
+                              input,
+                              take,
+                              times,
+                              dispatcher.pipeline(code, constants_of(kGroup, input.law.features, loops), times),
+                              dispatcher.pipeline(code, free_constants(), times),
+                              std::move(candidates),
+                              x_pitch,
+                              steps_of(dispatcher, options_, input, x_pitch),
+                              loops.voxel_by_voxel};
         const std::size_t nz = input.z.size();
-        const std::size_t layers =
-            std::max<std::size_t>(1, self.options.slab_voxels / (input.x.size() * input.y.size()));
+        const std::size_t layers = std::max<std::size_t>(1, options_.slab_voxels / (input.x.size() * input.y.size()));
         const std::size_t step = std::max<std::size_t>(layout::kMeshBlock, field.steps.z_step);
         const std::size_t slab = plan ? std::max<std::size_t>(1, layers / step) * step : nz;
         dispatcher.complete(times, [&] {

@@ -182,31 +182,25 @@ template <typename T> layout::PathChunk<T> Batch<T>::chunk(std::size_t step_firs
 
 } // namespace
 
-struct MeshPathKernel::Implementation {
-    Dispatcher dispatcher;
-    MeshPathOptions options;
-};
-
 MeshPathKernel::MeshPathKernel(Device& device, const MeshPathOptions& options)
-    : implementation_(new Implementation{Dispatcher(device, {layout::kMeshPathBindCount, Dispatcher::kNoStatus,
-                                                             sizeof(layout::MeshPathChunkParams), 1}),
-                                         options}) {}
+    : dispatcher_(new Dispatcher(
+          device, {layout::kMeshPathBindCount, Dispatcher::kNoStatus, sizeof(layout::MeshPathChunkParams), 1})),
+      options_(options) {}
 
 MeshPathKernel::~MeshPathKernel() = default;
 
 template <typename T>
 MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const FinishUpdates<T>& finish,
                                       const TakePaths<T>& take, const TakeMetrics<T>& take_metrics) {
-    Implementation& self = *implementation_;
-    Dispatcher& dispatcher = self.dispatcher;
+    Dispatcher& dispatcher = *dispatcher_;
     check_precision<T>(dispatcher.report());
     MeshPathTimes times;
     run_checked("evaluating paths", [&] {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         layout::MeshPathChunkParams chunk{};
         chunk.own_hands = input.hands.size() > 1;
-        chunk.pause = self.options.pause;
-        chunk.limit = self.options.limit;
+        chunk.pause = options_.pause;
+        chunk.limit = options_.limit;
         chunk.stretch = input.stretch;
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
         constexpr bool kDouble = sizeof(T) == sizeof(double);
@@ -217,9 +211,9 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
             std::optional<Batch<T>> begun;
             dispatcher.upload(times, [&](const PutTable& put) {
                 const layout::PathBatch<T> tables =
-                    input.source->batch(first, std::min(self.options.batch_paths, input.paths - first));
+                    input.source->batch(first, std::min(options_.batch_paths, input.paths - first));
                 put_batch_tables(input, tables, layout::kMeshPathBindMotions, put);
-                begun.emplace(dispatcher, input, tables, self.options.chunk_bytes);
+                begun.emplace(dispatcher, input, tables, options_.chunk_bytes);
             });
             Batch<T>& batch = *begun;
             for (std::size_t step = 0; step < batch.steps(); step += batch.rows()) {

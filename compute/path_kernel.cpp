@@ -12,16 +12,8 @@ using layout::uint;
 
 constexpr std::uint32_t kPathGroup = kGroup / 2;
 
-} // namespace
-
-struct PathKernel::Implementation {
-    Dispatcher dispatcher;
-    PathKernelOptions options;
-
-    template <typename T> struct Paths;
-};
-
-template <typename T> struct PathKernel::Implementation::Paths {
+// Batches of paths on their way through the device.
+template <typename T> struct Paths {
     Dispatcher& dispatcher;
     const PathKernelOptions& options;
     const layout::PathInput<T>& input;
@@ -39,14 +31,14 @@ template <typename T> struct PathKernel::Implementation::Paths {
 };
 
 // As many as the options say, and as tables fit into a buffer for.
-template <typename T> std::size_t PathKernel::Implementation::Paths<T>::batch_paths() const {
+template <typename T> std::size_t Paths<T>::batch_paths() const {
     const std::uint64_t harmonics = std::uint64_t(3) * input.features.harmonics * sizeof(layout::Harmonic<T>);
     const std::uint64_t most =
         dispatcher.report().buffer_range / std::max<std::uint64_t>(harmonics, sizeof(layout::PathState<T>));
     return static_cast<std::size_t>(std::clamp<std::uint64_t>(most, 1, options.batch_paths));
 }
 
-template <typename T> uint PathKernel::Implementation::Paths<T>::window() const {
+template <typename T> uint Paths<T>::window() const {
     if (options.steps != 0)
         return options.steps;
     // Each dispatch loads and stores every state: short windows would be mostly that.
@@ -55,7 +47,7 @@ template <typename T> uint PathKernel::Implementation::Paths<T>::window() const 
                              batch.count, steps(), bytes);
 }
 
-template <typename T> void PathKernel::Implementation::Paths<T>::submit(std::size_t step, uint window) {
+template <typename T> void Paths<T>::submit(std::size_t step, uint window) {
     dispatcher.begin(times);
     const Clock::time_point start = Clock::now();
     const std::size_t count = std::min<std::size_t>(window, steps() - step);
@@ -88,7 +80,7 @@ template <typename T> void PathKernel::Implementation::Paths<T>::submit(std::siz
     });
 }
 
-template <typename T> void PathKernel::Implementation::Paths<T>::run_batch(std::size_t first) {
+template <typename T> void Paths<T>::run_batch(std::size_t first) {
     dispatcher.upload(times, [&](const PutTable& put) {
         batch = input.source->batch(first, std::min(batch_paths(), input.paths - first));
         put_batch_tables(input, batch, layout::kPathBindMotions, put);
@@ -101,7 +93,7 @@ template <typename T> void PathKernel::Implementation::Paths<T>::run_batch(std::
     dispatcher.finish(times);
 }
 
-template <typename T> std::vector<layout::PathMetrics<T>> PathKernel::Implementation::Paths<T>::metrics() const {
+template <typename T> std::vector<layout::PathMetrics<T>> Paths<T>::metrics() const {
     const auto* const states = reinterpret_cast<const layout::PathState<T>*>(dispatcher.kept(layout::kPathBindStates));
     std::vector<layout::PathMetrics<T>> metrics;
     metrics.reserve(batch.count);
@@ -110,26 +102,26 @@ template <typename T> std::vector<layout::PathMetrics<T>> PathKernel::Implementa
     return metrics;
 }
 
+} // namespace
+
 PathKernel::PathKernel(Device& device, const PathKernelOptions& options)
-    : implementation_(
-          new Implementation{Dispatcher(device, {layout::kPathBindCount, layout::kPathBindStatus,
-                                                 sizeof(layout::PathChunkParams), 2, options.force_staging}),
-                             options}) {}
+    : dispatcher_(new Dispatcher(device, {layout::kPathBindCount, layout::kPathBindStatus,
+                                          sizeof(layout::PathChunkParams), 2, options.force_staging})),
+      options_(options) {}
 
 PathKernel::~PathKernel() = default;
 
 template <typename T>
 FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePaths<T>& take,
                                const TakeMetrics<T>& take_metrics) {
-    Implementation& self = *implementation_;
-    Dispatcher& dispatcher = self.dispatcher;
+    Dispatcher& dispatcher = *dispatcher_;
     check_precision<T>(dispatcher.report());
     FieldTimes times;
     run_checked("evaluating paths", [&] {
         dispatcher.upload(times, [&](const PutTable& put) { put_path_tables(input.law, put); });
         const auto code = sizeof(T) == sizeof(double) ? kernels::path_f64() : kernels::path_f32();
         const std::size_t pipeline = dispatcher.pipeline(code, constants_of(kPathGroup, input), times);
-        Implementation::Paths<T> paths{dispatcher, self.options, input, take, times, pipeline};
+        Paths<T> paths{dispatcher, options_, input, take, times, pipeline};
         dispatcher.complete(times, [&] {
             for (std::size_t first = 0; first < input.paths; first += paths.batch.count) {
                 paths.run_batch(first);
