@@ -19,6 +19,7 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
+#include "host/clock.h"
 #include "host/error.h"
 #include "host/quiet_signals.h"
 
@@ -31,8 +32,6 @@ namespace http = beast::http;
 using Tcp = asio::ip::tcp;
 using WebSocket = beast::websocket::stream<Tcp::socket>;
 using Request = http::request<http::string_body>;
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLongestText = 16384;                 // bytes that a page may send at once
 constexpr std::size_t kMostEvents = 1000;                   // that wait

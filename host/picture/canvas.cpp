@@ -115,18 +115,6 @@ std::string Picture::pdf() const {
     return bytes;
 }
 
-struct Canvas::Sheet {
-    Sheet(int wide, int high)
-        : width(wide), height(high), surface(recording_of(wide, high)), owner(context_of(surface)),
-          context(owner.get()) {}
-
-    int width, height; // pixels
-    Surface surface;
-    Context owner;
-    cairo_t* context;
-    std::vector<PlacedText> texts;
-};
-
 Extent measure(std::string_view text, const TextStyle& style) {
     const Context context = context_of(owned(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1)));
     set_font(context.get(), style);
@@ -138,44 +126,43 @@ Extent measure(std::string_view text, const TextStyle& style) {
     return style.upwards ? Extent{flat.height, flat.width} : flat;
 }
 
-Canvas::Canvas(int width, int height) : sheet_(std::make_unique<Sheet>(width, height)) {
+Canvas::Canvas(int width, int height)
+    : width_(width), height_(height), surface_(recording_of(width, height)), context_(context_of(surface_)) {
     fill({0, 0, static_cast<double>(width), static_cast<double>(height)}, kPaper);
 }
 
-Canvas::~Canvas() = default;
-
 void Canvas::fill(const Box& box, Rgb8 colour) {
-    set_colour(sheet_->context, colour);
-    cairo_rectangle(sheet_->context, box.x, box.y, box.width, box.height);
-    cairo_fill(sheet_->context);
+    set_colour(context_.get(), colour);
+    cairo_rectangle(context_.get(), box.x, box.y, box.width, box.height);
+    cairo_fill(context_.get());
 }
 
 void Canvas::outline(const Box& box, const Stroke& stroke) {
-    set_stroke(sheet_->context, stroke);
-    cairo_rectangle(sheet_->context, box.x, box.y, box.width, box.height);
-    cairo_stroke(sheet_->context);
+    set_stroke(context_.get(), stroke);
+    cairo_rectangle(context_.get(), box.x, box.y, box.width, box.height);
+    cairo_stroke(context_.get());
 }
 
 void Canvas::polyline(std::span<const Point> points, const Stroke& stroke) {
-    set_stroke(sheet_->context, stroke);
-    trace(sheet_->context, points);
-    cairo_stroke(sheet_->context);
+    set_stroke(context_.get(), stroke);
+    trace(context_.get(), points);
+    cairo_stroke(context_.get());
 }
 
 void Canvas::polygon(std::span<const Point> points, Rgb8 filling, const Stroke& stroke) {
-    set_stroke(sheet_->context, stroke);
-    trace(sheet_->context, points);
-    cairo_close_path(sheet_->context);
-    cairo_stroke_preserve(sheet_->context);
-    set_colour(sheet_->context, filling);
-    cairo_fill(sheet_->context);
+    set_stroke(context_.get(), stroke);
+    trace(context_.get(), points);
+    cairo_close_path(context_.get());
+    cairo_stroke_preserve(context_.get());
+    set_colour(context_.get(), filling);
+    cairo_fill(context_.get());
 }
 
 void Canvas::disc(Point centre, double radius, Rgb8 colour) {
-    set_colour(sheet_->context, colour);
-    cairo_new_path(sheet_->context);
-    cairo_arc(sheet_->context, centre.x, centre.y, radius, 0, 2 * std::numbers::pi);
-    cairo_fill(sheet_->context);
+    set_colour(context_.get(), colour);
+    cairo_new_path(context_.get());
+    cairo_arc(context_.get(), centre.x, centre.y, radius, 0, 2 * std::numbers::pi);
+    cairo_fill(context_.get());
 }
 
 void Canvas::image(int x, int y, int width, int height, std::span<const std::uint32_t> pixels) {
@@ -187,23 +174,23 @@ void Canvas::image(int x, int y, int width, int height, std::span<const std::uin
     for (std::size_t row = 0; data && row < static_cast<std::size_t>(height); ++row)
         std::memcpy(data + row * stride, pixels.data() + row * static_cast<std::size_t>(width), row_bytes);
     cairo_surface_mark_dirty(source.get());
-    cairo_set_source_surface(sheet_->context, source.get(), x, y);
-    cairo_paint(sheet_->context);
+    cairo_set_source_surface(context_.get(), source.get(), x, y);
+    cairo_paint(context_.get());
 }
 
 void Canvas::begin_clip(const Box& box) {
-    cairo_save(sheet_->context);
-    cairo_new_path(sheet_->context);
-    cairo_rectangle(sheet_->context, box.x, box.y, box.width, box.height);
-    cairo_clip(sheet_->context);
+    cairo_save(context_.get());
+    cairo_new_path(context_.get());
+    cairo_rectangle(context_.get(), box.x, box.y, box.width, box.height);
+    cairo_clip(context_.get());
 }
 
 void Canvas::end_clip() {
-    cairo_restore(sheet_->context);
+    cairo_restore(context_.get());
 }
 
 void Canvas::text(std::string_view text, Point anchor, const TextStyle& style, Rgb8 colour) {
-    cairo_t* context = sheet_->context;
+    cairo_t* context = context_.get();
     const std::string whole(text);
     const Extent size = measure(text, style);
     const Point corner{anchor.x + aligned(style.horizontal, size.width),
@@ -229,16 +216,16 @@ void Canvas::text(std::string_view text, Point anchor, const TextStyle& style, R
     cairo_move_to(context, 0, 0);
     cairo_show_text(context, whole.c_str());
     cairo_restore(context);
-    sheet_->texts.push_back({whole, box});
+    texts_.push_back({whole, box});
 }
 
 Picture Canvas::finish() const {
-    require(cairo_status(sheet_->context));
-    const Surface surface = owned(cairo_image_surface_create(CAIRO_FORMAT_RGB24, sheet_->width, sheet_->height));
-    replay(sheet_->surface, surface);
+    require(cairo_status(context_.get()));
+    const Surface surface = owned(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_, height_));
+    replay(surface_, surface);
     std::vector<std::uint8_t> png;
     require(cairo_surface_write_to_png_stream(surface.get(), append<decltype(png)>, &png));
-    return {std::move(png), sheet_->width, sheet_->height, sheet_->texts, sheet_->surface};
+    return {std::move(png), width_, height_, texts_, surface_};
 }
 
 namespace {

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+struct _cairo;
+
 namespace forceshade::picture {
 
 struct Point {
@@ -61,7 +63,6 @@ std::vector<std::string> wrap(std::string_view text, const TextStyle& style, dou
 class Canvas {
 public:
     Canvas(int width, int height);
-    ~Canvas();
 
     void fill(const Box& box, Rgb8 colour);
     void outline(const Box& box, const Stroke& stroke);
@@ -81,8 +82,10 @@ public:
     Picture finish() const;
 
 private:
-    struct Sheet;
-    std::unique_ptr<Sheet> sheet_;
+    int width_, height_; // pixels
+    std::shared_ptr<_cairo_surface> surface_;
+    std::shared_ptr<_cairo> context_;
+    std::vector<PlacedText> texts_;
 };
 
 } // namespace forceshade::picture
