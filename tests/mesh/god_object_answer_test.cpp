@@ -3,9 +3,13 @@
 // side.
 #include <cstdlib>
 
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "tests/mesh/god_object_run.h"
+#include "host/reference/god_object.h"
+#include "tests/mesh/god_object_referee.h"
+#include "tests/mesh/god_object_walks.h"
 
 namespace forceshade {
 namespace {
@@ -13,6 +17,7 @@ namespace {
 struct AnswerTally {
     std::uint64_t steps = 0, contacts = 0, unfinished = 0;
     std::uint64_t grew = 0, dropped = 0, phantoms = 0, unbalanced = 0, far = 0, crossed = 0;
+    double growth = 0, residual = 0, distance = 0; /* 1: the worst, of what is finished */
 
     std::uint64_t wrong() const { return grew + dropped + phantoms + unbalanced + far + crossed; }
 };
@@ -24,23 +29,37 @@ struct Update {
 
 template <typename T> class Answers {
 public:
-    explicit Answers(const walks::Terrain& terrain) : run_(terrain.polygons) {}
+    explicit Answers(const walks::Terrain& terrain)
+        : name_(terrain.name), structure_(build_structure(shapes::mesh_of(terrain.polygons))),
+          tables_(make_mesh_tables<T>(structure_, 1.0)), mesh_(tables_.view()),
+          triangles_(brute::Triangles::of(mesh_.vertices, mesh_.triangle_corners)), grid_(triangles_) {}
 
-    const AnswerTally& walk(std::uint64_t walks, std::uint64_t seed) {
+    const AnswerTally& run(std::uint64_t walks, std::uint64_t seed) {
+        auto around = std::make_unique<reference::Neighbourhood<T>>();
         for (std::uint64_t i = 0; i < walks; ++i) {
-            walks::Prober prober(run_.structure, seed * 1000003 + i);
-            run_.state = {};
-            glm::dvec3 before(0), at(0);
-            bool right = true, crossed = false;
-            for (unsigned step = 0; step < walks::Aimer::kSteps && right; ++step) {
-                at = step == 0 ? prober.begin() : prober.step(at);
-                const glm::vec<3, T> probe(at);
-                const auto contact = run_.update(probe);
-                crossed = crossed || run_.crossed;
-                const Update update{before, walks::wide(run_.state.proxy), walks::wide(contact.proxy),
-                                    walks::wide(probe)};
+            walks::Prober prober(structure_, seed * 1000003 + i);
+            reference::GodObject<T> state;
+            glm::dvec3 before(0);
+            std::vector<glm::dvec3> course;
+            bool crossed = false;
+            const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
+                crossed = crossed || grid_.touches(walks::wide(from), walks::wide(to));
+            };
+            for (unsigned step = 0; step < walks::Aimer::kSteps; ++step) {
+                course.push_back(step == 0 ? prober.begin() : prober.step(course.back()));
+                const glm::vec<3, T> probe(course.back());
+                const auto contact = reference::update(mesh_, state, *around, probe, trace);
+                const Update update{before, walks::wide(state.proxy), walks::wide(contact.proxy), walks::wide(probe)};
                 before = update.proxy;
-                right = is_right(update, contact, step > 0, crossed);
+                const std::string fault = fault_of(update, contact, step > 0, crossed);
+                if (fault.empty())
+                    continue;
+                if (tally_.wrong() <= 3) {
+                    fmt::print("{} f{} seed {} walk {} step {}: {}\n", name_, 8 * sizeof(T), seed, i, step, fault);
+                    for (const glm::dvec3& at : course)
+                        fmt::print("  {{{}, {}, {}}},\n", at.x, at.y, at.z);
+                }
+                break;
             }
         }
         return tally_;
@@ -53,7 +72,8 @@ private:
     static constexpr double kRounded =
         1e-8; /* of a residual: what rounding makes of where nearly parallel planes meet */
 
-    bool is_right(const Update& update, const reference::GodObjectContact<T>& contact, bool follows, bool crossed) {
+    std::string fault_of(const Update& update, const reference::GodObjectContact<T>& contact, bool follows,
+                         bool crossed) {
         ++tally_.steps;
         tally_.contacts += contact.touching;
         tally_.unfinished += !contact.finished;
@@ -61,31 +81,38 @@ private:
             64 * kEpsilon * (1 + double(reference::largest_coordinate(reference::Vector<double>(update.probe))));
         const double tolerance = 8 * kSkin + rounding, depth = glm::length(update.contact - update.probe);
         const double growth = depth - glm::length((follows ? update.before : update.proxy) - update.probe);
+        tally_.growth = std::max(tally_.growth, growth);
         if (crossed)
-            return wrong(tally_.crossed);
+            return note(tally_.crossed, "crosses");
         if (growth > tolerance)
-            return wrong(tally_.grew);
-        const bool blocked = run_.grid.touches(update.proxy, update.probe);
+            return note(tally_.grew, fmt::format("grew by {:.3g}", growth));
+        const bool blocked = grid_.touches(update.proxy, update.probe);
         if (contact.touching != blocked && surface_distance(update.probe) > rounding + kBeside &&
             is_certain(update, blocked) && !(contact.touching && holds_at_rim(update, contact)))
-            return wrong(contact.touching ? tally_.phantoms : tally_.dropped);
-        return !contact.touching || !contact.finished || holds(update, contact, tolerance);
+            return contact.touching ? note(tally_.phantoms, fmt::format("a phantom, {:.3g}", depth))
+                                    : note(tally_.dropped, "free, but not reached");
+        return contact.touching && contact.finished ? fault_of_contact(update, contact, tolerance) : "";
     }
 
-    bool holds(const Update& update, const reference::GodObjectContact<T>& contact, double tolerance) {
+    std::string fault_of_contact(const Update& update, const reference::GodObjectContact<T>& contact,
+                                 double tolerance) {
         std::vector<glm::dvec3> normals;
         double distance = std::numeric_limits<double>::infinity();
         for (unsigned i = 0; i < contact.count; ++i) {
             normals.push_back(walks::wide(contact.normals[i]));
             const auto point =
-                reference::nearest_on_triangle(contact.proxy, reference::triangle_at(run_.mesh, contact.triangles[i]));
+                reference::nearest_on_triangle(contact.proxy, reference::triangle_at(mesh_, contact.triangles[i]));
             distance = std::min(distance, std::sqrt(double(point.square)));
         }
         const glm::dvec3 pull = update.probe - update.contact;
-        if (distance > tolerance)
-            return wrong(tally_.far);
         const double residual = brute::distance_from_cone(pull, normals);
-        return residual <= std::max(tolerance, kRounded) + glm::length(pull) / 64 || wrong(tally_.unbalanced);
+        tally_.residual = std::max(tally_.residual, residual);
+        tally_.distance = std::max(tally_.distance, distance);
+        if (distance > tolerance)
+            return note(tally_.far, fmt::format("{:.3g} from the facets named", distance));
+        if (residual > std::max(tolerance, kRounded) + glm::length(pull) / 64)
+            return note(tally_.unbalanced, fmt::format("unbalanced by {:.3g}", residual));
+        return "";
     }
 
     /// Whether what stands between proxy and probe does not hang on a few skins, as beside a rim.
@@ -95,8 +122,8 @@ private:
         for (int i = 0; i < 54; ++i) {
             const double far = (i < 27 ? 2 : 6) * kSkin;
             const glm::dvec3 aside = far * glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 % 3 - 1);
-            if (run_.grid.touches(update.proxy + aside, update.probe + aside) != blocked ||
-                run_.grid.touches(update.proxy + aside, update.probe) != blocked)
+            if (grid_.touches(update.proxy + aside, update.probe + aside) != blocked ||
+                grid_.touches(update.proxy + aside, update.probe) != blocked)
                 return false;
         }
         return true;
@@ -104,7 +131,7 @@ private:
 
     /// Whether a line crosses the plane of a triangle within a few skins of it, however narrow its tip is.
     bool passes_beside(const glm::dvec3& from, const glm::dvec3& to) const {
-        for (const auto& corners : run_.triangles.corners) {
+        for (const auto& corners : triangles_.corners) {
             const glm::dvec3 normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
             const double begin = glm::dot(normal, from - corners[0]), end = glm::dot(normal, to - corners[0]);
             const double time = begin / (begin - end);
@@ -122,7 +149,7 @@ private:
     bool holds_at_rim(const Update& update, const reference::GodObjectContact<T>& contact) const {
         for (unsigned i = 0; i < contact.count; ++i) {
             const glm::dvec3 normal = walks::wide(contact.normals[i]);
-            const auto triangle = reference::triangle_at(run_.mesh, contact.triangles[i]);
+            const auto triangle = reference::triangle_at(mesh_, contact.triangles[i]);
             const double depth = glm::dot(normal, walks::wide(triangle.corners[0]) - update.probe);
             const glm::dvec3 foot = update.probe + depth * normal;
             if (depth > 0 && glm::length(foot - update.contact) <= 6 * kSkin &&
@@ -133,17 +160,31 @@ private:
     }
 
     double surface_distance(const glm::dvec3& place) const {
-        return std::sqrt(double(reference::nearest(run_.mesh, glm::vec<3, T>(place)).square));
+        return std::sqrt(double(reference::nearest(mesh_, glm::vec<3, T>(place)).square));
     }
 
-    static bool wrong(std::uint64_t& count) {
+    static std::string note(std::uint64_t& count, std::string what) {
         ++count;
-        return false;
+        return what;
     }
 
-    walks::Run<T> run_;
+    std::string name_;
+    MeshStructure structure_;
+    MeshTables<T> tables_;
+    layout::MeshView<T> mesh_;
+    brute::Triangles triangles_;
+    brute::TriangleGrid grid_;
     AnswerTally tally_;
 };
+
+std::uint64_t number(const char* variable, std::uint64_t otherwise) {
+    const char* text = std::getenv(variable);
+    return text ? std::strtoull(text, nullptr, 10) : otherwise;
+}
+
+bool in_long_form() {
+    return std::getenv("FORCESHADE_LONG") != nullptr;
+}
 
 /// Parts thinner than the skin have no room for a proxy: in single precision no more is held of them than that no force
 /// is larger than the proxy's place gives.
@@ -151,30 +192,43 @@ template <typename T> bool is_thin(const std::string& name) {
     return sizeof(T) == 4 && (name == "wedge 0.001" || name == "flat pole 20");
 }
 
-/// FORCESHADE_LONG: 10^9 steps in all, others with another FORCESHADE_SEED.
+/// FORCESHADE_LONG: 10^9 steps in all. FORCESHADE_MESHES_FROM names the mesh to begin with, so that a long run can go
+/// on.
 template <typename T> void probe(const std::vector<walks::Terrain>& terrains) {
-    const char* const seed = std::getenv("FORCESHADE_SEED");
+    const std::uint64_t walks = number("FORCESHADE_WALKS", in_long_form() ? 1500000 : 1000);
+    const std::uint64_t seed = number("FORCESHADE_SEED", 1);
+    const char* from = std::getenv("FORCESHADE_MESHES_FROM");
+    bool begun = from == nullptr;
     for (const walks::Terrain& terrain : terrains) {
+        if (!(begun = begun || terrain.name == from))
+            continue;
         const unsigned slower = terrain.valence > 100 ? terrain.valence / 8 : 1;
-        const AnswerTally tally = Answers<T>(terrain).walk((walks::in_long_form() ? 1500000 : 1000) / slower,
-                                                           seed ? std::strtoull(seed, nullptr, 10) : 1);
+        const AnswerTally tally = Answers<T>(terrain).run(walks / slower, seed);
+        fmt::print("{:20} f{} {:8} steps {:8} contacts: {} grew, {} free, {} phantoms, {} unbalanced, {} far, {} "
+                   "crossed, {} unfinished; growth {:.1e}, residual {:.1e}, distance {:.1e}\n",
+                   terrain.name, 8 * sizeof(T), tally.steps, tally.contacts, tally.grew, tally.dropped, tally.phantoms,
+                   tally.unbalanced, tally.far, tally.crossed, tally.unfinished, tally.growth, tally.residual,
+                   tally.distance);
         EXPECT_EQ(tally.grew + tally.crossed, 0u) << terrain.name;
         if (!is_thin<T>(terrain.name)) {
-            EXPECT_EQ(tally.wrong(), 0u) << terrain.name << ": " << tally.dropped << " free, " << tally.phantoms
-                                         << " phantoms, " << tally.unbalanced << " unbalanced, " << tally.far << " far";
+            EXPECT_EQ(tally.wrong(), 0u) << terrain.name;
         }
         EXPECT_LE(tally.unfinished, tally.steps / (is_thin<T>(terrain.name) ? 10 : 50)) << terrain.name;
     }
 }
 
-TEST(GodObjectAnswer, OfSolids) {
-    for (const auto& terrains : {walks::solids(), walks::narrow_solids(walks::in_long_form())}) {
-        probe<double>(terrains);
-        probe<float>(terrains);
-    }
+TEST(GodObjectAnswer, SolidsDouble) {
+    probe<double>(walks::solids());
+    probe<double>(walks::narrow_solids(in_long_form()));
 }
-TEST(GodObjectAnswer, OfOpenMeshes) {
+TEST(GodObjectAnswer, SolidsFloat) {
+    probe<float>(walks::solids());
+    probe<float>(walks::narrow_solids(in_long_form()));
+}
+TEST(GodObjectAnswer, OpenDouble) {
     probe<double>(walks::open_meshes());
+}
+TEST(GodObjectAnswer, OpenFloat) {
     probe<float>(walks::open_meshes());
 }
 
@@ -184,12 +238,15 @@ struct Answer {
 };
 
 template <typename T> std::vector<Answer> follow(const PolygonSoup& polygons, const std::vector<glm::dvec3>& course) {
-    walks::Run<T> run(polygons);
+    const MeshStructure structure = build_structure(shapes::mesh_of(polygons));
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
+    auto around = std::make_unique<reference::Neighbourhood<T>>();
+    reference::GodObject<T> state;
     std::vector<Answer> answers;
     for (const glm::dvec3& at : course) {
-        const glm::vec<3, T> probe((at - run.structure.centre) / run.structure.scale);
-        const bool touching = run.update(probe).touching;
-        answers.push_back({touching, double(glm::length(run.state.proxy - probe)) / run.kSkin});
+        const glm::vec<3, T> probe((at - structure.centre) / structure.scale);
+        const bool touching = reference::update(tables.view(), state, *around, probe).touching;
+        answers.push_back({touching, double(glm::length(state.proxy - probe) / reference::Skin<T>::kWidth)});
     }
     return answers;
 }
@@ -239,11 +296,26 @@ TEST(GodObjectAnswer, ContactAboveAPoleWhereTheWalkIsStopped) {
                     {8.31857577119611e-05, 8.95646459158741e-06, -5.477144745126374e-05},
                     {0.5417990742882068, 0.08351908638331598, 0.8363482141489501},
                     {0.541797357432736, 0.08352941149492113, 0.8363482952061395}};
-    fan.corners = {0,  1,  2,  0,  2,  3,  0,  4,  5,  0,  6,  7,  0,  7,  8,  0,  9,  10, 0,
-                   10, 11, 0,  11, 12, 0,  12, 13, 0,  14, 15, 0,  15, 16, 0,  17, 18, 0,  19,
-                   20, 0,  20, 21, 0,  22, 23, 0,  23, 24, 0,  25, 26, 27, 28, 29, 0,  30, 31};
-    for (std::uint32_t end = 3; end <= fan.corners.size(); end += 3)
-        fan.begins.push_back(end);
+    for (const std::array<std::uint32_t, 3>& facet : std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2},
+                                                                                               {0, 2, 3},
+                                                                                               {0, 4, 5},
+                                                                                               {0, 6, 7},
+                                                                                               {0, 7, 8},
+                                                                                               {0, 9, 10},
+                                                                                               {0, 10, 11},
+                                                                                               {0, 11, 12},
+                                                                                               {0, 12, 13},
+                                                                                               {0, 14, 15},
+                                                                                               {0, 15, 16},
+                                                                                               {0, 17, 18},
+                                                                                               {0, 19, 20},
+                                                                                               {0, 20, 21},
+                                                                                               {0, 22, 23},
+                                                                                               {0, 23, 24},
+                                                                                               {0, 25, 26},
+                                                                                               {27, 28, 29},
+                                                                                               {0, 30, 31}})
+        shapes::add_facet(fan, {facet[0], facet[1], facet[2]});
     for (const Answer& answer :
          follow<double>(fan, {{1.0834197118774465, 0.16711950721521493, 1.672803876200265},
                               {-1.2064938859402596e-05, 9.924660593846099e-05, -2.0947058333456995e-06},
