@@ -37,9 +37,9 @@ Interval bootstrap_median(const std::vector<double>& values) {
 }
 
 std::string times_as_long(const Interval& ratio, const char* other) {
-    if (!tells(ratio))
-        return fmt::format("takes as long as {}, as far as these rounds tell [{:.2f}, {:.2f} times]", other, ratio.low,
-                           ratio.high);
+    if (!is_significant(ratio))
+        return fmt::format("takes about as long as {} (no significant difference: {:.2f} to {:.2f} times)", other,
+                           ratio.low, ratio.high);
     return fmt::format("takes {:.2f} [{:.2f}, {:.2f}] times as long as {}", ratio.median, ratio.low, ratio.high, other);
 }
 

@@ -13,11 +13,11 @@ struct Interval {
 Interval bootstrap_median(const std::vector<double>& values);
 
 /// Whether a ratio differs from 1: only then is it a finding.
-inline bool tells(const Interval& ratio) {
+inline bool is_significant(const Interval& ratio) {
     return ratio.high < 1 || ratio.low > 1;
 }
 
-/// "takes 1.30 [1.21, 1.42] times as long as the other"; where 1 is within the interval, that no difference is told.
+/// "takes 1.30 [1.21, 1.42] times as long as the other", or that the difference is not significant.
 std::string times_as_long(const Interval& ratio, const char* other);
 
 /// The quantile at this share, the middle of neighbours between ranks; 0 without values.

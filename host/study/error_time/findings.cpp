@@ -149,8 +149,8 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
 void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     double largest = 0;
     std::size_t places = 0;
-    std::vector<std::string> told;
-    std::size_t untold = 0;
+    std::vector<std::string> significant;
+    std::size_t others = 0;
     const std::vector<std::size_t> single =
         measured.find([](const Method& method) { return method.family == "direct" && method.precision == "f32"; });
     for (const std::size_t i : single) {
@@ -163,18 +163,19 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
         const Interval cost = measured.times.ratio(i, measured.find([&](const Method& other) {
             return other.variant == method.variant && other.family == "direct" && other.precision == "f64";
         })[0]);
-        if (tells(cost))
-            told.push_back(
+        if (is_significant(cost))
+            significant.push_back(
                 fmt::format("{:.2f} [{:.2f}, {:.2f}] ({})", cost.median, cost.low, cost.high, law_name(method)));
         else
-            ++untold;
+            ++others;
     }
-    if (told.empty() && untold == 0)
+    if (significant.empty() && others == 0)
         return;
-    std::string times = told.empty() ? "" : fmt::format("it takes {} of the time of double", fmt::join(told, ", "));
-    if (untold > 0)
-        times += fmt::format("{} no difference in time is told",
-                             told.empty() ? "" : fmt::format("; of {} other{}", untold, untold == 1 ? "" : "s"));
+    std::string times = significant.empty()
+                            ? "no difference in time is significant"
+                            : fmt::format("it takes {} of the time of double", fmt::join(significant, ", "));
+    if (!significant.empty() && others > 0)
+        times += fmt::format("; {} of the laws {} not significantly different", others, others == 1 ? "is" : "are");
     findings.push_back(
         {"precision",
          fmt::format("Single precision differs from double by up to {} of the RMS force at random places (at its worst "
