@@ -52,7 +52,7 @@ std::string rounding_text(const std::vector<CaseRounding>& rounding) {
             if (one.worst.same_facet == same && (!worst || one.worst.error > worst->worst.error))
                 worst = &one;
         if (worst)
-            text += fmt::format("{}: {:.1e} of the largest force, in {} at {}\n",
+            text += fmt::format("{}: {:.2g} of the largest force, in {} at {}\n",
                                 same ? "f32 against f64, the worst that a search found where both meet the same facet"
                                      : "where two facets are equally near and rounding chooses",
                                 worst->worst.error, worst->name, place_text(worst->worst.place));
@@ -92,8 +92,8 @@ bool print(const std::vector<Comparison>& fields, const std::vector<PathComparis
     }
     std::string text;
     if (!fields.empty())
-        text += comparison_table(fields) + fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing) +
-                rounding_text(rounding);
+        text += comparison_table(fields) + rounding_text(rounding) +
+                fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
     if (!paths.empty())
         text +=
             path_comparison_table(paths) + fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);

@@ -82,11 +82,11 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found) 
     for (const LawRounding& one : found)
         evaluations += one.same_facet ? one.evaluations : 0;
     std::string text =
-        fmt::format("Single precision differs from double by up to {:.1e} of the largest force where both "
+        fmt::format("Single precision differs from double by up to {:.2g} of the largest force where both "
                     "meet the same facet",
                     same->error);
     if (other)
-        text += fmt::format(", and by up to {:.1e} where two facets are equally near and rounding chooses: "
+        text += fmt::format(", and by up to {:.2g} where two facets are equally near and rounding chooses: "
                             "the static field jumps there whatever the shading, the god-object does not",
                             other->error);
     data.figures.push_back(make_figure(
