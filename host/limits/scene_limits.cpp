@@ -16,11 +16,14 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
     if (!(damping_of(scene.hand) > 0 && found.stiffness > 0))
         return found;
     found.wall = wall_limit(scene.hand, rate);
-    LoopSurface surface = scene_surface(prepared);
+    LoopSurface surface;
+    surface.hand = scene.hand;
     surface.rate = rate;
-    surface.deepest = std::min(surface.deepest, most / scene.force.stiffness);
     found.hand = hand_text(surface);
     try {
+        surface = scene_surface(prepared);
+        surface.rate = rate;
+        surface.deepest = std::min(surface.deepest, most / scene.force.stiffness);
         const auto places = rest_places(surface, surface.is_mesh() ? kPointsOfMesh : kPoints);
         for (const LeastLimit& one : least_limits(surface, places, {{scene.hand, rate, 1}}))
             if (one.limit && (!found.least || *one.limit < *found.least->limit))

@@ -49,27 +49,26 @@ std::optional<TouchRecord> touched_error(const PreparedCase& prepared) {
     constexpr std::size_t kPlaces = 200;
     if (shadings_of(prepared).size() == 1) // which nothing else is closer than
         return std::nullopt;
-    TouchedShape shape = scene_shape(prepared);
-    const TrueForce truth = true_force(prepared, shape.scale);
-    shape.force = truth.force;
-    shape.smooth = truth.smooth;
-    std::vector<TouchPlace> places;
     try {
-        places = touched_places(shape, prepared, kPlaces);
-    } catch (const UsageError&) {
+        TouchedShape shape = scene_shape(prepared);
+        const TrueForce truth = true_force(prepared, shape.scale);
+        shape.force = truth.force;
+        shape.smooth = truth.smooth;
+        const std::vector<TouchPlace> places = touched_places(shape, prepared, kPlaces);
+        ContactForce law(prepared, shape.scale);
+        std::vector<glm::dvec3> forces, true_ones;
+        for (const TouchPlace& place : places) {
+            forces.push_back(law(place));
+            true_ones.push_back(truth.force(place));
+        }
+        const ForceErrors errors = force_errors(forces, true_ones, 1);
+        if (!errors.direction || !errors.local)
+            return std::nullopt;
+        return TouchRecord{truth.against,         places.size(),        shape.scale.deepest,
+                           errors.direction->rms, errors.local->median, errors.local->p95};
+    } catch (const UsageError&) { // nothing to touch, or beyond the numbers
         return std::nullopt;
     }
-    ContactForce law(prepared, shape.scale);
-    std::vector<glm::dvec3> forces, true_ones;
-    for (const TouchPlace& place : places) {
-        forces.push_back(law(place));
-        true_ones.push_back(truth.force(place));
-    }
-    const ForceErrors errors = force_errors(forces, true_ones, 1);
-    if (!errors.direction || !errors.local)
-        return std::nullopt;
-    return TouchRecord{truth.against,         places.size(),        shape.scale.deepest,
-                       errors.direction->rms, errors.local->median, errors.local->p95};
 }
 
 } // namespace forceshade

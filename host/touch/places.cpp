@@ -54,9 +54,16 @@ bool is_in_box(const TouchedShape& shape, const glm::dvec3& at) {
 
 PlaceDraw::PlaceDraw(const TouchedShape& shape, const PreparedCase& prepared, std::uint64_t seed)
     : shape_(shape), mesh_(prepared.images.mesh ? &prepared.images.mesh->mesh : nullptr), draw_(seed) {
-    for (std::size_t i = 0; mesh_ && i < mesh_->triangles.corners.size(); ++i) {
+    if (!mesh_)
+        return;
+    double longest = 0; /* m: the unit of areas, which could leave the range of numbers */
+    for (std::size_t i = 0; i < mesh_->triangles.corners.size(); ++i) {
         const auto [a, b, c] = corners_of(*mesh_, i);
-        const double area = reference::length(reference::cross(b - a, c - a));
+        longest = std::max({longest, reference::largest_coordinate(b - a), reference::largest_coordinate(c - a)});
+    }
+    for (std::size_t i = 0; longest > 0 && i < mesh_->triangles.corners.size(); ++i) {
+        const auto [a, b, c] = corners_of(*mesh_, i);
+        const double area = reference::length(reference::cross((b - a) / longest, (c - a) / longest));
         areas_.push_back((areas_.empty() ? 0 : areas_.back()) + area);
     }
 }
@@ -78,8 +85,12 @@ std::optional<TouchPlace> PlaceDraw::drawn_on_graph() {
 }
 
 std::optional<TouchPlace> PlaceDraw::drawn_on_mesh() {
+    if (areas_.empty() || !(areas_.back() > 0))
+        return std::nullopt;
     const double share = draw_(0, areas_.back());
     const auto i = static_cast<std::size_t>(std::ranges::upper_bound(areas_, share) - areas_.begin());
+    if (i == areas_.size())
+        return std::nullopt;
     const double u = draw_(0, 1), v = draw_(0, 1);
     return u + v > 1 ? on_triangle(shape_, *mesh_, i, 1 - u, 1 - v) : on_triangle(shape_, *mesh_, i, u, v);
 }
