@@ -75,7 +75,7 @@ TEST_F(LiveWatch, a_change_is_a_new_path_that_its_kept_scene_replays) {
 
 // A wall that is suddenly ten times as stiff, or elsewhere, does not hit the hand.
 TEST_F(LiveWatch, the_force_of_a_change_comes_up_as_after_the_start) {
-    Process process(felt({"--watch", "--max-force", "5 N", "--quiet"}));
+    Process process(felt({"--watch", "--max-force", "5 N", "--quiet", "--unstable"}));
     ASSERT_TRUE(await(process, [&] { return is_pushing(); }));
     write("plane.toml", "[force]\nstiffness = \"10 N/mm\"\n");
     ASSERT_TRUE(await(process, [&] { return record().back().size() > 4.99; }));
