@@ -8,7 +8,6 @@
 #include "host/error.h"
 #include "host/field/comparison.h"
 #include "host/program.h"
-#include "host/referee/validate.h"
 
 namespace forceshade {
 namespace {

@@ -29,7 +29,7 @@ constexpr Scheme kSchemes[] = {
     {"mesh, unshaded", "its edges should be felt", "mesh", "none", "mesh", "unshaded"},
     {"mesh, mean_value", "it should feel round", "mesh", "mean_value", "shaded mesh", "mean_value"},
     {"mesh, morgenbesser", "the paper is to be repeated", "mesh", "morgenbesser", "", "morgenbesser"},
-    {"mesh, two_pass", "never beside sharp edges", "mesh", "two_pass", "", "two_pass"}};
+    {"mesh, two_pass", "all of its edges are blunt", "mesh", "two_pass", "", "two_pass"}};
 
 // The elements whose errors are shown, for the coarse surfaces that shading is for.
 constexpr std::pair<const char*, double> kElements[] = {{"bump", 16}, {"mesh", 8}};
