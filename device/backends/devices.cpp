@@ -10,6 +10,7 @@
 #include "device/backends/haply.h"
 #include "host/field/prepared_case.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade::device {
 

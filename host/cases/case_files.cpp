@@ -72,7 +72,7 @@ void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormat
                 names.push_back(fmt::format("{}.{}.npy", stem, name_of_channel(channel)));
     if (also.vtp)
         names.push_back(stem + ".vtp");
-    for (const char* kind : {".mosaic", ".arrows", ".shading"})
+    for (const char* kind : {".mosaic", ".arrows", ".stroke", ".shading"})
         if (kind != std::string_view(".shading") || (channels & layout::kChannelUnshaded))
             std::ranges::move(picture::names_with(stem + kind, also.pictures), std::back_inserter(names));
 }

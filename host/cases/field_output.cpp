@@ -8,8 +8,10 @@
 #include "host/cases/surface_file.h"
 #include "host/clock.h"
 #include "host/long_run.h"
+#include "host/numbers.h"
 #include "host/output/raw_formats.h"
 #include "host/picture/scene_picture.h"
+#include "host/picture/ticks.h"
 
 namespace forceshade {
 namespace {
@@ -23,6 +25,11 @@ VolumeHeader volume_header(const PreparedCase& prepared, int threads) {
     header.channels = written_channels(scene);
     set_options(header, prepared, scene, threads);
     return header;
+}
+
+// m: the middle sample, rounded down.
+double middle_y(const GridSpec& grid) {
+    return grid.origin[1] + grid.spacing[1] * static_cast<double>((grid.size[1] - 1) / 2);
 }
 
 bool stands_for_all_y(const Scene& scene) {
@@ -121,6 +128,14 @@ void FieldOutput::add_pictures(CaseRecord& record) {
     };
     add(".mosaic", picture::draw_mosaic(look(true, ""), slices_->tiles(), quantity));
     add(".arrows", picture::draw_arrows(look(true, ""), slice, lines, quantity, unshaded));
+    const double y = pictures_.slice.axis == 1 ? slice.axes.at : middle_y(prepared_.one.scene.grid);
+    const SceneStroke stroke = stroke_of(prepared_, y);
+    const std::string depth = numbers::quantity_text(stroke.depth, "m");
+    const std::string at_y =
+        picture::position_labels("y", {y}, slice.axes.at_spacing, numbers::choose_unit(stroke.depth, "m")).front();
+    add(".stroke", picture::draw_stroke(look(true, ", stroked along x"),
+                                        {fmt::format("probe {} below the surface, {}", depth, at_y)}, stroke.forces,
+                                        prepared_.one.scene.force.shading != Shading::none));
     if (!unshaded.force.empty())
         add(".shading", picture::draw_shading(look(false, ": what shading changes"), unshaded, slice, lines));
 }

@@ -12,6 +12,7 @@
 
 #include "host/field/comparison.h"
 #include "host/output/vtk_file.h"
+#include "host/picture/scene_picture.h"
 #include "host/picture/values.h"
 #include "host/program.h"
 #include "host/reference/contact.h"
@@ -279,12 +280,6 @@ template <typename T> VolumeResult write_section(const std::filesystem::path& pa
 }
 
 } // namespace
-
-double pressed_depth(const Scene& scene) {
-    constexpr double kPressed = 1e-3; // m
-    const bool round = is_bump(scene) || scene.surface.kind == SurfaceKind::cylinder_bump;
-    return round ? std::min(kPressed, scene.surface.width / 20) : kPressed;
-}
 
 VolumeResult write_surface(const std::filesystem::path& path, const PreparedCase& prepared) {
     const auto write = [&]<typename T>(std::type_identity<T>) {

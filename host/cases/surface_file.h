@@ -16,9 +16,6 @@
 
 namespace forceshade {
 
-/// m: 1 mm; on a bump narrower than 20 mm a twentieth of its width.
-double pressed_depth(const Scene& scene);
-
 /// Polygons in m, in the world's frame; points have `force` (N, the active vector), `unshaded` (N), `turn` (deg,
 /// between the two: by how much shading turns the force) and with [compare] `angle` (deg) and `magnitude_error` (N);
 /// cells have `facet`, and the whole has `pressed_m`.

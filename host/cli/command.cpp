@@ -15,6 +15,7 @@
 #include "host/output/files.h"
 #include "host/reference/god_object.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 

@@ -1,4 +1,6 @@
 // forceshade doctor.
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
@@ -106,6 +108,30 @@ std::string try_cache() {
     return folder.string();
 }
 
+// The module next to this program, or where python3 finds it.
+std::string try_python() {
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    ::setenv("FORCESHADE_MODULE", (program / "python").c_str(), 1);
+    std::FILE* output = ::popen("PYTHONPATH=\"$FORCESHADE_MODULE${PYTHONPATH:+:$PYTHONPATH}\" python3 -c '"
+                                "import sys, forceshade; print(forceshade.__version__, \"in\", forceshade.__path__[0], "
+                                "\"for Python\", sys.version.split()[0])' 2>&1",
+                                "r");
+    if (!output)
+        throw std::runtime_error("cannot start python3");
+    std::string text, last;
+    for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output))
+        text += static_cast<char>(c);
+    const bool failed = ::pclose(output) != 0;
+    while (!text.empty() && text.back() == '\n')
+        text.pop_back();
+    last = text.substr(text.rfind('\n') + 1);
+    if (failed)
+        throw std::runtime_error(last.empty() ? "python3 fails" : last);
+    if (!last.starts_with(version() + " "))
+        throw std::runtime_error(last + ", and the program is " + version());
+    return last;
+}
+
 std::vector<Finding> examine_all(const CommonOptions& common) {
     std::vector<Finding> findings{
         {true, fmt::format("program: forceshade {} on {}, {} cores", version(), cpu_name(), allowed_cores()), {}},
@@ -125,6 +151,10 @@ std::vector<Finding> examine_all(const CommonOptions& common) {
         examine("compiled kernels are kept in",
                 "make the folder writable, or set XDG_CACHE_HOME; without it kernels are compiled at every start",
                 try_cache)};
+    findings.push_back(examine("Python module",
+                               "for Debian's python3, package python3-numpy; ./host/run builds the module: export "
+                               "PYTHONPATH=$PWD/build/python",
+                               try_python, false));
     // What the live loop would be granted; tried in a thread that is gone afterwards.
     device::Permissions permissions;
     std::thread([&] { permissions = device::ask_for_real_time(std::nullopt); }).join();

@@ -17,6 +17,7 @@
 #include "host/output/files.h"
 #include "host/output/reading.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 #include "host/threads.h"
 
 namespace forceshade {

@@ -10,6 +10,8 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/experiment/experiment.h"
+#include "host/mesh/mesh.h"
+#include "host/mesh/mesh_file.h"
 #include "host/output/files.h"
 #include "host/program.h"
 #include "host/scene/schema.h"
@@ -38,6 +40,12 @@ std::string mesh_as_named(const InitArguments& arguments) {
     return std::filesystem::absolute(mesh).lexically_relative(folder.lexically_normal()).lexically_normal().string();
 }
 
+double longest_side(const std::filesystem::path& mesh) {
+    const MeshBox box = bounding_box(read_polygons(mesh).polygons);
+    const glm::dvec3 sides = box.high - box.low;
+    return std::max({sides.x, sides.y, sides.z, 0.0});
+}
+
 int init(const InitArguments& arguments, const CommonOptions& common) {
     if (common.json)
         throw UsageError("init writes TOML: leave out --json");
@@ -45,7 +53,9 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
         throw UsageError(fmt::format("init {} takes no file; got {}", arguments.what, arguments.mesh));
     const bool to_file = !arguments.out.empty() && arguments.out != "-";
     const std::string scene = to_file ? arguments.out : arguments.what + ".toml";
-    std::string text = starter_scene(arguments.what, mesh_as_named(arguments), scene);
+    const double across = arguments.mesh.empty() ? 0 : longest_side(arguments.mesh);
+    const std::string_view unit = unit_for_a_hand(across);
+    std::string text = starter_scene(arguments.what, mesh_as_named(arguments), unit, scene);
     if (arguments.what == "experiment")
         text += "\n" + experiment::experiment_schema();
     if (!to_file) {
@@ -57,6 +67,9 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
     write_file_atomically(arguments.out, text);
     if (!common.quiet)
         print_note("wrote {}; its first lines say what to do with it\n", arguments.out);
+    if (!common.quiet && across > 0)
+        print_note("unit = \"{0}\" is a guess: the mesh is {1:.3g} across, and {1:.3g} {0} is what a hand can hold\n",
+                   unit, across);
     return 0;
 }
 

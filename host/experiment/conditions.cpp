@@ -16,6 +16,7 @@
 #include "host/scene/quantity.h"
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade::experiment {
 namespace {

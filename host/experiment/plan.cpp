@@ -11,6 +11,7 @@
 #include "host/experiment/run.h"
 #include "host/random.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade::experiment {
 namespace {

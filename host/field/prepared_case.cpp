@@ -17,8 +17,18 @@
 #include "host/output/height_image.h"
 #include "host/output/reading.h"
 #include "host/scene/scene.h"
+#include "host/scene/starter.h"
+#include "host/spelling.h"
 
 namespace forceshade {
+
+void require_file(const FileSpec& spec) {
+    std::error_code error;
+    if (!spec.path.empty() && std::filesystem::status(spec.path, error).type() == std::filesystem::file_type::not_found)
+        throw IoError(fmt::format("{}{}cannot read {}: No such file or directory{}", spec.place,
+                                  spec.place.empty() ? "" : ": ", spec.file,
+                                  missing_file_advice(spec.path, spec.file)));
+}
 
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
     std::vector<std::string> result;
@@ -40,9 +50,9 @@ std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh
     const MeshBox box = bounding_box(mesh.mesh.polygons);
     const glm::dvec3 sides = box.high - box.low;
     if (const double longest = std::max({sides.x, sides.y, sides.z}); longest > kFarthestReach)
-        result.push_back(fmt::format("{}: is {:.3g} m across, which no hand spans; unit = \"mm\" if its numbers are "
-                                     "millimetres, or transform.scale",
-                                     spec.file, longest));
+        result.push_back(fmt::format("{}: is {:.3g} m across, which no hand spans; unit = \"{}\" if its numbers mean "
+                                     "that, or transform.scale",
+                                     spec.file, longest, unit_for_a_hand(longest / (spec.unit * spec.scale))));
     return result;
 }
 
@@ -119,6 +129,8 @@ void refuse_missing_groups(const MeshSpec& spec, const PolygonSoup& polygons) {
 // \throws IoError, UsageError for a file in which the law has no meaning
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const PolygonFile* given,
                                                  std::map<std::string, MeshFindings>& findings) {
+    if (!given)
+        require_file(spec);
     PolygonFile file = given ? *given : read_polygons(spec.path, spec.normals == NormalWeights::file);
     constexpr double kTriangleBytes =
         1100; // measured: of the structure, its tables in both precisions and on the device
@@ -232,6 +244,7 @@ void check_digest(const std::string& file, const std::string& expected, const st
 std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
     if (map.function != MapFunction::file)
         return nullptr;
+    require_file(map);
     const auto image = cached(images_, map.path, kImages,
                               [&] { return std::make_shared<const HeightImage>(read_height_image(map.path)); });
     check_digest(map.file, map.sha256, image->sha256);

@@ -37,6 +37,9 @@ struct SceneMesh {
     std::vector<MeshFault> changes;               /* parts of the file that were skipped, facets that orient turned */
 };
 
+/// A file that a scene names and that is there. \throws IoError `bump.toml:14:8: cannot read ...; did you mean ...?`
+void require_file(const FileSpec& spec);
+
 /// Skipped parts of the file, and the findings that leave the computation meaningful, a sentence each, after
 /// the file's name.
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use);

@@ -21,12 +21,13 @@
 #include "host/long_run.h"
 #include "host/output/reading.h"
 #include "host/program.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 
 namespace {
 
-const char* advice(bool writing, int number) {
+std::string advice(const std::filesystem::path& path, bool writing, int number) {
     switch (number) {
     case ENOSPC:
     case EDQUOT:
@@ -39,7 +40,7 @@ const char* advice(bool writing, int number) {
     case EPERM:
         return writing ? "; make the folder writable or choose another" : "; make the file readable";
     case ENOENT:
-        return writing ? "; create its folder first" : "; check the name, relative to where it is written";
+        return writing ? "; create its folder first" : missing_file_advice(path);
     case ENOTDIR:
         return "; a part of its path is a file, not a folder";
     case EISDIR:
@@ -158,7 +159,7 @@ IoError file_error(const char* verb, const std::filesystem::path& path, int numb
     const char* reason = ::strerrordesc_np(number);
     const bool writing = std::string_view(verb) == "write";
     return IoError(fmt::format("cannot {} {}: {}{}", verb, path.string(), reason ? reason : "unknown error",
-                               advice(writing, number)));
+                               advice(path, writing, number)));
 }
 
 TemporaryFile::TemporaryFile(std::filesystem::path final_path) : path_(std::move(final_path)) {

@@ -10,6 +10,7 @@
 
 #include "host/numbers.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 

@@ -245,6 +245,7 @@ void add_recorded_digest(PreparedCase& prepared) {
     std::optional<PathsSpec>& paths = prepared.one.scene.paths;
     if (!paths || paths->kind != PathKind::recorded)
         return;
+    require_file(*paths);
     const std::string found = sha256_of_file(paths->path);
     if (!paths->sha256.empty() && paths->sha256 != found)
         throw UsageError(fmt::format("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}",

@@ -32,7 +32,7 @@ constexpr double kRoomForOne = 860, kRoomForMany = 1100; // pixels: the height o
 constexpr double kLeastPanelSide = 8;
 constexpr std::size_t kShownTiles = 12;
 constexpr double kLeastArrowPitch = 44; // pixels between arrows
-constexpr double kLongestArrow = 90;
+constexpr double kLongestArrow = 36;
 constexpr double kLeastBarHeight = 180;
 constexpr double kBarHeight = 500; // pixels: for which the width of bars is known well enough
 constexpr TextStyle kPanelStyle{kSmallTextSize, false, Horizontal::left, Vertical::bottom, false};
@@ -57,16 +57,29 @@ struct ArrowRow {
     }
 };
 
+// Empty without a force, or of one that is not finite.
+std::optional<std::array<double, 3>> direction_of(std::array<double, 3> force) {
+    const double largest = std::max({std::fabs(force[0]), std::fabs(force[1]), std::fabs(force[2])});
+    if (!std::isfinite(force[0] + force[1] + force[2]) || largest == 0)
+        return std::nullopt;
+    for (double& part : force)
+        part /= largest; // no square overflows or vanishes
+    const double length = std::hypot(force[0], force[1], force[2]);
+    return std::array{force[0] / length, force[1] / length, force[2] / length};
+}
+
 class Layout {
 public:
     explicit Layout(const PanelSheet& sheet)
         : sheet_(sheet), axes_(plan_axes(sheet.panels[0].values.axes)), heading_(plan_heading(sheet.look, sheet.notes)),
           width_(sheet.look.width - 2 * kMargin) {
-        const auto [u, v, normal] = axes_.samples.axis;
+        constexpr double kOutOfPlane = 0.2; // of the force
         for (const Panel& panel : sheet.panels)
             for (const auto& force : panel.force.force)
-                if (const double size = std::hypot(force[u], force[v]); std::isfinite(size + force[normal]))
-                    largest_in_plane_ = std::max(largest_in_plane_, size);
+                if (const auto direction = direction_of(force)) {
+                    any_force_ = true;
+                    leaves_plane_ = leaves_plane_ || std::fabs((*direction)[axes_.samples.axis[2]]) > kOutOfPlane;
+                }
         plan(sheet.panels.size() == 1 ? kRoomForOne : kRoomForMany);
         if (const int excess = height() - sheet.look.most_height; sheet.look.most_height > 0 && excess > 0)
             plan(std::max(grid_height() - excess, kLeastPanelSide));
@@ -194,13 +207,9 @@ private:
 
     void plan_legend() {
         legend_.clear();
-        if (largest_in_plane_ > 0) {
-            const Unit unit = choose_unit(largest_in_plane_, "N");
-            const double largest = divide_by_power_of_ten(largest_in_plane_, unit.exponent); // in that unit
-            const double key = round_below(largest), least = kLeastArrowLength / longest_arrow_ * largest;
-            legend_.push_back({fmt::format("in-plane force of {} (dot: under {})", with_unit(decimal(key, 0), unit),
-                                           with_unit(three_digits(least), unit)),
-                               key / largest * longest_arrow_, draw_arrow});
+        if (any_force_) {
+            const char* shorter = leaves_plane_ ? " (shorter: it points out of the plane)" : "";
+            legend_.push_back({std::string("direction of the force") + shorter, longest_arrow_, draw_arrow});
         }
         const Box sample{0, 0, panel_width_, panel_height_};
         if (!pieces(sample, sheet_.lines.nominal).empty())
@@ -251,11 +260,11 @@ private:
         const SliceAxes& s = axes_.samples;
         for (const std::size_t row : arrow_rows_)
             for (const std::size_t column : arrow_columns_) {
-                const auto& force = panel.force.force[row * s.u.size() + column];
-                const double x = force[s.axis[0]] / largest_in_plane_ * longest_arrow_ / 2,
-                             y = force[s.axis[1]] / largest_in_plane_ * longest_arrow_ / 2;
-                if (!std::isfinite(x + y + force[s.axis[2]]) || (force[0] == 0 && force[1] == 0 && force[2] == 0))
+                const auto direction = direction_of(panel.force.force[row * s.u.size() + column]);
+                if (!direction)
                     continue;
+                const double x = (*direction)[s.axis[0]] * longest_arrow_ / 2,
+                             y = (*direction)[s.axis[1]] * longest_arrow_ / 2;
                 const Point middle = place(plot, s.u[column] - s.u[0], s.v[row] - s.v[0]);
                 draw_arrow(canvas, {middle.x - x, middle.y + y}, {middle.x + x, middle.y - y});
             }
@@ -264,8 +273,9 @@ private:
     const PanelSheet& sheet_;
     PlaneAxes axes_;
     Heading heading_;
-    double width_;                                    // between the margins
-    double largest_in_plane_ = 0, longest_arrow_ = 0; /* N, and pixels for it */
+    double width_; // between the margins
+    bool any_force_ = false, leaves_plane_ = false;
+    double longest_arrow_ = 0; /* pixels */
     std::size_t columns_ = 1, rows_ = 1;
     double panel_width_ = 0, panel_height_ = 0, column_pitch_ = 0, row_pitch_ = 0, label_height_ = 0; // whole pixels
     double top_ = 0, body_ = 0, below_ = 0;
@@ -322,10 +332,9 @@ Picture draw_slices(const Look& look, std::vector<Panel> panels, const std::vect
     const PlaneAxes axes = plan_axes(sheet.panels[0].values.axes);
     const auto [u, v, normal] = whole.axis;
     sheet.notes.push_back(fmt::format(
-        "{}–{} slice at {}: {} as colour{}, in-plane force (F{}, F{}) as arrows centred on their samples",
-        kAxisNames[u], kAxisNames[v],
-        position_labels(kAxisNames[normal], {whole.at}, whole.at_spacing, axes.longer_unit).front(),
-        sheet.scales[0].words, largest_note(sheet.scales[0], censuses[0].largest), kAxisNames[u], kAxisNames[v]));
+        "{}–{} slice at {}: {} as colour{}, its direction as arrows centred on their samples", kAxisNames[u],
+        kAxisNames[v], position_labels(kAxisNames[normal], {whole.at}, whole.at_spacing, axes.longer_unit).front(),
+        sheet.scales[0].words, largest_note(sheet.scales[0], censuses[0].largest)));
     sheet.notes.insert(sheet.notes.end(), more_notes.begin(), more_notes.end());
     add_axes_notes(axes, true, sheet.notes);
     return draw_panels(sheet);

@@ -1,4 +1,4 @@
-// Explored paths over the section of the surface, and below it where the force pointed.
+// Over x: explored paths with the section of the surface and where the force pointed, and the force along a stroke.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -30,6 +30,10 @@ struct Bounds {
         return border > 0 ? Range{low - border, high + border} : Range{low - least, high + least};
     }
 };
+
+Range in_unit(const Range& range, const Unit& unit) {
+    return {divide_by_power_of_ten(range.low, unit.exponent), divide_by_power_of_ten(range.high, unit.exponent)};
+}
 
 ChartSeries line_of(std::string name, const std::vector<LinePoint>& line, std::vector<Stroke> strokes) {
     ChartSeries series{std::move(name), {}, false, true, false, std::move(strokes)};
@@ -94,6 +98,65 @@ Picture draw_paths(const PathDrawing& drawing) {
     if (!axes.stretch_note.empty())
         notes.push_back(axes.stretch_note);
     return draw_charts(drawing.look, notes, {section, below});
+}
+
+Picture draw_stroke(const Look& look, const std::vector<std::string>& notes, std::span<const StrokedForce> forces,
+                    bool differs) {
+    struct Panel {
+        std::string name;
+        bool in_newtons;
+        double least; // of border
+        double (*value)(const std::array<double, 3>& force);
+    };
+    static constexpr double kPanelHeight = 260;
+    static const std::array<Panel, 3> kPanels{
+        {{"force direction", false, 1,
+          [](const std::array<double, 3>& force) {
+              return force[0] == 0 && force[2] == 0 ? NAN : std::atan2(force[0], force[2]) * 180 / std::numbers::pi;
+          }},
+         {"force along x", true, 1e-6, [](const std::array<double, 3>& force) { return force[0]; }},
+         {"force along z", true, 1e-6, [](const std::array<double, 3>& force) { return force[2]; }}}};
+    Bounds x;
+    double largest = 0;
+    for (const StrokedForce& one : forces) {
+        x.add(one.x);
+        for (const double part : {one.force[0], one.force[2], one.unshaded[0], one.unshaded[2]})
+            largest = std::fmax(largest, std::fabs(part));
+    }
+    const Unit unit = choose_unit(std::isfinite(largest) && largest > 0 ? largest : 1, "N");
+    const Range across = x.widened(kLeastBreadth / 2);
+    std::vector<Chart> charts;
+    for (const Panel& panel : kPanels) {
+        Chart& chart = charts.emplace_back();
+        Bounds bounds;
+        for (const bool shaded : {false, true}) {
+            if (!shaded && !differs)
+                continue;
+            std::vector<LinePoint> line;
+            for (const StrokedForce& one : forces) {
+                const double value = panel.value(shaded ? one.force : one.unshaded);
+                if (!panel.in_newtons && !line.empty() && std::fabs(value - line.back().z) > 180)
+                    line.push_back({one.x, NAN}); // the direction goes on from the other end of the axis
+                line.push_back({one.x, value});
+                bounds.add(value);
+            }
+            const bool named = charts.size() == 1 && differs;
+            chart.series.push_back(line_of(!named   ? ""
+                                           : shaded ? "shaded"
+                                                    : "unshaded",
+                                           line, {{series_colour(shaded ? 0 : 1), shaded ? 2.4 : 1.8, {}, true}}));
+        }
+        const Range y = bounds.widened(panel.least);
+        chart.x.range = across;
+        chart.x.make = [across](std::size_t most) { return quantity_axis("x", "m", across.low, across.high, most); };
+        chart.y.range = y;
+        chart.y.make = [y, panel, unit](std::size_t most) {
+            return panel.in_newtons ? number_axis(panel.name + per_unit(unit), in_unit(y, unit), most, decimal)
+                                    : quantity_axis(panel.name, "°", y.low, y.high, most);
+        };
+        chart.height = kPanelHeight;
+    }
+    return draw_charts(look, notes, charts);
 }
 
 Breadth drawn_breadth(const std::vector<DrawnPath>& paths) {

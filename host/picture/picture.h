@@ -2,6 +2,7 @@
 // files.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -88,6 +89,18 @@ struct PathDrawing {
 
 /// Explored paths over the section of the surface, and below it where the force pointed.
 Picture draw_paths(const PathDrawing& drawing);
+
+/// A force on a probe that strokes the surface along x, with and without shading.
+struct StrokedForce {
+    double x;                      /* m */
+    std::array<double, 3> force{}; /* N */
+    std::array<double, 3> unshaded{};
+};
+
+/// The direction in the x-z plane and both components over x, shaded and unshaded on the same axes; `differs`: unshaded
+/// is another force.
+Picture draw_stroke(const Look& look, const std::vector<std::string>& notes, std::span<const StrokedForce> forces,
+                    bool differs);
 
 /// The normals of a line whose x increases, as a line of its own: x in m, z the angle from z towards x in deg. A
 /// segment's normal stands at both its ends.

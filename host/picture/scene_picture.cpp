@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "host/field/case_law.h"
 #include "host/field/tables.h"
 #include "host/output/height_image.h"
 #include "host/picture/ticks.h"
@@ -206,6 +207,51 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared, double y) {
         return {};
     return surface_lines(prepared,
                          {grid.origin[0], grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1), y});
+}
+
+namespace {
+
+// m: the highest point of a section's pieces at x; NaN where there is none.
+double height_at(const std::vector<picture::LinePoint>& line, double x) {
+    double height = NAN;
+    for (std::size_t i = 1; i < line.size(); ++i) {
+        const auto& [low, high] = std::minmax(line[i - 1], line[i], [](auto& a, auto& b) { return a.x < b.x; });
+        if (x >= low.x && x <= high.x)
+            height = std::fmax(height, high.x > low.x ? std::lerp(low.z, high.z, (x - low.x) / (high.x - low.x))
+                                                      : std::fmax(low.z, high.z));
+    }
+    return height;
+}
+
+} // namespace
+
+double pressed_depth(const Scene& scene) {
+    constexpr double kPressed = 1e-3; // m
+    const bool round = scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump;
+    return round ? std::min(kPressed, scene.surface.width / 20) : kPressed;
+}
+
+SceneStroke stroke_of(const PreparedCase& prepared, double y) {
+    constexpr std::size_t kSamples = 1001;
+    const GridSpec& grid = prepared.one.scene.grid;
+    SceneStroke stroke{{}, pressed_depth(prepared.one.scene)};
+    const double from = grid.origin[0] - grid.spacing[0] / 2;
+    const double length = grid.spacing[0] * static_cast<double>(grid.size[0]);
+    const std::vector<picture::LinePoint> line = surface_lines(prepared, {from, from + length, y}).nominal;
+    const CaseLaw<double> law(prepared);
+    layout::uint hint = 0;
+    for (std::size_t i = 0; i < kSamples; ++i) {
+        const double x = from + length * (static_cast<double>(i) + 0.5) / kSamples;
+        const glm::dvec3 probe{x, y, height_at(line, x) - stroke.depth};
+        picture::StrokedForce& one =
+            stroke.forces.emplace_back(picture::StrokedForce{x, {NAN, NAN, NAN}, {NAN, NAN, NAN}});
+        if (!std::isfinite(probe.z) || !law.reaches(probe))
+            continue;
+        const reference::Contact<double> found = law.at(probe, hint);
+        one.force = {found.force.x, found.force.y, found.force.z};
+        one.unshaded = {found.unshaded.x, found.unshaded.y, found.unshaded.z};
+    }
+    return stroke;
 }
 
 } // namespace forceshade

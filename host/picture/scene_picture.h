@@ -27,8 +27,18 @@ struct SectionSpan {
 
 /// The surface that depth is measured from, and the shape that shading imitates (empty without shading).
 picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionSpan& section);
-
 /// The same over the grid.
 picture::SurfaceLines surface_lines(const PreparedCase& prepared, double y /* m */);
+
+/// m: 1 mm; on a bump narrower than 20 mm a twentieth of its width.
+double pressed_depth(const Scene& scene);
+
+/// A stroke over the grid at one y, m, with the probe at one depth straight below the surface, where it has one; N, in
+/// double precision and without a history.
+struct SceneStroke {
+    std::vector<picture::StrokedForce> forces;
+    double depth = 0; /* m */
+};
+SceneStroke stroke_of(const PreparedCase& prepared, double y);
 
 } // namespace forceshade

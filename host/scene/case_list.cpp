@@ -11,6 +11,7 @@
 
 #include "host/error.h"
 #include "host/random.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 

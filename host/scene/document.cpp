@@ -7,6 +7,7 @@
 
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 

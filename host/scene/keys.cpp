@@ -97,7 +97,7 @@ void store_normals(Scene& s, const Value& v) {
     s.surface.mesh.crease = v.numbers.empty() ? 0 : v.numbers[0];
 }
 void store_file(FileSpec& spec, const Value& value) {
-    spec = {value.texts.at(0), value.path, value.sha256};
+    spec = {value.texts.at(0), value.path, value.sha256, value.place};
 }
 void store_image(HeightMapSpec& map, const Value& value) {
     map.function = MapFunction::file;

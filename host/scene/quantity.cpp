@@ -15,6 +15,7 @@
 
 #include "host/error.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 

@@ -65,7 +65,10 @@ struct FileSpec {
     std::string file;   /* as written in the scene; empty if none was */
     std::string path;   /* absolute, never written into results */
     std::string sha256; /* of the file's bytes, lower-case hex; empty until the file is read, if the scene gives none */
-    friend bool operator==(const FileSpec&, const FileSpec&) = default;
+    std::string place;  /* where the scene names it, `bump.toml:14:8` */
+    friend bool operator==(const FileSpec& a, const FileSpec& b) {
+        return a.file == b.file && a.path == b.path && a.sha256 == b.sha256;
+    }
 };
 
 /// G3: U(x, y) over the plane, analytic or from an image file.

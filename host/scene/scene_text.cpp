@@ -14,6 +14,7 @@
 #include "host/error.h"
 #include "host/scene/toml.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 
@@ -99,7 +100,8 @@ std::string read_text(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::string text = read_all(file);
     if (!file.is_open() || file.bad())
-        throw IoError(fmt::format("cannot read {}: {}", path.string(), std::generic_category().message(errno)));
+        throw IoError(fmt::format("cannot read {}: {}{}", path.string(), std::generic_category().message(errno),
+                                  errno == ENOENT ? missing_file_advice(path) : ""));
     return text;
 }
 

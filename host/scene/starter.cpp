@@ -1,5 +1,8 @@
 #include "host/scene/starter.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -39,13 +42,13 @@ Starter bump() {
              {"output.channels", "[\"force\", \"depth\"]"}}};
 }
 
-Starter mesh(std::string_view file) {
+Starter mesh(std::string_view file, std::string_view unit) {
     return {
         "A mesh whose vertex normals shade the forces. forceshade mesh FILE says its size and whether it has holes.",
         "forceshade field {0} --out mesh.exr --also png",
         {{"surface.kind", "\"mesh\""},
          {"surface.file", toml_string(file)},
-         {"surface.unit", "\"m\""},
+         {"surface.unit", toml_string(unit)},
          {"surface.inside"},
          {"surface.transform.scale"},
          {"force.stiffness", "\"1 N/mm\""},
@@ -106,8 +109,16 @@ Starter experiment() {
 
 } // namespace
 
-std::string starter_scene(std::string_view what, std::string_view mesh_file, std::string_view scene) {
-    const Starter starter = what == "mesh"         ? mesh(mesh_file)
+std::string_view unit_for_a_hand(double across) {
+    constexpr double kHeld = 0.1; // m
+    constexpr std::pair<std::string_view, double> kUnits[]{{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}};
+    const auto off = [&](const auto& unit) { return std::abs(std::log(across * unit.second / kHeld)); };
+    return across > 0 ? std::ranges::min_element(kUnits, {}, off)->first : kUnits[0].first;
+}
+
+std::string starter_scene(std::string_view what, std::string_view mesh_file, std::string_view unit,
+                          std::string_view scene) {
+    const Starter starter = what == "mesh"         ? mesh(mesh_file, unit)
                             : what == "paths"      ? paths()
                             : what == "live"       ? live()
                             : what == "experiment" ? experiment()

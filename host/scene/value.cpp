@@ -13,66 +13,42 @@
 #include "host/error.h"
 #include "host/scene/document.h"
 #include "host/scene/schema.h"
+#include "host/spelling.h"
 
 namespace forceshade {
 
 namespace {
 
-// Beyond this nobody meant anything, and the table of distances stays small.
-constexpr std::size_t kLongestWord = 64;
 constexpr std::size_t kLongestText = 500; // characters of a title or question
 
-} // namespace
+// What is asked for by a name that no choice has.
+struct OtherName {
+    std::string_view key, names, hint;
+};
+constexpr OtherName kOtherNames[]{
+    {"surface.kind", " sphere ball ellipsoid torus cube box cone ",
+     "\"mesh\" takes any shape from a file: forceshade init mesh FILE"},
+    {"surface.kind", " plane flat wall ", "a plane is a \"bump\" with facets = 1"},
+    {"surface.kind", " cylinder round arc ", "a \"bump\" is a cylinder of `radius` made of facets"},
+    {"surface.kind", " image heightmap texture gaussian sine dip ",
+     "that is a \"height_map\", chosen by its `function` or `file`"},
+    {"output.channels", " normal normals direction ",
+     "the direction is that of \"force\"; turned by shading from that of \"unshaded\""},
+    {"output.channels", " penetration distance ", "that is \"depth\""},
+    {"output.channels", " position contact point god_object ", "that is \"proxy\""},
+    {"force.shading", " phong gouraud smooth on ",
+     "vertex normals shade by \"morgenbesser\", \"barycentric\" or \"mean_value\" (a mesh), the smooth cylinder by "
+     "\"reference\""},
+    {"force.shading", " flat off unshaded ", "that is \"none\""},
+};
 
-std::string lower_case(std::string_view text) {
-    std::string result(text);
-    for (char& c : result)
-        if (c >= 'A' && c <= 'Z')
-            c = static_cast<char>(c - 'A' + 'a');
-    return result;
+std::string hint_for(std::string_view key, std::string_view name) {
+    const std::string word = fmt::format(" {} ", lower_case(name));
+    for (const OtherName& other : kOtherNames)
+        if (other.key == key && other.names.find(word) != std::string_view::npos)
+            return fmt::format("; {}", other.hint);
+    return "";
 }
-
-std::size_t edit_distance(std::string_view first, std::string_view second) {
-    const std::size_t columns = second.size() + 1;
-    std::vector<std::size_t> table((first.size() + 1) * columns);
-    const auto at = [&](std::size_t i, std::size_t j) -> std::size_t& { return table[i * columns + j]; };
-    for (std::size_t i = 0; i <= first.size(); ++i)
-        at(i, 0) = i;
-    for (std::size_t j = 0; j <= second.size(); ++j)
-        at(0, j) = j;
-    for (std::size_t i = 1; i <= first.size(); ++i)
-        for (std::size_t j = 1; j <= second.size(); ++j) {
-            const std::size_t change = first[i - 1] == second[j - 1] ? 0 : 1;
-            at(i, j) = std::min({at(i - 1, j) + 1, at(i, j - 1) + 1, at(i - 1, j - 1) + change});
-            if (i > 1 && j > 1 && first[i - 1] == second[j - 2] && first[i - 2] == second[j - 1])
-                at(i, j) = std::min(at(i, j), at(i - 2, j - 2) + 1);
-        }
-    return at(first.size(), second.size());
-}
-
-std::string_view nearest(std::string_view word, std::span<const std::string> candidates) {
-    if (word.size() > kLongestWord)
-        return {};
-    const std::string lower = lower_case(word);
-    const std::size_t limit = word.size() < 3 ? 0 : std::max<std::size_t>(1, word.size() / 3);
-    std::string_view best;
-    std::pair<std::size_t, std::size_t> best_distance{limit, kLongestWord + 1};
-    for (const std::string& candidate : candidates) {
-        const std::pair distance{edit_distance(lower, lower_case(candidate)), edit_distance(word, candidate)};
-        if (distance.first <= limit && distance < best_distance) {
-            best = candidate;
-            best_distance = distance;
-        }
-    }
-    return best;
-}
-
-std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {
-    const std::string_view found = nearest(word, candidates);
-    return found.empty() ? std::string() : fmt::format("; did you mean \"{}\"?", found);
-}
-
-namespace {
 
 using Type = TomlNode::Type;
 
@@ -279,7 +255,8 @@ private:
             read_angle_of_choice(node, *found, value);
         } else if (found == key_.choices.end()) {
             const std::vector<std::string> names(key_.choices.begin(), key_.choices.end());
-            refuse(node, "{}; got {}{}", all, describe(node), did_you_mean(node.text, names));
+            const std::string meant = did_you_mean(node.text, names);
+            refuse(node, "{}; got {}{}", all, describe(node), meant.empty() ? hint_for(key_.path(), node.text) : meant);
         }
         value.integers.push_back(static_cast<std::uint64_t>(found - key_.choices.begin()));
     }
@@ -292,6 +269,8 @@ private:
             refuse(node, "{} is a folder; {} is the name of a file", describe(node), key_.name);
         if (name.empty() || node.text.find('\0') != std::string::npos)
             refuse(node, "{} names no file", describe(node));
+        value.place = location_prefix(source_, node.where);
+        value.place.resize(value.place.size() - std::string_view(": ").size());
         value.path =
             (std::filesystem::absolute(folder_.empty() ? "." : folder_) / node.text).lexically_normal().string();
     }

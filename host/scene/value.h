@@ -1,4 +1,4 @@
-// Values of a configuration: where each stands, what it means, and the word that was meant.
+// Values of a configuration: where each stands and what it means.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,6 @@
 #include "host/scene/errors.h"
 
 namespace forceshade {
-
-// Finds the word that somebody meant who misspelt one.
-
-/// Of ASCII; other bytes stay as they are.
-std::string lower_case(std::string_view text);
-
-/// Damerau-Levenshtein distance (optimal string alignment): insertions, deletions, changes and swaps of neighbours, in
-/// bytes.
-std::size_t edit_distance(std::string_view first, std::string_view second);
-
-/// The candidate nearest to `word`, upper and lower case counting least; empty if none is near enough to be meant.
-std::string_view nearest(std::string_view word, std::span<const std::string> candidates);
-
-/// `; did you mean "stiffness"?`, or an empty text if nothing is near.
-std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
 
 // One value of one key, as read: its meaning in SI units or as an index, the user's text, and where it stands.
 
@@ -41,6 +26,7 @@ struct Value {
     bool one_for_all = false; // one part stands for all components
     std::string path;         // of a file: absolute
     std::string sha256;       // of a file: as expected by the user, or empty
+    std::string place;        // of a file: `source:line:column`
 };
 
 /// Equal text if and only if the values mean the same: "1000 mil" and "25.4 mm" are one value.

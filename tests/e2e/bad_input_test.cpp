@@ -51,6 +51,20 @@ TEST_F(BadInput, a_scene_without_permission_is_an_io_error) {
     expect_failure(4, launch, {"scene.toml", "Permission denied"});
 }
 
+TEST_F(BadInput, a_misspelt_file_gets_the_nearest_name) {
+    write("bump.toml", "[surface]\nfacets = 2\n");
+    write("one.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"oen.obj\"\n[grid]\nsamples = 8\n");
+    expect_failure(4, {"field", "bmup.toml", "--out", "x.exr"}, {"did you mean \"bump.toml\"?"});
+    expect_failure(4, {"mesh", "oen.obj"}, {"did you mean \"one.obj\"?"});
+    expect_failure(4, {"field", "mesh.toml", "--out", "x.exr"}, {"mesh.toml:3:8: ", "did you mean \"one.obj\"?"});
+    expect_failure(4, {"field", "no/bump.toml", "--out", "x.exr"}, {"there is no folder no"});
+    write("ball.toml", "[surface]\nkind = \"sphere\"\n");
+    expect_failure(2, {"field", "ball.toml", "--out", "x.exr"}, {"ball.toml:2:8: ", "forceshade init mesh FILE"});
+    const std::string scene = expect_success({"init", "mesh", "one.obj"}).out;
+    EXPECT_NE(scene.find("unit = \"mm\""), std::string::npos) << "100 mm is what a hand can hold";
+}
+
 TEST_F(BadInput, a_missing_or_broken_height_map_is_an_error_with_its_name) {
     const std::string scene = "[surface]\nkind = \"height_map\"\nfile = \"map.{}\"\nsize = [\"2 mm\", \"2 mm\"]\n"
                               "height = \"1 mm\"\n";

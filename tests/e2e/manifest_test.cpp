@@ -91,7 +91,7 @@ TEST_F(Account, gives_the_hash_and_size_of_every_file) {
             EXPECT_EQ(listed.count(name), 1u) << name;
         }
     }
-    EXPECT_EQ(listed.size(), 51u + 6 * 4);
+    EXPECT_EQ(listed.size(), 51u + 6 * 5);
 }
 
 TEST_F(Account, gives_the_largest_force_and_where_it_is) {

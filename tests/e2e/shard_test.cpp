@@ -153,10 +153,11 @@ TEST_F(Shards, that_fail_leave_their_reason) {
             EXPECT_NE(merged.error.find(word), std::string::npos) << word << " in\n" << merged.error;
     };
     EXPECT_EQ(forceshade({"sweep", "meshes.toml", "--out", "out", "--shard", "2/2", "--quiet"}).code, 4);
-    expect_merge({"0 of 3", "mesh_file-c.obj: cannot read", "3 cases missing", "--shard 2/2"});
+    expect_merge({"0 of 3", "mesh_file-c.obj: meshes.toml:3:18: cannot read", "3 cases missing", "--shard 2/2"});
     EXPECT_FALSE(std::filesystem::exists(path("out/manifest.json")));
     EXPECT_EQ(forceshade({"sweep", "meshes.toml", "--out", "out", "--shard", "1/2", "--quiet"}).code, 4);
-    expect_merge({"1 of 3", "mesh_file-b.obj: cannot read", "mesh_file-c.obj", "--shard 1/2, --shard 2/2"});
+    expect_merge(
+        {"1 of 3", "mesh_file-b.obj: meshes.toml:3:9: cannot read", "mesh_file-c.obj", "--shard 1/2, --shard 2/2"});
 }
 
 Launch in_array(Launch launch, const std::string& id, const std::string& count, const std::string& first,

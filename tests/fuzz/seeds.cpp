@@ -73,7 +73,7 @@ void add_scenes(Seeds& seeds) {
     seeds.add("toml", schema_text());
     seeds.add("toml", default_study_toml());
     for (const std::string_view what : kStarters)
-        seeds.add("toml", starter_scene(what, "mesh.obj", "scene.toml"));
+        seeds.add("toml", starter_scene(what, "mesh.obj", "mm", "scene.toml"));
     seeds.add("toml", "[surface]\nkind = [\"bump\", \"mesh\"]\nfile = \"a.obj\"\n[[variant]]\n[texture]\nfunction = "
                       "\"sine\"\n[[variant]]\ngrid = { spacing = [\"1 mm\", \"2 mm\", \"3 mm\"] }\n");
     for (const char* text : {"quantity 1e-3 kg m^2/s^2", "quantity 600 mil", "quantity 5 N s/m", "quantity 90 deg",

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "host/picture/canvas.h"
+#include "host/picture/scene_picture.h"
+#include "host/scene/cases.h"
 #include "tests/picture/cases.h"
 
 namespace forceshade::picture::test {
@@ -60,6 +62,35 @@ TEST(PathPlot, OfAPathThatStandsStillIsDrawn) {
     EXPECT_GT(draw_paths(drawing).png.size(), 1000u);
     drawing.surface = {};
     EXPECT_GT(draw_paths(drawing).png.size(), 1000u);
+}
+
+// The paper's bump of two facets, in closed form: with shading the force turns as the cylinder's normal does.
+TEST(Stroke, OfABumpIsTheClosedForm) {
+    constexpr double kHalfOfBump = 12.7e-3, kOfCylinder = 15.24e-3, kStiffness = 1000, kDepth = 1e-3;
+    const PreparedCase prepared = CasePreparation().prepare(
+        parse_scene("[surface]\nkind = \"bump\"\nradius = \"600 mil\"\nfacets = 2\n[force]\nstiffness = \"1 N/mm\"\n"
+                    "shading = \"reference\"\n",
+                    "scene"));
+    const SceneStroke stroke = stroke_of(prepared, 0);
+    EXPECT_EQ(stroke.depth, kDepth);
+    const double slope =
+        std::atan2(kOfCylinder - std::sqrt(kOfCylinder * kOfCylinder - kHalfOfBump * kHalfOfBump), kHalfOfBump);
+    std::size_t on_bump = 0;
+    for (const StrokedForce& one : stroke.forces) {
+        if (std::abs(std::abs(one.x) - kHalfOfBump) < 1e-6 || std::abs(one.x) < 1e-6)
+            continue;
+        const bool flat = std::abs(one.x) > kHalfOfBump;
+        const double size = kStiffness * kDepth, tilt = flat ? 0 : std::copysign(slope, one.x),
+                     turn = flat ? 0 : std::asin(one.x / kOfCylinder);
+        on_bump += flat ? 0 : 1;
+        EXPECT_NEAR(one.unshaded[0], size * std::sin(tilt), 1e-9) << one.x;
+        EXPECT_NEAR(one.unshaded[2], size * std::cos(tilt), 1e-9) << one.x;
+        EXPECT_NEAR(one.force[0], size * std::sin(turn), 1e-9) << one.x;
+        EXPECT_NEAR(one.force[2], size * std::cos(turn), 1e-9) << one.x;
+    }
+    EXPECT_GT(on_bump, 400u);
+    expect_clear_texts(draw_stroke({"A bump"}, {}, stroke.forces, true));
+    expect_clear_texts(draw_stroke({"A bump", 700}, {}, {stroke.forces.data(), 1}, false));
 }
 
 } // namespace

@@ -12,6 +12,7 @@
 #include "host/scene/starter.h"
 #include "host/scene/study.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 #include "tests/scene/errors.h"
 
 namespace forceshade {
@@ -52,7 +53,7 @@ TEST(Schema, JsonHasEveryKey) {
 // A key that is left out of a scene to start from, or misspelt in it, would be its user's first error.
 TEST(Starter, EachIsAStudyWithoutWarnings) {
     for (const std::string_view what : kStarters) {
-        const Study study = parse_study(starter_scene(what, "a.obj", "s.toml"), "starter");
+        const Study study = parse_study(starter_scene(what, "a.obj", "mm", "s.toml"), "starter");
         EXPECT_TRUE(study.warnings.empty()) << what;
         EXPECT_EQ(study.cases.size(), what == "experiment" ? 14u : 1u) << what;
         EXPECT_EQ(study.cases.front().scene.paths.has_value(), what == "paths" || what == "live");

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host/study/error_time/runs.h"
 #include "host/touch/angle.h"
 
 namespace forceshade::study {
@@ -186,6 +187,19 @@ StudyData study_error_time(StudyRun& run) {
         for (const Variant& variant : subject.variants)
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
                              [&] { add_errors(errors, methods, subject, variant, extents); }});
+    std::vector<FieldRun> fields;
+    std::vector<LoopRun> loops;
+    for (const Subject& subject : subjects)
+        std::ranges::move(field_runs(subject, run.engine(), *single_thread), std::back_inserter(fields));
+    for (std::size_t round = 0; round < extents.runs; ++round)
+        parts.push_back({"whole fields", [&] { measure(fields, run.options().folder); }});
+    for (const Subject& subject : subjects)
+        for (const Variant& variant : subject.variants)
+            if (variant.thorough && variant.shading != "none")
+                parts.push_back({"loops of " + subject.name, [&] {
+                                     std::ranges::move(loop_runs(subject.name, variant, *single_thread, extents.runs),
+                                                       std::back_inserter(loops));
+                                 }});
     parts.push_back({"compiling", [&] { measure_round(methods, 0); }}); // and making volumes: not within a round
     for (std::size_t round = 1; round <= extents.rounds; ++round)
         parts.push_back({"times", [&, round] { rounds.push_back(measure_round(methods, round)); }});
@@ -203,6 +217,9 @@ StudyData study_error_time(StudyRun& run) {
     data.tables = tables_of(measured);
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);
+    std::ranges::move(run_tables(measured, fields, loops), std::back_inserter(data.tables));
+    std::ranges::move(run_figures(fields, loops), std::back_inserter(data.figures));
+    std::ranges::move(run_findings(measured, fields, loops), std::back_inserter(data.findings));
     return data;
 }
 

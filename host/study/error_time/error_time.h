@@ -99,7 +99,6 @@ struct Measured {
 std::vector<Table> tables_of(const Measured& measured);
 /// `own`: of the study's own surfaces.
 std::vector<Figure> figures_of(const Measured& measured, bool own);
-/// At most five findings.
 std::vector<Finding> findings_of(const Measured& measured);
 
 } // namespace error_time

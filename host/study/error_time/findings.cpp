@@ -1,4 +1,4 @@
-// At most five findings of error against time.
+// Findings of error against time.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -185,25 +185,11 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
          fmt::format("{}; {} places a law", kBootstrap, places)});
 }
 
-// What separates the live methods in time, as a ratio: absolute times are those of a machine and stand in the tables.
-void add_slowest(std::vector<Finding>& findings, const Measured& measured) {
-    const std::vector<std::size_t> live = measured.find([](const Method& method) { return method.use == Use::live; });
-    const auto slowest =
-        std::ranges::max_element(live, {}, [&](std::size_t i) { return measured.times.seconds(i).median; });
-    const Method &method = measured.methods[*slowest], &unit = measured.methods[measured.times.unit()];
-    findings.push_back(
-        {"slowest",
-         fmt::format("The slowest live method, {}, {}.", method.name,
-                     times_as_long(measured.times.ratio(*slowest, measured.times.unit()), unit.name.c_str())),
-         "error-time-" + method.subject->name, method.name,
-         "mean of an evaluation on one thread; a single one may take longer", kBootstrap});
-}
-
 } // namespace
 
 std::vector<Finding> findings_of(const Measured& measured) {
     std::vector<Finding> findings;
-    for (const auto add : {add_lookup, add_shading, add_cheapest, add_precision, add_slowest})
+    for (const auto add : {add_lookup, add_shading, add_cheapest, add_precision})
         add(findings, measured);
     return findings;
 }

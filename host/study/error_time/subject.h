@@ -22,6 +22,7 @@ struct Extents {
     std::size_t places_of_kind = 0; /* of each kind, if that many are found */
     std::size_t rounds = 0;         /* of timing; each measures everything once */
     std::size_t offsets = 0;        /* random ones of each volume's grid */
+    std::size_t runs = 0;           /* of whole fields and loops */
 };
 
 Extents extents_of(bool quick);

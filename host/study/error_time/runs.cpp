@@ -1,0 +1,283 @@
+#include "host/study/error_time/runs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/cases/case_pipeline.h"
+#include "host/clock.h"
+#include "host/paths/scene_paths.h"
+#include "host/study/error_time/volume.h"
+
+namespace forceshade::study::error_time {
+namespace {
+
+constexpr double kRates[] = {1000, 2000, 4000, 8000, 16000}; // Hz
+constexpr double kStrokeSeconds = 1.2;
+constexpr double kSettled = 0.6; // s: by then the ringing of the first contact is small
+constexpr std::uint64_t kStrokes = 16;
+constexpr Precision kPrecisions[] = {Precision::f32, Precision::f64};
+
+const Variant* shaded_variant(const Subject& subject) {
+    const auto found = std::ranges::find_if(subject.variants,
+                                            [](const Variant& one) { return one.thorough && one.shading != "none"; });
+    return found == subject.variants.end() ? nullptr : &*found;
+}
+
+// Where the probe was and what force it met, at each millisecond of each stroke once it has settled.
+struct Stroked {
+    std::vector<glm::dvec3> position, force; /* m, N */
+    double seconds = 0;                      /* that the computation took */
+};
+
+template <typename T> Stroked stroked_in(const PreparedCase& variant, double rate, Engine& engine) {
+    PreparedCase prepared = variant;
+    PathsSpec& paths = *prepared.one.scene.paths;
+    paths.rate = rate;
+    paths.count = kStrokes;
+    paths.steps = static_cast<std::uint64_t>(std::lround(kStrokeSeconds * rate)) + 1;
+    const auto every = static_cast<std::size_t>(std::lround(rate / kRates[0])), marks = (paths.steps - 1) / every + 1;
+    const auto first = static_cast<std::size_t>(kSettled * kRates[0]);
+    ScenePaths<T> source(prepared);
+    layout::PathInput<T> input = source.input();
+    input.features.channels = layout::kChannelForce | layout::kChannelPosition;
+    Stroked stroked;
+    stroked.position.resize(kStrokes * (marks - first));
+    stroked.force.resize(kStrokes * (marks - first));
+    const auto keep = [&](const layout::PathChunk<T>& chunk) {
+        for (std::size_t row = 0; row < chunk.path_count; ++row)
+            for (std::size_t i = 0; i < chunk.step_count; ++i)
+                if (const std::size_t mark = (chunk.step_first + i) / every;
+                    (chunk.step_first + i) % every == 0 && mark >= first) {
+                    const std::size_t from = 3 * (i * chunk.pitch + row),
+                                      to = (chunk.path_first + row) * (marks - first) + mark - first;
+                    stroked.position[to] = {chunk.position[from], chunk.position[from + 1], chunk.position[from + 2]};
+                    stroked.force[to] = {chunk.force[from], chunk.force[from + 1], chunk.force[from + 2]};
+                }
+    };
+    stroked.seconds = engine.explore<T>(input, keep, [](std::size_t, const auto&) {}).kernel;
+    return stroked;
+}
+
+Stroked stroked(const PreparedCase& variant, double rate, Precision precision, Engine& engine) {
+    return in_precision(precision,
+                        [&]<typename T>(std::type_identity<T>) { return stroked_in<T>(variant, rate, engine); });
+}
+
+double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>* less = nullptr) {
+    double squares = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const glm::dvec3 value = less ? values[i] - (*less)[i] : values[i];
+        squares += reference::dot(value, value);
+    }
+    return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+// The error of a field read between its samples: that of the look-up with its spacing.
+const ForceErrors* look_up_errors(const Measured& measured, const FieldRun& run) {
+    const std::vector<std::size_t> found = measured.find([&](const Method& method) {
+        return method.variant == run.variant && method.family == "look-up, trilinear" && method.precision == "f32" &&
+               method.spacing == run.grid.spacing[0];
+    });
+    return found.empty() ? nullptr : &measured.errors[found[0]]->shared;
+}
+
+struct FieldRunRow {
+    const FieldRun& run;
+    const ForceErrors* errors;
+};
+
+const char* word_of(Precision precision) {
+    return precision == Precision::f32 ? "f32" : "f64";
+}
+
+std::string series_of(const FieldRun& run) {
+    return fmt::format("{}, {}", run.by, word_of(run.precision));
+}
+
+} // namespace
+
+std::vector<FieldRun> field_runs(const Subject& subject, Engine& engine, Engine& single_thread) {
+    const EngineReport report = engine.report();
+    const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores";
+    std::vector<FieldRun> runs;
+    if (const Variant* variant = shaded_variant(subject))
+        for (const double spacing : subject.spacings) {
+            const GridSpec grid = volume_grid(subject.low, subject.high, spacing, glm::dvec3(0));
+            for (const Precision precision : kPrecisions) {
+                if (precision == Precision::f32 || report.f64)
+                    runs.push_back({variant, subject.name, grid, by, precision, &engine});
+                runs.push_back({variant, subject.name, grid, "CPU on one thread", precision, &single_thread});
+            }
+        }
+    return runs;
+}
+
+void measure(std::vector<FieldRun>& runs, const std::filesystem::path& folder) {
+    for (FieldRun& run : runs) {
+        const std::filesystem::path volume = folder / ".field-run.exr";
+        auto job = std::make_unique<CaseJob>(CaseJob{*run.variant->prepared, volume, ""});
+        Scene& scene = job->prepared.one.scene;
+        scene.grid = run.grid;
+        scene.paths.reset();
+        scene.output.channels = layout::kChannelForce;
+        set_precision(job->prepared.one, run.precision);
+        std::exception_ptr error;
+        const Clock::time_point start = Clock::now();
+        run_cases(
+            *run.engine, [&] { return std::move(job); }, 1, {},
+            [&](const CaseOutcome& done) {
+                error = done.error;
+                run.bytes = done.error ? 0 : static_cast<double>(done.record.files.front().bytes);
+            });
+        run.seconds.push_back(seconds_since(start));
+        std::error_code ignored;
+        std::filesystem::remove(volume, ignored);
+        if (error)
+            std::rethrow_exception(error);
+    }
+}
+
+std::vector<LoopRun> loop_runs(const std::string& surface, const Variant& variant, Engine& single_thread,
+                               std::size_t rounds) {
+    const PreparedCase& prepared = *variant.prepared;
+    const Stroked truth = stroked(prepared, kFinestRate, Precision::f64, single_thread);
+    std::vector<LoopRun> runs;
+    for (const double rate : kRates)
+        for (const Precision precision : kPrecisions) {
+            const Stroked found = stroked(prepared, rate, precision, single_thread);
+            runs.push_back({surface, &variant, rate, precision, rms(found.force, &truth.force) / rms(truth.force),
+                            rms(found.position, &truth.position)});
+        }
+    std::vector<std::vector<double>> seconds(runs.size());
+    for (std::size_t round = 0; round < rounds; ++round)
+        for (std::size_t i = 0; i < runs.size(); ++i)
+            seconds[i].push_back(stroked(prepared, runs[i].rate, runs[i].precision, single_thread).seconds);
+    for (std::size_t i = 0; i < runs.size(); ++i)
+        runs[i].seconds = quantile(seconds[i], 0.5) / (kStrokeSeconds * kStrokes);
+    return runs;
+}
+
+std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldRun>& fields,
+                              const std::vector<LoopRun>& loops) {
+    std::vector<FieldRunRow> rows;
+    for (const FieldRun& run : fields)
+        rows.push_back({run, look_up_errors(measured, run)});
+    using R = FieldRunRow;
+    const auto time = [](double share) { return [share](const R& r) { return quantile(r.run.seconds, share); }; };
+    return {table_of<R>(
+                "field_runs", "Whole fields, with their files",
+                {{"surface", "", "as in ways", [](const R& r) { return r.run.surface; }},
+                 {"law", "", "the law of the field", [](const R& r) { return r.run.variant->name; }},
+                 {"series", "", "engine and precision", [](const R& r) { return series_of(r.run); }},
+                 {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.run.grid.spacing[0]; }},
+                 {"voxels", "1", "of the grid",
+                  [](const R& r) { return double(r.run.grid.size[0] * r.run.grid.size[1] * r.run.grid.size[2]); }},
+                 {"time_s", "s", "evaluated, compressed, written to disk and checked, median", time(0.5)},
+                 {"time_low_s", "s", "the least", time(0)},
+                 {"time_high_s", "s", "the largest", time(1)},
+                 {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.run.bytes; }},
+                 {"typical_rms_1", "1",
+                  "error of the force between the samples (trilinear) over the RMS true force, root mean square, at "
+                  "the median of random offsets of the grid",
+                  [](const R& r) { return r.errors && r.errors->typical ? Cell(r.errors->typical->rms) : Cell(); }}},
+                rows),
+            table_of<LoopRun>(
+                "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
+                {{"surface", "", "as in ways", [](const LoopRun& r) { return r.surface; }},
+                 {"law", "", "of the force", [](const LoopRun& r) { return r.variant->name; }},
+                 {"precision", "", "of the loop", [](const LoopRun& r) { return word_of(r.precision); }},
+                 {"rate_kHz", "kHz", "of the loop", [](const LoopRun& r) { return r.rate / 1000; }},
+                 {"force_error_1", "1",
+                  "RMS difference from the force of a loop of 64 kHz in double at the same time, over its RMS",
+                  &LoopRun::force_error},
+                 {"position_error_um", "um", "RMS difference of the probe's position",
+                  [](const LoopRun& r) { return 1e6 * r.position_error; }},
+                 {"time_ms", "ms", "of computing, for a second of a stroke, on one thread, median",
+                  [](const LoopRun& r) { return 1e3 * r.seconds; }}},
+                loops)};
+}
+
+std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::vector<LoopRun>& loops) {
+    std::vector<Figure> figures;
+    if (!fields.empty()) {
+        Figure& figure = figures.emplace_back(make_figure(
+            "field-runs", fmt::format("Fields of \"{}\": error between samples against time", fields.front().surface),
+            "Each mark is a whole run of a field: evaluated, compressed, written and checked. Its label is the grid's "
+            "spacing in mm. The error is that of reading between the samples, root mean square.",
+            FigureKind::scatter, "field_runs", {{"surface", fields.front().surface}},
+            {"time_s", "time of a field with its file / s", true},
+            {"typical_rms_1", "RMS error over the RMS force", true}, "series", "spacing_mm"));
+        figure.x_low = "time_low_s";
+        figure.x_high = "time_high_s";
+        figure.joined = true;
+    }
+    if (!loops.empty()) {
+        Figure& figure = figures.emplace_back(make_figure(
+            "loop-rates", "Strokes in closed loop: error against time, by the loop's rate",
+            "Each mark is a rate, in kHz, of the same strokes of a hand that presses. The error is the RMS difference "
+            "of the force from that of a loop of 64 kHz, over its RMS.",
+            FigureKind::scatter, "loop_rates", {{"precision", "f64"}},
+            {"time_ms", "time for a second of a stroke / ms", true}, {"force_error_1", "RMS error of the force", true},
+            "surface", "rate_kHz"));
+        figure.joined = true;
+    }
+    return figures;
+}
+
+std::vector<Finding> run_findings(const Measured& measured, const std::vector<FieldRun>& fields,
+                                  const std::vector<LoopRun>& loops) {
+    std::vector<Finding> findings;
+    const auto in_double = [&](double rate) {
+        return std::ranges::find_if(loops,
+                                    [&](const LoopRun& r) { return r.rate == rate && r.precision == Precision::f64; });
+    };
+    if (const auto slow = in_double(1000), fast = in_double(4000);
+        slow != loops.end() && fast != loops.end() && std::isfinite(slow->force_error + fast->force_error))
+        findings.push_back(
+            {"loop_rate",
+             fmt::format(
+                 "Stroking, the force of a loop of 1 kHz differs from that of one of 64 kHz by {:.1f} % RMS, that of "
+                 "one of 4 kHz by {:.1f} % (the probe's position by {:.0f} and {:.0f} um); single precision adds "
+                 "nothing to that.",
+                 100 * slow->force_error, 100 * fast->force_error, 1e6 * slow->position_error,
+                 1e6 * fast->position_error),
+             "loop-rates", fmt::format("{}, {}", slow->surface, slow->variant->name),
+             fmt::format("{} strokes of {} s with the scene's hand, without their first {} s", kStrokes, kStrokeSeconds,
+                         kSettled),
+             ""});
+    const auto by = [&](std::size_t nth) -> const FieldRun* { // of the spacings, from the finest
+        if (fields.empty())
+            return nullptr;
+        std::vector<const FieldRun*> same;
+        for (const FieldRun& run : fields)
+            if (run.surface == fields.front().surface && run.by == fields.front().by && run.precision == Precision::f32)
+                same.push_back(&run);
+        std::ranges::sort(same, {}, [](const FieldRun* run) { return run->grid.spacing[0]; });
+        return nth < same.size() ? same[nth] : nullptr;
+    };
+    const FieldRun *fine = by(0), *coarse = by(1);
+    if (!fine || !coarse)
+        return findings;
+    const ForceErrors *of_fine = look_up_errors(measured, *fine), *of_coarse = look_up_errors(measured, *coarse);
+    if (!of_fine || !of_coarse || !of_fine->typical || !of_coarse->typical)
+        return findings;
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < fine->seconds.size(); ++i)
+        ratios.push_back(fine->seconds[i] / coarse->seconds[i]);
+    findings.push_back(
+        {"field_spacing",
+         fmt::format(
+             "A field of {:.2g} mm instead of {:.2g} mm {}; the RMS error of reading between its samples is {:.1f} "
+             "instead of {:.1f} % of the RMS force, and the file has {:.1f} times the bytes.",
+             1e3 * fine->grid.spacing[0], 1e3 * coarse->grid.spacing[0],
+             times_as_long(bootstrap_median(ratios), "that one"), 100 * of_fine->typical->rms,
+             100 * of_coarse->typical->rms, fine->bytes / coarse->bytes),
+         "field-runs", fmt::format("{}, {}", fine->surface, fine->variant->name),
+         fmt::format("{}; evaluated, compressed, written and checked", fine->by),
+         "95 % bootstrap interval of paired rounds"});
+    return findings;
+}
+
+} // namespace forceshade::study::error_time
