@@ -28,13 +28,16 @@ void Safety::follow(const Situation& now) noexcept {
         observer_.wait();
         return;
     }
+    const double given = observer_.energy(), waited = static_cast<double>(observer_.since() + 1) * period_;
     if (now.begins_path) {
         drop_force(); // it belongs to another place
         observer_.start_at(now.probe);
         speed_ = glm::dvec3(0);
         speed_size_ = 0;
-    } else
+    } else {
         observer_.move_to(now.probe);
+        oscillation_.add(observer_.energy() - given, waited);
+    }
     if (begun_ && !now.begins_path) {
         const double since = std::max(now.time - last_fresh_, 0.5 * period_);
         const glm::dvec3 speed = (now.probe - last_probe_) / since;
@@ -76,6 +79,21 @@ double Safety::gain(bool contact) noexcept {
     free_ = 0;
     contact_gain_ = limits_.contact_ramp > 0 ? std::min(1.0, contact_gain_ + step_ / limits_.contact_ramp) : 1;
     return gain_ * contact_gain_;
+}
+
+// The force comes back as after a fault once the probe has been without contact.
+double Safety::fade(bool contact) noexcept {
+    fades_ = fades_ || (contact && oscillation_.drives());
+    if (!fades_)
+        return 1;
+    fade_ = std::max(0.0, fade_ - step_ / kFadeTime);
+    if (!contact && free_ >= limits_.free_time) {
+        fades_ = false;
+        fade_ = 1;
+        oscillation_ = {};
+        restart_ramp();
+    }
+    return fades_ ? fade_ : 1;
 }
 
 void Safety::drop_force() noexcept {
@@ -129,6 +147,11 @@ glm::dvec3 Safety::limit(const Situation& now, const glm::dvec3& law, bool conta
     if (share < 1) { // of the limited force: a probe deep in the surface does not reach the limit sooner
         force = share * force;
         flags |= contact ? kRamping : 0u;
+    }
+    if (limits_.fade) {
+        const double left = fade(contact);
+        force = left * force;
+        flags |= left < 1 && contact ? kUnstable : 0u;
     }
     if (limits_.passivity) {
         const Damping damping = passive_damping(observer_, speed_, period_, limits_.damping);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -27,6 +29,7 @@ struct SafetyLimits {
     double late = 20;                   // periods that a sample may be late
     glm::dvec3 low{-kUnknown};          /* m: the workspace, for the hand's position */
     glm::dvec3 high{kUnknown};          /* m */
+    bool fade = true;                   // whether a force that drives an oscillation is faded out
     bool passivity = false;             // whether the passivity controller is on
     double damping = 10;                /* N s/m: the most that it may add */
 };
@@ -94,6 +97,57 @@ private:
     bool begun_ = false;
 };
 
+/// Whether the device drives an oscillation: for six periods the energy that the hand is given swings to and fro faster
+/// than hands move (tremor has up to 12 Hz), each swing is of the size of the others, and the later half is not smaller
+/// than the earlier one. A wall that holds rings, too, but its ringing dies; strokes over edges and textures swing at
+/// random.
+class OscillationObserver {
+public:
+    /// The hand was given `work`, J, in a sample of `step`, s.
+    void add(double work, double step) noexcept {
+        time_ += step;
+        energy_ += work;
+        if (rises_ ? energy_ > extreme_ : energy_ < extreme_)
+            extreme_ = energy_;
+        else if (std::fabs(energy_ - extreme_) > kLeastTurn)
+            turn();
+    }
+    bool drives() const noexcept { return drives_; }
+
+private:
+    static constexpr double kLeastTurn = 20e-6;        /* J: turns of less are noise */
+    static constexpr double kLeastSwing = 100e-6;      /* J: weaker oscillations harm nothing */
+    static constexpr double kLongestPeriod = 1.0 / 12; /* s */
+    static constexpr double kKept = 0.93;              // by the later half, of the earlier one's swings
+    static constexpr double kAlike = 0.2;              // of the largest swing
+    static constexpr std::size_t kHalf = 6;            // turns: three periods
+
+    void turn() noexcept {
+        const double swing = std::fabs(extreme_ - turned_at_);
+        const bool goes_on = time_ - turns_[0] < kLongestPeriod && swing > kLeastSwing; // a period has two turns
+        turns_ = {turns_[1], time_};
+        std::rotate(swings_.begin(), swings_.begin() + 1, swings_.end());
+        swings_.back() = swing;
+        count_ = goes_on ? count_ + 1 : 0;
+        const auto middle = swings_.begin() + kHalf;
+        const auto [least, largest] = std::minmax_element(swings_.begin(), swings_.end());
+        drives_ = count_ >= swings_.size() && *least > kAlike * *largest &&
+                  std::accumulate(middle, swings_.end(), 0.0) >= kKept * std::accumulate(swings_.begin(), middle, 0.0);
+        turned_at_ = extreme_;
+        extreme_ = energy_;
+        rises_ = !rises_;
+    }
+
+    double time_ = 0, energy_ = 0, extreme_ = 0, turned_at_ = 0;
+    std::array<double, 2> turns_{-kUnknown, -kUnknown}; /* s: the last ones */
+    std::array<double, 2 * kHalf> swings_{};            /* J: the last ones */
+    std::size_t count_ = 0;                             // of them without a pause
+    bool rises_ = true, drives_ = false;
+};
+
+/// s: in which a force that drives an oscillation fades out.
+inline constexpr double kFadeTime = 0.02;
+
 /// The controller's addition to a force.
 struct Damping {
     glm::dvec3 force{0}; /* N */
@@ -150,10 +204,12 @@ private:
     glm::dvec3 slewed(const glm::dvec3& wanted, std::uint32_t& flags) const noexcept;
     double thermal_limit() const noexcept;
     double gain(bool contact) noexcept;
+    double fade(bool contact) noexcept;
 
     const SafetyLimits limits_;
     const double period_; /* s */
     EnergyObserver observer_;
+    OscillationObserver oscillation_;
     glm::dvec3 displayed_{0};      /* N: last */
     glm::dvec3 last_probe_{0};     /* m: the last fresh one */
     glm::dvec3 speed_{0};          /* m/s */
@@ -164,6 +220,8 @@ private:
     double gain_ = 0;              // 0 to 1, since the start or a fault
     double contact_gain_ = 1;      // 0 to 1, since contact was made again
     double free_ = 0;              /* s: without contact */
+    double fade_ = 1;              // 1 to 0, since the force drove an oscillation
+    bool fades_ = false;           // until contact is broken
     double damped_ = 0;            /* J */
     double mean_square_force_ = 0; /* N^2: of the displayed force, over kContinuousForceTime */
     bool begun_ = false;

@@ -39,6 +39,7 @@ std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimi
             {"speed", text(limits.max_speed, "m/s")},
             {"stale position", text(1000 * limits.stale, "ms")},
             {"watchdog", text(limits.late, "periods")},
+            {"fading out of oscillations", limits.fade ? "on" : "off"},
             {"passivity", limits.passivity ? fmt::format("on, damping up to {:.6g} N s/m", limits.damping) : "off"},
             {"workspace", std::isinf(limits.low.x) && std::isinf(limits.high.x)
                               ? "none"
@@ -346,6 +347,11 @@ private:
         if (outcome.counts.lost > 0)
             remarks_.push_back("samples are missing in the log; on a mesh the rest of their paths will not replay "
                                "to the same forces");
+        if (const std::uint64_t faded = outcome.counts.with(kUnstable); faded > 0)
+            remarks_.push_back(fmt::format(
+                "the force drove an oscillation and was faded out, in {} of {} samples: this hand cannot hold the "
+                "scene's stiffness here; a softer scene, a faster loop, or --passivity may help",
+                faded, outcome.counts.samples));
         outcome.remarks = remarks_;
         return result;
     }

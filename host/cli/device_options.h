@@ -14,6 +14,7 @@ namespace forceshade {
 struct DeviceArguments {
     device::SessionOptions session; /* what the options say directly */
     std::optional<double> damping;  /* N s/m */
+    bool without_fade = false;
 };
 
 void describe_device(Options& options, DeviceArguments& arguments);

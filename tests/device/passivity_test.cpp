@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -80,6 +81,56 @@ TEST(LiveStability, ThePassivityControllerMakesNoBuzzOfAResolution) {
         for (std::size_t i = 1; i < run.samples.size(); ++i)
             largest = std::max(largest, std::abs(run.samples[i].commanded.z - run.samples[i - 1].commanded.z));
         EXPECT_LT(largest, 0.5) << rate;
+    }
+}
+
+// What a device displays of a scene, with the limits that are on by default and a hand of [hand].
+LoopRun displayed(const std::string& scene, double seconds, double rate, bool fade = true) {
+    const PreparedCase prepared = prepared_scene(scene);
+    const auto sim = make_sim(prepared, rate);
+    SafetyLimits limits;
+    limits.fade = fade;
+    limits.max_force = 8.5; // as the device has it
+    return run_fast(*sim, prepared, static_cast<std::uint64_t>(seconds * rate), limits, rate);
+}
+
+// A wall of 20 N/mm at 1 kHz swings between nothing and the device's 8.5 N for as long as it is pressed.
+TEST(LiveStability, AForceThatDrivesAnOscillationFadesOut) {
+    for (const auto& [stiffness, rate] :
+         {std::pair(20.0, 1000.0), {6.5, 1000.0}, {8.0, 1000.0}, {50.0, 1000.0}, {30.0, 4000.0}, {80.0, 4000.0}}) {
+        const std::string scene =
+            fmt::format("[force]\nstiffness = \"{} N/mm\"\n[paths]\nlength = \"0 m\"\npress = \"1 N\"\n"
+                        "start_depth = \"-1 mm\"\n",
+                        stiffness);
+        const LoopRun felt = displayed(scene, 2, rate, false), run = displayed(scene, 2, rate);
+        EXPECT_GT(swing(felt.samples, 0.8, 1), 0.1e-3) << stiffness;
+        EXPECT_EQ(felt.counts.with(kUnstable), 0u);
+        const auto marked = [](const LiveSample& sample) { return (sample.flags & kUnstable) != 0; };
+        const auto found = std::ranges::find_if(run.samples, marked);
+        ASSERT_NE(found, run.samples.end()) << stiffness;
+        EXPECT_LT(found->time, 1) << stiffness << ": in contact since about 0.2 s, at 14 Hz or faster";
+        for (auto sample = found; sample != run.samples.end() && marked(*sample); ++sample)
+            if (sample->time - found->time > 0.021) {
+                EXPECT_EQ(sample->commanded, glm::dvec3(0)) << stiffness << " at " << sample->time;
+            }
+    }
+}
+
+// Nothing that holds is taken for an oscillation: a wall that rings below its limit, taps, quick strokes over a shaded
+// bump, which gives energy, and over a stiff texture, which swings.
+TEST(LiveStability, AForceThatAHandHoldsIsNotFaded) {
+    const std::string bump = "[surface]\nradius = \"600 mil\"\nfacets = 8\n[force]\nshading = \"reference\"\n";
+    for (const std::string& scene :
+         {std::string(
+              "[force]\nstiffness = \"4 N/mm\"\n[paths]\nlength = \"0 m\"\npress = \"2 N\"\nstart_depth = \"-1 mm\"\n"),
+          std::string("[paths]\nkind = \"taps\"\nspeed = \"60 mm/s\"\ndepth = \"5 mm\"\n"),
+          bump + "[paths]\nspeed = \"200 mm/s\"\npress = \"2 N\"\n",
+          bump + "[paths]\nspeed = \"20 mm/s\"\npress = \"1 N\"\n",
+          bump + "[texture]\nfunction = \"sine\"\nstiffness = \"0.5 N/mm\"\nwidth = \"2 mm\"\nheight = \"0.2 mm\"\n"
+                 "[paths]\nspeed = \"100 mm/s\"\npress = \"1 N\"\n"}) {
+        const LoopRun run = displayed(scene, 10, 1000);
+        EXPECT_GT(run.counts.in_contact, run.counts.samples / 10) << scene;
+        EXPECT_EQ(run.counts.with(kUnstable), 0u) << scene;
     }
 }
 

@@ -26,6 +26,7 @@ inline SafetyLimits no_limits() {
     SafetyLimits limits;
     limits.max_force = limits.slew = limits.max_speed = limits.stale = limits.late = kUnknown;
     limits.ramp = limits.contact_ramp = 0;
+    limits.fade = false;
     return limits;
 }
 
