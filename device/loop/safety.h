@@ -29,7 +29,7 @@ struct SafetyLimits {
     double late = 20;                   // periods that a sample may be late
     glm::dvec3 low{-kUnknown};          /* m: the workspace, for the hand's position */
     glm::dvec3 high{kUnknown};          /* m */
-    bool fade = true;                   // whether a force that drives an oscillation is faded out
+    bool fade = false;                  // whether a force that drives an oscillation is faded out
     bool passivity = false;             // whether the passivity controller is on
     double damping = 10;                /* N s/m: the most that it may add */
 };

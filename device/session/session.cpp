@@ -248,6 +248,8 @@ private:
     void look_at_stability(const PreparedCase& prepared) {
         const SceneLimits limits = limits_on(opened_, prepared);
         stability_ = limits.text();
+        if (!loop_) // at edges a stable scene chatters, too, and is to be felt
+            opened_.settings.limits.fade = options_.limits.fade && (options_.unstable || !limits.stable());
         refuse_unstable(limits.warning(), opened_, options_);
         if (const std::string warning = limits.warning(); !warning.empty())
             warn(warning);
@@ -405,6 +407,7 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
     settings.dead_man = options.dead_man;
     settings.clutch = options.clutch;
     settings.limits = limits_of(options, opened.facts, opened.warnings);
+    settings.limits.fade = options.limits.fade && options.unstable;
     settings.samples = samples_in(options.duration, settings.rate);
     return opened;
 }

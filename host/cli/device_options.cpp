@@ -197,9 +197,9 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
         "from the scene's origin (default: the device's)");
     options.flag("--unstable", session.unstable,
                  "feel a scene on hardware even if its stiffness is above what the hand of [hand] comes to rest at");
-    options.flag(
-        "--without-fade", arguments.without_fade,
-        "keep a force that drives an oscillation; else it fades out in 20 ms until the probe has left the surface");
+    options.flag("--without-fade", arguments.without_fade,
+                 "keep a force that drives an oscillation in a scene beyond its stability; else it fades out in 20 ms "
+                 "until the probe has left the surface");
     options.flag("--passivity", limits.passivity,
                  "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
     add(options, "--damping DAMPING", arguments.damping, Dimension::damping, Accepted::positive,

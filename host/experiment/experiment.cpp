@@ -96,6 +96,13 @@ std::vector<SpecKey> make_spec_keys() {
     add<&S::longest_trial>(keys, "longest_trial",
                            "after which a trial ends without an answer and is repeated at the end",
                            {.sign = Sign::positive});
+    add<&S::least_contact>(
+        keys, "least_contact",
+        "time in contact with each stimulus before an answer counts; after less the trial is repeated at "
+        "the end",
+        {.sign = Sign::not_negative});
+    add<&S::max_repeats>(keys, "max_repeats", "of a trial that does not count; then it is left out", {.smallest = 0})
+        .largest = 1000;
     add<&S::seed>(keys, "seed", "of the order; each subject and session has one of its own", {.smallest = 0}).largest =
         std::numeric_limits<std::int64_t>::max();
     const std::size_t of_both = keys.size();
@@ -302,6 +309,9 @@ void settle_task(const std::string& source, const TomlNode& table, ExperimentSpe
     if (spec.track_ratio > 1 && spec.track.empty())
         fail(source, given("track_ratio")->key_where,
              "track_ratio ends a track, and there is no track: say which axis");
+    if (spec.least_contact >= spec.longest_trial)
+        fail(source, given("least_contact") ? given("least_contact")->key_where : given("longest_trial")->key_where,
+             "least_contact, {} s, is not shorter than longest_trial, {} s", spec.least_contact, spec.longest_trial);
     if (spec.interval >= spec.longest_trial)
         fail(source, given("interval")->key_where, "an interval of {} s is not shorter than longest_trial, {} s",
              spec.interval, spec.longest_trial);

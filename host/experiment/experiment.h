@@ -53,7 +53,9 @@ struct ExperimentSpec {
     std::uint64_t blocks = 1;   /* with a break between */
     Order order = Order::random;
     bool feedback = false;
-    double longest_trial = 60; /* s */
+    double longest_trial = 60;     /* s */
+    double least_contact = 0.2;    /* s: an answer after less is none */
+    std::uint64_t max_repeats = 3; /* of a trial that does not count; then it is left out */
     std::uint64_t seed = 1996;
     /* of the task compare: */
     std::string standard;            /* shell pattern of the cases that the others are compared with */

@@ -56,6 +56,17 @@ Json picture(unsigned facets) {
     return points;
 }
 
+// What a page sent under a key, or nothing if it is no text.
+std::string text_of(const Json& json, const char* key) {
+    const auto found = json.find(key);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+// Names are the vendors', and need not be UTF-8.
+std::string dumped(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 class Person final : public Participant {
 public:
     Person(const Experiment& experiment, const PersonOptions& options)
@@ -70,6 +81,7 @@ public:
         for (const std::string& warning : opened_.warnings)
             print_note("warning: {}\n", warning);
         warn_of_instability(options.session);
+        warn_of_lasting_force();
         if (!manner_.empty())
             print_note("{}\n", manner_);
         loop_.suspend(true);
@@ -101,7 +113,7 @@ public:
                   {"clutch", settings.clutch},
                   {"answer_buttons", buttons_},
                   {"check", check_}};
-        return json.dump(-1, ' ', false, Json::error_handler_t::replace); // names are the vendors'
+        return dumped(json);
     }
 
     TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord& record) override {
@@ -130,8 +142,10 @@ public:
                 add_interval(outcome, of_one);
             if (!one.path.empty() && !samples_.empty())
                 log_path(samples_, one.path, one.stimulus.one.scene.precision, opened_.facts.buttons > 0);
-            if (outcome.status != kAnswered)
+            if (outcome.status != kAnswered) {
+                say_why(outcome);
                 return outcome;
+            }
         }
         thank(outcome, trial);
         return outcome;
@@ -177,6 +191,19 @@ private:
                        warning);
     }
 
+    // Forces that are lowered for the motors' sake are data, and no fault: of each row they are the column `limited`.
+    void warn_of_lasting_force() const {
+        const double most = opened_.settings.limits.continuous_force; // N
+        double stiffest = 0;                                          // N/m
+        for (const Case& one : experiment_.study.cases)
+            stiffest = std::max(stiffest, one.scene.force.stiffness);
+        if (std::isfinite(most) && stiffest > 0)
+            print_note(
+                "note: {} displays {:.3g} N for long, which {:.3g} N/mm has {:.2g} mm deep; who presses more feels "
+                "less after some seconds, and the data say so (limited)\n",
+                opened_.facts.name, most, stiffest / 1e3, 1e3 * most / stiffest);
+    }
+
     static PreparedCase stimulus_of(const Experiment& experiment) {
         const PreparedCase first = CasePreparation().prepare(experiment.study.cases.front());
         return stroked(first, manner_of(first.one.scene)); // for a simulated hand
@@ -205,16 +232,16 @@ private:
             return;
         }
         check_ = Json::parse(text, nullptr, false);
-        const Json device = check_.is_object() ? check_.value("device", Json::object()) : Json();
+        const Json device = check_.is_object() && check_.contains("device") ? check_["device"] : Json();
         if (!device.is_object() || !check_.contains("passed") || !check_["passed"].is_boolean())
             throw UsageError("--check: this is no outcome of forceshade device check");
-        if (device.value("name", "") != opened_.facts.name)
+        if (text_of(device, "name") != opened_.facts.name)
             throw UsageError(fmt::format("--check: it is of {}, and this session's device is {}",
-                                         device.value("name", "no device"), opened_.facts.name));
-        if (check_.value("manner", "") != manner_)
+                                         text_of(device, "name"), opened_.facts.name));
+        if (text_of(check_, "manner") != manner_)
             throw UsageError(fmt::format("--check: it was made with another mapping or other buttons ({}); this "
                                          "session's: {}",
-                                         check_.value("manner", ""), manner_));
+                                         text_of(check_, "manner"), manner_));
         if (!check_["passed"].get<bool>())
             throw Error(ExitCode::failed, fmt::format("--check: {} did not pass its check; see what it says to do, and "
                                                       "check it again",
@@ -261,20 +288,20 @@ private:
         const Json json = Json::parse(event.text, nullptr, false);
         if (!json.is_object())
             return;
-        const std::string type = json.value("type", "");
+        const std::string type = text_of(json, "type");
         if (event.page == kParticipant)
             hear_participant(type, json);
         else
-            hear_operator(type, json.value("text", ""));
+            hear_operator(type, text_of(json, "text"));
     }
 
     void hear_participant(const std::string& type, const Json& json) {
         heard_ = Clock::now();
         if (type == "go" && !held_)
             go_ = true;
-        const auto answer = json.find("answer");
-        if (type == "answer" && json.value("sequence", std::uint64_t{0}) == sequence_ && answer != json.end() &&
-            answer->is_number_unsigned() && *answer < experiment_.spec.answers.size())
+        const auto answer = json.find("answer"), sequence = json.find("sequence");
+        if (type == "answer" && sequence != json.end() && sequence->is_number_unsigned() && *sequence == sequence_ &&
+            answer != json.end() && answer->is_number_unsigned() && *answer < experiment_.spec.answers.size())
             accept(answer->get<std::size_t>(), "key");
     }
 
@@ -424,7 +451,7 @@ private:
             outcome.answered_by = answered_by_;
         outcome.reaction = std::chrono::duration<double>((answer_ ? answered_ : Clock::now()) - begin).count();
         const bool clamped = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
-            return (sample.flags & (device::kClamped | device::kLasting)) != 0;
+            return (sample.flags & (device::kClamped | device::kUnstable)) != 0;
         });
         const bool let_go = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
             return (sample.flags & kHeldBack) != 0 && sample.facet != layout::kNoFacet;
@@ -439,7 +466,20 @@ private:
             outcome.status = "force off";
         else if (clamped)
             outcome.status = "force clamped";
+        else if (outcome.contact < experiment_.spec.least_contact)
+            outcome.status = outcome.contact > 0 ? "too early" : "no contact";
         return outcome;
+    }
+
+    // To the participant, what to do another way; to the operator, what happened.
+    void say_why(const TrialOutcome& outcome) {
+        last_ = fmt::format("does not count: {}", outcome.status);
+        if (outcome.status != "no contact" && outcome.status != "too early")
+            return tell_operator(true);
+        enter("again", outcome.status == "no contact" ? "Please touch the shape before you answer."
+                                                      : "Please take a little longer to feel the shape.");
+        for (const auto begin = Clock::now(); seconds_after(begin) < kFeedback;)
+            look();
     }
 
     void thank(const TrialOutcome& outcome, const Trial& trial) {
@@ -492,7 +532,7 @@ private:
             }
             told_answers_ = true;
         }
-        server_.send(kParticipant, json.dump());
+        server_.send(kParticipant, dumped(json));
     }
 
     void tell_operator(bool now) {
@@ -531,9 +571,9 @@ private:
                             record_->order().size(), trial_->number, trial_->is_practice() ? ", practice" : "");
             json["condition"] = condition_;
         }
-        server_.send(kOperator, json.dump());
+        server_.send(kOperator, dumped(json));
         if (!shown_.empty())
-            server_.send(kOperator, Json{{"type", "samples"}, {"samples", std::exchange(shown_, {})}}.dump());
+            server_.send(kOperator, dumped({{"type", "samples"}, {"samples", std::exchange(shown_, {})}}));
     }
 
     const Experiment& experiment_;

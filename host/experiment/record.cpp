@@ -129,6 +129,9 @@ const std::vector<DataColumn>& all_columns() {
             "contact_time", "s", "in contact", [](R & r) -> auto& { return r.outcome.contact; }),
         column_of(
             "largest_force", "N", "displayed", [](R & r) -> auto& { return r.outcome.largest_force; }),
+        optional(column_of(
+            "limited", "", "share of the time in contact in which the force was lowered for the motors' sake",
+            [](R & r) -> auto& { return r.outcome.limited; })),
         column_of(
             "strokes", "", "passes across the whole feature", [](R & r) -> auto& { return r.outcome.strokes; }),
         column_of(
@@ -476,18 +479,39 @@ std::optional<Trial> SessionRecord::next() const {
         if (!begun.contains(trial.number) && !has_ended(trial))
             return chosen(trial);
     for (const TrialRow* row : last)
-        if (row->outcome.status != kAnswered && !has_ended(order_[row->number - 1]))
+        if (comes_again(*row))
             return chosen(order_[row->number - 1]);
     return std::nullopt;
 }
 
-std::uint64_t SessionRecord::left() const {
-    std::set<std::uint64_t> answered;
+// Withdrawals and pauses are people's choices, and count for nothing.
+bool SessionRecord::comes_again(const TrialRow& last) const {
+    const auto failed = [](const TrialRow& row) {
+        return row.outcome.status != kAnswered && row.outcome.status != kWithdrawn &&
+               row.outcome.status != "interrupted";
+    };
+    if (last.outcome.status == kAnswered || has_ended(order_[last.number - 1]))
+        return false;
+    return !failed(last) || std::ranges::count_if(rows_, [&](const TrialRow& row) {
+                                return row.number == last.number && failed(row);
+                            }) <= static_cast<std::ptrdiff_t>(experiment_.spec.max_repeats);
+}
+
+std::vector<std::string> SessionRecord::given_up() const {
+    std::vector<std::string> trials;
     for (const TrialRow* row : latest())
-        if (row->outcome.status == kAnswered)
-            answered.insert(row->number);
+        if (row->outcome.status != kAnswered && !has_ended(order_[row->number - 1]) && !comes_again(*row))
+            trials.push_back(fmt::format("trial {} ({})", row->number, row->outcome.status));
+    return trials;
+}
+
+std::uint64_t SessionRecord::left() const {
+    std::set<std::uint64_t> done;
+    for (const TrialRow* row : latest())
+        if (row->outcome.status == kAnswered || !comes_again(*row))
+            done.insert(row->number);
     return static_cast<std::uint64_t>(std::ranges::count_if(
-        order_, [&](const Trial& trial) { return !answered.contains(trial.number) && !has_ended(trial); }));
+        order_, [&](const Trial& trial) { return !done.contains(trial.number) && !has_ended(trial); }));
 }
 
 bool SessionRecord::withdraw_last() {

@@ -28,17 +28,18 @@ inline constexpr const char *kAnswered = "answered", *kWithdrawn = "withdrawn";
 
 /// What came of a trial.
 struct TrialOutcome {
-    std::string status =
-        kAnswered; /* else "no answer", "interrupted", "device lost", "force clamped", "force off", "withdrawn" */
-    std::string started = {};          /* UTC; empty: now */
+    std::string status = kAnswered; /* else "no answer", "no contact", "too early", "interrupted", "device lost", "force
+                                       clamped", "force off", "withdrawn" */
+    std::string started = {};       /* UTC; empty: now */
     std::optional<std::size_t> answer; /* index of the experiment's answers */
     double reaction = 0;               /* s: from the stimulus, of two the second, to the answer */
     double contact = 0;                /* s: in contact */
     double largest_force = 0;          /* N */
-    std::uint64_t strokes = 0;         /* passes across the whole feature */
-    double speed = 0;                  /* m/s: mean in contact */
-    double press = 0;                  /* N: mean vertical force in contact */
-    std::string answered_by = {};      /* "key", "button"; empty: a simulated participant, or nobody */
+    double limited = 0;           /* 1: share of the time in contact in which the force was lowered for the motors */
+    std::uint64_t strokes = 0;    /* passes across the whole feature */
+    double speed = 0;             /* m/s: mean in contact */
+    double press = 0;             /* N: mean vertical force in contact */
+    std::string answered_by = {}; /* "key", "button"; empty: a simulated participant, or nobody */
 };
 
 /// A row of the data.
@@ -98,10 +99,12 @@ public:
     /// What an earlier run left behind that is gone now; empty: nothing.
     const std::string& repaired() const { return repaired_; }
 
-    /// The next trial: first those of the order, then those that have to be done again; nothing: none is left. A
-    /// track's condition is chosen by the rows that are there.
+    /// The next trial: first those of the order, then those that have to be done again, at most max_repeats times;
+    /// nothing: none is left. A track's condition is chosen by the rows that are there.
     std::optional<Trial> next() const;
     std::uint64_t left() const; /* trials; the most where tracks may end before */
+    /// Trials that failed as often as they may, "trial 3 (force clamped)".
+    std::vector<std::string> given_up() const;
 
     /// Onto the disk. \throws IoError: the row is not there then, not in part either.
     void add(const Trial& trial, const TrialOutcome& outcome);
@@ -123,6 +126,7 @@ private:
     void document(const std::string& name, const std::string& line) const;
     void open_data();
     std::vector<const TrialRow*> latest() const;
+    bool comes_again(const TrialRow& last) const;
     void read_back();
     void update_tracks();
     void learn(const TrialRow& row);

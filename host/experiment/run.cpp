@@ -10,6 +10,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/norm.h"
+#include "host/numbers.h"
 #include "host/program.h"
 #include "host/random.h"
 #include "host/reference/elementary.h"
@@ -107,12 +108,13 @@ void log_path(const std::vector<device::LiveSample>& samples, const std::filesys
 TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSample>& samples, double period) {
     TrialOutcome outcome;
     double way = 0, press = 0; // m, N
-    std::uint64_t contacts = 0;
+    std::uint64_t contacts = 0, limited = 0;
     const device::LiveSample* before = nullptr;
     for (const device::LiveSample& sample : samples) {
         outcome.largest_force = std::max(outcome.largest_force, reference::length(sample.commanded));
         if (sample.facet != layout::kNoFacet) {
             ++contacts;
+            limited += (sample.flags & device::kLasting) != 0;
             press += sample.commanded.z;
             if (before && before->facet != layout::kNoFacet)
                 way += reference::length(sample.probe - before->probe);
@@ -122,6 +124,7 @@ TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSa
     outcome.contact = static_cast<double>(contacts) * period;
     outcome.strokes = passes_over(feature, samples).size();
     if (contacts > 0) {
+        outcome.limited = static_cast<double>(limited) / static_cast<double>(contacts);
         outcome.speed = way / outcome.contact;
         outcome.press = press / static_cast<double>(contacts);
     }
@@ -135,6 +138,7 @@ void add_interval(TrialOutcome& outcome, const TrialOutcome& other) {
     };
     outcome.speed = mean(outcome.speed, other.speed);
     outcome.press = mean(outcome.press, other.press);
+    outcome.limited = mean(outcome.limited, other.limited);
     outcome.contact = contact;
     outcome.strokes += other.strokes;
     outcome.largest_force = std::max(outcome.largest_force, other.largest_force);
@@ -172,6 +176,10 @@ std::size_t run_session(const Experiment& experiment, Participant& participant, 
         stage.update(all - std::min(all, record.left()), experiment.stimulus(condition).name);
     }
     participant.finish();
+    if (const std::vector<std::string> given_up = record.given_up(); !given_up.empty())
+        print_note("warning: {} failed more than max_repeats = {} times and {} left out: {}\n",
+                   numbers::counted(given_up.size(), "trial"), experiment.spec.max_repeats,
+                   given_up.size() == 1 ? "is" : "are", fmt::join(given_up, ", "));
     const std::vector<TrialRow> last = last_rows(record.rows());
     return static_cast<std::size_t>(
         std::ranges::count_if(last, [](const TrialRow& row) { return row.outcome.status == kAnswered; }));

@@ -5,12 +5,15 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <map>
 #include <mutex>
 #include <poll.h>
+#include <pthread.h>
 #include <random>
 #include <sys/socket.h>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -37,7 +40,10 @@ constexpr std::size_t kLongestText = 16384;                 // bytes that a page
 constexpr std::size_t kMostEvents = 1000;                   // that wait
 constexpr auto kPatience = std::chrono::seconds(1);         // with a browser that takes nothing
 constexpr auto kLastWords = std::chrono::milliseconds(200); // for what was sent just before the end
-constexpr int kRequestPatience = 5000;                      /* ms: with one that asks for nothing */
+constexpr auto kRequestPatience = std::chrono::seconds(2);  // for a whole request
+constexpr std::size_t kPiece = 4096;                        // bytes of one, at once
+constexpr int kMostConnections = 32;
+constexpr std::size_t kStack = 256 * 1024; // bytes of a thread's: where memory is locked, the usual 8 MB are, too
 
 std::string random_token() {
     std::random_device source;
@@ -47,12 +53,72 @@ std::string random_token() {
     return token;
 }
 
+// A thread with a small stack.
+class SmallThread {
+public:
+    SmallThread() = default;
+    /// \throws std::system_error
+    explicit SmallThread(std::function<void()> run) {
+        pthread_attr_t attributes;
+        ::pthread_attr_init(&attributes);
+        ::pthread_attr_setstacksize(&attributes, kStack);
+        auto task = std::make_unique<std::function<void()>>(std::move(run));
+        const auto begin = [](void* given) -> void* {
+            const std::unique_ptr<std::function<void()>> taken(static_cast<std::function<void()>*>(given));
+            (*taken)();
+            return nullptr;
+        };
+        const int error = ::pthread_create(&id_, &attributes, begin, task.get());
+        ::pthread_attr_destroy(&attributes);
+        if (error != 0)
+            throw std::system_error(error, std::generic_category());
+        static_cast<void>(task.release());
+        joinable_ = true;
+    }
+    void join() {
+        if (std::exchange(joinable_, false))
+            ::pthread_join(id_, nullptr);
+    }
+    void detach() {
+        if (std::exchange(joinable_, false))
+            ::pthread_detach(id_);
+    }
+
+private:
+    pthread_t id_{};
+    bool joinable_ = false;
+};
+
+bool is_html(const ServedPage& page) {
+    return page.type.starts_with("text/html");
+}
+
+// Scripts run by a number that only this answer has; what is no page runs none.
+std::string policy_of(const ServedPage& page, const std::string& nonce) {
+    return is_html(page) ? fmt::format("default-src 'none'; style-src 'unsafe-inline'; script-src 'nonce-{}'; img-src "
+                                       "'self' data:; connect-src 'self'; base-uri 'none'; frame-ancestors 'none'",
+                                       nonce)
+                         : "default-src 'none'; style-src 'unsafe-inline'; sandbox";
+}
+
+std::string with_nonce(std::string html, const std::string& nonce) {
+    constexpr std::string_view kScript = "<script";
+    const std::string attribute = fmt::format(" nonce=\"{}\"", nonce);
+    for (std::size_t at = html.find(kScript); at != std::string::npos; at = html.find(kScript, at + 1))
+        html.insert(at + kScript.size(), attribute);
+    return html;
+}
+
 } // namespace
 
 class PageServer::Core : public std::enable_shared_from_this<Core> {
 public:
     Core(std::vector<ServedPage> pages, std::function<void(const std::string&)> on_close)
-        : pages_(std::move(pages)), on_close_(std::move(on_close)), acceptor_(io_) {}
+        : pages_(std::move(pages)), on_close_(std::move(on_close)), acceptor_(io_) {
+        for (const ServedPage& page : pages_)
+            if (is_html(page))
+                tokens_.emplace(page.name, random_token());
+    }
 
     void listen(std::uint16_t port) {
         beast::error_code error;
@@ -87,7 +153,7 @@ public:
     }
 
     std::string address(const std::string& page) const {
-        return fmt::format("http://127.0.0.1:{}/{}/{}", port_, token_, page);
+        return fmt::format("http://127.0.0.1:{}/{}/{}", port_, tokens_.at(page), page);
     }
 
     std::optional<PageEvent> next_event() {
@@ -178,10 +244,12 @@ private:
                 continue;
             }
             socket.set_option(Tcp::no_delay(true), error);
+            if (running_ >= kMostConnections)
+                continue; // closed
             ++running_;
             try {
-                std::thread([self = shared_from_this(), one = std::move(socket)]() mutable {
-                    self->serve(std::move(one));
+                SmallThread([self = shared_from_this(), one = std::make_shared<Tcp::socket>(std::move(socket))] {
+                    self->serve(std::move(*one));
                     --self->running_;
                 }).detach();
             } catch (const std::system_error&) { // there is no thread, or no locked memory, for another browser
@@ -195,18 +263,24 @@ private:
         beast::error_code error;
         http::request_parser<http::string_body> parser;
         parser.body_limit(kLongestText);
-        pollfd asked{socket.native_handle(), POLLIN, 0};
-        if (::poll(&asked, 1, kRequestPatience) <= 0)
-            return;
-        http::read(socket, buffer, parser, error);
-        if (error)
-            return;
+        for (const Clock::time_point end = Clock::now() + kRequestPatience; !parser.is_done();) {
+            const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+            pollfd asked{socket.native_handle(), POLLIN, 0};
+            if (left <= 0 || ::poll(&asked, 1, static_cast<int>(left)) <= 0)
+                return;
+            buffer.commit(socket.read_some(buffer.prepare(kPiece), error)); // http::read would wait for the rest
+            if (!error)
+                buffer.consume(parser.put(buffer.data(), error));
+            if (error && error != http::error::need_more)
+                return;
+        }
         const Request request = parser.release();
         const ServedPage* page = page_of(request);
         if (page == nullptr)
-            return answer(socket, request, http::status::not_found, "There is nothing here.\n", "text/plain");
+            return answer(socket, request, http::status::not_found,
+                          {"", "There is nothing here.\n", false, "text/plain"});
         if (!beast::websocket::is_upgrade(request))
-            return answer(socket, request, http::status::ok, page->content, page->type);
+            return answer(socket, request, http::status::ok, *page);
         talk(std::make_shared<Client>(std::move(socket), page->name), request, page->one_client);
     }
 
@@ -219,24 +293,23 @@ private:
         if (!origin.empty() && origin != "http://" + host)
             return nullptr;
         for (const ServedPage& page : pages_)
-            if (request.target() == fmt::format("/{}/{}", token_, page.name))
-                return &page;
+            for (const auto& [name, token] : tokens_) // pictures are every page's
+                if ((name == page.name || !is_html(page)) &&
+                    request.target() == fmt::format("/{}/{}", token, page.name))
+                    return &page;
         return nullptr;
     }
 
-    static void answer(Tcp::socket& socket, const Request& request, http::status status, const std::string& text,
-                       const std::string& type) {
+    static void answer(Tcp::socket& socket, const Request& request, http::status status, const ServedPage& page) {
+        const std::string nonce = random_token();
         http::response<http::string_body> response(status, request.version());
-        response.set(http::field::content_type, type);
+        response.set(http::field::content_type, page.type);
         response.set(http::field::cache_control, "no-store");
         response.set("Referrer-Policy", "no-referrer");
         response.set("X-Content-Type-Options", "nosniff");
-        response.set("Content-Security-Policy",
-                     "default-src 'none'; style-src 'unsafe-inline'; script-src "
-                     "'unsafe-inline'; img-src 'self' data:; connect-src 'self'; base-uri 'none'; frame-ancestors "
-                     "'none'");
+        response.set("Content-Security-Policy", policy_of(page, nonce));
         response.keep_alive(false);
-        response.body() = text;
+        response.body() = is_html(page) ? with_nonce(page.content, nonce) : page.content;
         response.prepare_payload();
         beast::error_code error;
         http::write(socket, response, error);
@@ -254,9 +327,9 @@ private:
             client->socket.close(beast::websocket::close_code::normal, error);
             return;
         }
-        std::thread writing;
+        SmallThread writing;
         try {
-            writing = std::thread([client] { client->write(); });
+            writing = SmallThread([client] { client->write(); });
         } catch (const std::system_error&) { // as in accept()
             client->hang_up();
         }
@@ -274,8 +347,7 @@ private:
         }
         client->hang_up();
         client->wake.notify_one();
-        if (writing.joinable())
-            writing.join();
+        writing.join();
         {
             const std::lock_guard lock(mutex_);
             std::erase(clients_, client);
@@ -305,7 +377,7 @@ private:
 
     const std::vector<ServedPage> pages_;
     const std::function<void(const std::string&)> on_close_;
-    const std::string token_ = random_token();
+    std::map<std::string, std::string> tokens_; // by page: who has one page's address does not know another's
     asio::io_context io_;
     Tcp::acceptor acceptor_;
     std::uint16_t port_ = 0;

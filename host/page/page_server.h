@@ -1,4 +1,4 @@
-// Pages for browsers on this machine alone: 127.0.0.1, under a random token, with a WebSocket each.
+// Pages for browsers on this machine alone: 127.0.0.1, each under a random token of its own, with a WebSocket.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace forceshade {
 
 struct ServedPage {
-    std::string name;        /* "participant": served as /TOKEN/participant */
+    std::string name;        /* "participant": served as /TOKEN/participant; a picture under any page's token */
     std::string content;     /* HTML, or a picture that a page shows */
     bool one_client = false; /* a second browser is turned away */
     std::string type = "text/html; charset=utf-8";

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <netinet/in.h>
 #include <optional>
 #include <sys/socket.h>
@@ -79,6 +80,69 @@ TEST(PageServer, WhoTakesNothingIsClosedAndWaitedForByNobody) {
     EXPECT_LT(seconds_since(end), 2);
     EXPECT_LT(longest, 0.2);
     EXPECT_GT(got, kTexts * text.size() + 14) << "all that was sent, to the last word";
+}
+
+// What the server answers to a request, to the end.
+std::string answer_to(const std::string& address) {
+    const std::size_t port = address.find(':', 5) + 1, path = address.find('/', port);
+    const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in there{};
+    there.sin_family = AF_INET;
+    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    there.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(port))));
+    EXPECT_EQ(::connect(client, reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
+    const std::string asked =
+        fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\n\r\n", address.substr(path), address.substr(7, path - 7));
+    EXPECT_EQ(::send(client, asked.data(), asked.size(), MSG_NOSIGNAL), std::ssize(asked));
+    std::string all, room(4096, '\0');
+    for (ssize_t got = 0; (got = ::recv(client, room.data(), room.size(), 0)) > 0;)
+        all.append(room, 0, static_cast<std::size_t>(got));
+    ::close(client);
+    return all;
+}
+
+TEST(PageServer, EachPageHasAnAddressThatTheOthersDoNotTell) {
+    PageServer server({{"person", "<script>1</script>", true},
+                       {"operator", "<p>secret</p>"},
+                       {"edge.svg", "<svg/>", false, "image/svg+xml"}},
+                      0);
+    const std::string person = server.address("person");
+    const std::string page = answer_to(person);
+    EXPECT_NE(page.find("200 OK"), std::string::npos) << page;
+    const std::size_t nonce = page.find("<script nonce=\"") + 15;
+    EXPECT_NE(page.find("'nonce-" + page.substr(nonce, page.find('"', nonce) - nonce) + "'"), std::string::npos)
+        << page;
+    EXPECT_NE(answer_to(person).substr(nonce, 32), page.substr(nonce, 32)) << "another each time";
+    const std::string folder = person.substr(0, person.rfind('/') + 1);
+    EXPECT_EQ(answer_to(folder + "operator").find("secret"), std::string::npos);
+    EXPECT_NE(answer_to(server.address("operator")).find("secret"), std::string::npos);
+    EXPECT_NE(answer_to(folder + "edge.svg").find("sandbox"), std::string::npos);
+}
+
+// Browsers, or what is none, that begin requests and never end them: they hold few threads with small stacks, and after
+// two seconds none.
+TEST(PageServer, HalfRequestsDoNotKeepTheOthersOut) {
+    PageServer server({{"view", "<p>here</p>"}}, 0);
+    const std::string address = server.address("view");
+    const std::size_t port = address.find(':', 5) + 1;
+    sockaddr_in there{};
+    there.sin_family = AF_INET;
+    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    there.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(port))));
+    std::vector<int> halves;
+    for (int i = 0; i < 200; ++i) {
+        halves.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+        EXPECT_EQ(::connect(halves.back(), reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
+        ::send(halves.back(), "GET /", 5, MSG_NOSIGNAL);
+    }
+    std::size_t threads = 0;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
+        threads += !task.path().empty();
+    EXPECT_LT(threads, 50u);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+    EXPECT_NE(answer_to(address).find("here"), std::string::npos);
+    for (const int half : halves)
+        ::close(half);
 }
 
 } // namespace

@@ -80,7 +80,12 @@ public:
         boost::beast::error_code gone;
         socket_.write(asio::buffer(json.dump()), gone);
     }
-    void answer(unsigned key) { say({{"type", "answer"}, {"sequence", told("sequence")}, {"answer", key - 1}}); }
+    /// Once the stimulus was touched.
+    void answer(unsigned key) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+        answer_now(key);
+    }
+    void answer_now(unsigned key) { say({{"type", "answer"}, {"sequence", told("sequence")}, {"answer", key - 1}}); }
     nlohmann::json told(const char* what) const {
         const std::lock_guard lock(mutex_);
         return state_.value(what, nlohmann::json());
@@ -218,6 +223,58 @@ TEST_F(FaultySession, AForceThatWasClampedMarksTheTrialAndItIsRepeated) {
     expect_whole();
 }
 
+TEST_F(FaultySession, ATrialThatFailsAgainAndAgainIsLeftOut) {
+    std::string text = read_file(folder / "e.toml");
+    text.replace(text.find("trials = 1"), 10, "trials = 1\nmax_repeats = 1");
+    std::ofstream(folder / "e.toml") << text;
+    start({"--max-force", "0.05 N"});
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    EXPECT_EQ(rows().size(), 4u) << "two trials, each once more";
+    for (const TrialRow& row : rows())
+        EXPECT_EQ(row.outcome.status, "force clamped");
+    EXPECT_NE(said().find("2 trials failed more than max_repeats = 1 times and are left out"), std::string::npos)
+        << said();
+}
+
+// As a Touch does (0.88 N), a device may lower its force for its motors' sake at any time: that is data.
+TEST_F(FaultySession, AForceThatIsLoweredForTheMotorsIsRecordedAndCounts) {
+    start({"--lasting-force", "0.02 N"});
+    EXPECT_NE(said().find("displays 0.02 N for long, which 0.5 N/mm has 0.04 mm deep"), std::string::npos) << said();
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    expect_whole();
+    double largest = 0;
+    for (const TrialRow& row : rows())
+        largest = std::max(largest, row.outcome.limited);
+    EXPECT_GT(largest, 0);
+}
+
+TEST_F(FaultySession, AnAnswerWithoutContactOrBeforeItsTimeIsNone) {
+    start();
+    ASSERT_TRUE(page->reaches("feel"));
+    page->answer_now(1);
+    EXPECT_TRUE(page->reaches("again"));
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    EXPECT_TRUE(rows()[0].outcome.status == "no contact" || rows()[0].outcome.status == "too early");
+    expect_whole();
+}
+
+TEST_F(FaultySession, WhatAPageSaysOfAnotherTypeEndsNothing) {
+    start();
+    for (const nlohmann::json& odd : {nlohmann::json{{"type", 5}},
+                                      {{"type", "answer"}, {"sequence", "one"}, {"answer", 0}},
+                                      {{"type", "answer"}, {"sequence", nullptr}, {"answer", "x"}},
+                                      {{"type", nlohmann::json::array()}},
+                                      nlohmann::json::array({1, 2}),
+                                      nlohmann::json("text")})
+        page->say(odd);
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    expect_whole();
+}
+
 // Measured at the device: forces that it was sent after the page's connection broke.
 TEST_F(FaultySession, APageThatIsClosedSwitchesTheForceOffWithinTwoSamples) {
     std::size_t fewest = 1000;
@@ -259,7 +316,7 @@ TEST_F(FaultySession, AClockThatLeapsChangesNoTrial) {
 TEST_F(FaultySession, AnswersWhileAStimulusIsLoadedOrTwiceDoNotCount) {
     start();
     for (int i = 0; i < 200 && page->told("phase") != "feel"; ++i) {
-        page->answer(3); // in welcome and loading
+        page->answer_now(3); // in welcome and loading
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     ASSERT_TRUE(page->reaches("feel"));
@@ -267,7 +324,7 @@ TEST_F(FaultySession, AnswersWhileAStimulusIsLoadedOrTwiceDoNotCount) {
     page->say({{"type", "answer"}, {"sequence", 1}, {"answer", 99}});  // no such key
     page->say({{"type", "answer"}, {"sequence", 1}, {"answer", "1"}}); // no number
     page->answer(2);
-    page->answer(4);
+    page->answer_now(4);
     ASSERT_TRUE(await([&] { return page->told("trial") == 2; }));
     page->finish();
     EXPECT_EQ(process->wait().code, 0) << said();

@@ -34,9 +34,9 @@ protected:
     Session() {
         std::filesystem::remove_all(folder);
         std::filesystem::create_directories(folder);
-        std::ofstream(folder / "e.toml")
-            << "[experiment]\ntrials = 1\nblocks = 2\n[surface]\nradius = \"600 mil\"\nfacets = "
-               "[2, 3]\n[force]\nshading = [\"none\", \"reference\"]\n";
+        std::ofstream(folder / "e.toml") << "[experiment]\nleast_contact = \"0 s\"\ntrials = 1\nblocks = "
+                                            "2\n[surface]\nradius = \"600 mil\"\nfacets = "
+                                            "[2, 3]\n[force]\nshading = [\"none\", \"reference\"]\n";
     }
     ~Session() override {
         process.reset();
@@ -95,6 +95,7 @@ TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
     ASSERT_TRUE(reaches("feel")) << browser.text("document.body.textContent");
     EXPECT_EQ(browser.text("document.querySelectorAll('.answer svg path').length"), "4") << "four pictures";
     EXPECT_EQ(browser.evaluate("document.documentElement.scrollHeight <= innerHeight"), true) << "nothing to scroll";
+    std::this_thread::sleep_for(std::chrono::milliseconds(900));
     browser.press("2");
     browser.press("3"); // a second key does not count
     ASSERT_TRUE(browser.wait_for("document.body.dataset.trial === '2'"));
@@ -161,7 +162,7 @@ TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
 TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
     std::ofstream(folder / "one.svg") << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\"/>";
     std::ofstream(folder / "e.toml")
-        << "[experiment]\ntask = \"compare\"\nstandard = \"cylinder_bump*\"\ntrials = 1\n"
+        << "[experiment]\nleast_contact = \"0 s\"\ntask = \"compare\"\nstandard = \"cylinder_bump*\"\ntrials = 1\n"
            "[[experiment.answer]]\nname = \"one\"\npicture = \"one.svg\"\n[[experiment.answer]]\nname = \"two\"\n"
            "[surface]\nradius = \"600 mil\"\n[[variant]]\nsurface.kind = \"cylinder_bump\"\n[[variant]]\n"
            "surface.kind = \"bump\"\nsurface.facets = [2, 3]\n";
@@ -186,6 +187,7 @@ TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
     ASSERT_TRUE(reaches("first"));
     browser.press(" ");
     ASSERT_TRUE(reaches("feel"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(900));
     browser.press("1");
     EXPECT_TRUE(reaches("done"));
     EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
@@ -212,9 +214,9 @@ TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
 }
 
 TEST_F(Session, ShowsEachStimulusForItsInterval) {
-    std::ofstream(folder / "e.toml")
-        << "[experiment]\ntask = \"compare\"\nstandard = \"*facets-3\"\ntrials = 1\ninterval = "
-           "\"500 ms\"\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n";
+    std::ofstream(folder / "e.toml") << "[experiment]\nleast_contact = \"0 s\"\ntask = \"compare\"\nstandard = "
+                                        "\"*facets-3\"\ntrials = 1\ninterval = "
+                                        "\"500 ms\"\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n";
     start("1", {"--check", "now"});
     begin();
     ASSERT_TRUE(reaches("feel")) << "without a key";
