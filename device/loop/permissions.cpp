@@ -1,12 +1,15 @@
 #include "device/loop/permissions.h"
 
 #include <cerrno>
+#include <cstdint>
+#include <fcntl.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <system_error>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -49,6 +52,16 @@ Permissions::One locked_memory() {
                             "samples late"};
 }
 
+// Until the process ends: the file must stay open.
+Permissions::One awake_processors() {
+    constexpr std::int32_t kLongest = 0; // us, to wake up from an idle state
+    static const int file = ::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+    if (file >= 0 && ::write(file, &kLongest, sizeof kLongest) == sizeof kLongest)
+        return {"idle states", true, "none that takes time to wake from (/dev/cpu_dma_latency)"};
+    return {"idle states", false,
+            reason(errno) + ": /dev/cpu_dma_latency needs root; a processor that sleeps deeply may wake the loop late"};
+}
+
 std::optional<int> last_allowed() {
     const std::vector<int> allowed = allowed_cpus();
     return allowed.empty() ? std::nullopt : std::optional(allowed.back());
@@ -87,6 +100,7 @@ Permissions ask_for_real_time(std::optional<int> cpu) {
     const bool first_come = permissions.all.front().granted;
     permissions.all.push_back(locked_memory());
     permissions.all.push_back(pinned(cpu, first_come));
+    permissions.all.push_back(awake_processors());
     return permissions;
 }
 

@@ -17,7 +17,7 @@ struct Permissions {
 };
 
 /// For the calling thread, the live loop's: SCHED_FIFO, timers to the nanosecond, its CPU (`cpu`; by default
-/// the last one that it may use, if it has SCHED_FIFO), all memory of the process locked.
+/// the last one that it may use, if it has SCHED_FIFO), all memory of the process locked, no deep idle states.
 Permissions ask_for_real_time(std::optional<int> cpu);
 
 /// CPUs that this process may run on, in ascending order; empty: unknown.

@@ -1,4 +1,5 @@
 // forceshade doctor.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include "compute/device.h"
 #include "device/backends/devices.h"
 #include "device/loop/permissions.h"
+#include "device/loop/wake_ups.h"
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/field/pipeline_cache.h"
@@ -132,7 +134,27 @@ std::string try_python() {
     return last;
 }
 
-std::vector<Finding> examine_all(const CommonOptions& common) {
+struct DoctorArguments {
+    bool live = false;
+};
+
+// A second at each rate, in a thread that has what the live loop is granted.
+void examine_wake_ups(std::vector<Finding>& findings) {
+    for (const double rate : {1000.0, 4000.0}) {
+        const device::WakeUps found = device::measure_wake_ups(rate, 1);
+        const auto text = [&](double ns) { return fmt::format("{:.0f} us", 1e-3 * ns); };
+        findings.push_back(
+            {found.punctual(),
+             fmt::format("live loop at {:.0f} kHz: wakes {} late (p50), {} (p99.9), {} at worst; {} of {} "
+                         "periods lost",
+                         rate / 1e3, text(found.late.quantile(0.5)), text(found.late.quantile(0.999)),
+                         text(static_cast<double>(found.late.largest())), found.lost, found.late.count()),
+             "a loop at this rate would be late: end other programs, or try a slower --rate; a kernel with "
+             "PREEMPT_RT, a core of its own (--cpu, isolcpus) and the governor performance help"});
+    }
+}
+
+std::vector<Finding> examine_all(const DoctorArguments& arguments, const CommonOptions& common) {
     std::vector<Finding> findings{
         {true, fmt::format("program: forceshade {} on {}, {} cores", version(), cpu_name(), allowed_cores()), {}},
         examine("font of the pictures",
@@ -157,16 +179,26 @@ std::vector<Finding> examine_all(const CommonOptions& common) {
                                try_python, false));
     // What the live loop would be granted; tried in a thread that is gone afterwards.
     device::Permissions permissions;
-    std::thread([&] { permissions = device::ask_for_real_time(std::nullopt); }).join();
+    std::vector<Finding> wake_ups;
+    std::thread([&] {
+        permissions = device::ask_for_real_time(std::nullopt);
+        if (arguments.live)
+            examine_wake_ups(wake_ups);
+    }).join();
     for (const auto& [what, granted, detail] : permissions.all)
         findings.push_back({granted, fmt::format("live loop, {}: {}", what, detail),
                             "forceshade live works without, but samples may be late", false});
+    if (arguments.live)
+        for (const auto& [what, good, detail] : device::real_time_settings())
+            findings.push_back({good, fmt::format("live loop, {}: {}", what, detail),
+                                "the times below decide whether it matters", false});
+    std::ranges::move(wake_ups, std::back_inserter(findings));
     return findings;
 }
 
-int diagnose(const CommonOptions& common) {
+int diagnose(const DoctorArguments& arguments, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
-    const std::vector<Finding> findings = examine_all(common);
+    const std::vector<Finding> findings = examine_all(arguments, common);
     bool good = true;
     std::string text;
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
@@ -189,9 +221,15 @@ int diagnose(const CommonOptions& common) {
 } // namespace
 
 void add_doctor_command(CommandLine& program) {
-    program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose)
-        .example("doctor", "this machine")
-        .example("doctor --engine cpu", "the same without a Vulkan device");
+    program.add<DoctorArguments>(
+        "doctor", "Say what is installed, what works, and what to do about the rest", diagnose,
+        [](Options& options, DoctorArguments& arguments) {
+            options.flag("--live", arguments.live,
+                         "measure for two seconds how punctually a live loop would wake, at 1 and 4 kHz");
+            options.example("doctor", "this machine")
+                .example("doctor --engine cpu", "the same without a Vulkan device")
+                .example("doctor --live", "before a device is connected");
+        });
 }
 
 } // namespace forceshade

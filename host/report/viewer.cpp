@@ -9,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/field/prepared_case.h"
+#include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/picture/scene_picture.h"
 #include "host/report/sections.h"
@@ -187,7 +188,10 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
 std::vector<Packed> pack_all(const std::filesystem::path& root, std::vector<Wanted>& wanted, std::uint64_t most,
                              std::vector<std::string>& troubles) {
     std::vector<Packed> packed;
+    Stage stage("packing volumes", wanted.size(), "volumes");
+    std::uint64_t done = 0;
     std::erase_if(wanted, [&](const Wanted& one) {
+        stage.update(done++, one.name);
         try {
             packed.push_back(packed_volume(root, one, most));
             return false;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "device/loop/sample.h"
+#include "device/loop/wake_ups.h"
 
 namespace forceshade::device {
 namespace {
@@ -108,6 +109,24 @@ TEST(Histogram, TakesNegativeTimesAsNoneAndTheLongestAsItIs) {
     EXPECT_EQ(times.largest(), static_cast<std::uint64_t>(kLongest));
     EXPECT_EQ(times.bin(Histogram::bin_of(static_cast<std::uint64_t>(kLongest))), 1u);
     EXPECT_EQ(times.quantile(1), static_cast<double>(kLongest));
+}
+
+TEST(WakeUps, AreCountedOnceAPeriodAndJudgedByTheirLateness) {
+    const WakeUps found = measure_wake_ups(1000, 0.2);
+    EXPECT_EQ(found.late.count(), 200u);
+    EXPECT_GE(found.late.largest(), found.late.quantile(0.5));
+    WakeUps late;
+    late.period = 1e-3;
+    for (int i = 0; i < 1000; ++i)
+        late.late.add(5'000);
+    EXPECT_TRUE(late.punctual());
+    for (int i = 0; i < 10; ++i)
+        late.late.add(600'000); // one in a hundred, by more than half a period
+    EXPECT_FALSE(late.punctual());
+    late = {};
+    late.period = 1e-3;
+    late.lost = 1;
+    EXPECT_FALSE(late.punctual());
 }
 
 } // namespace

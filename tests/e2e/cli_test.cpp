@@ -142,6 +142,8 @@ TEST_F(CommandLine, falls_back_to_nothing_where_there_is_no_device) {
         expect_failure(3, without_device({command, "scene.toml", "--out", "new.exr", "--engine", "gpu"}), {"Vulkan"});
     EXPECT_EQ(run(without_device({"field", "scene.toml", "--out", "auto.exr"})).code, 0);
     expect_failure(3, without_device({"validate", "scene.toml"}), {"Vulkan"});
+    const Outcome live = run(without_device({"doctor", "--live", "--engine", "cpu"}));
+    expect_words(live.out, {"live loop at 1 kHz", "live loop at 4 kHz", "periods lost", "free cores"});
     const Outcome doctor = run(without_device({"doctor"}));
     EXPECT_EQ(doctor.code, 1);
     expect_words(doctor.out, {"problem", "mesa-vulkan-drivers"});
