@@ -162,6 +162,7 @@ std::vector<LoopRun> loop_runs(const std::string& surface, const Variant& varian
 std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldRun>& fields,
                               const std::vector<LoopRun>& loops) {
     std::vector<FieldRunRow> rows;
+    rows.reserve(fields.size());
     for (const FieldRun& run : fields)
         rows.push_back({run, look_up_errors(measured, run)});
     using R = FieldRunRow;
