@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "host/cases/surface_file.h"
-#include "host/picture/scene_picture.h"
 #include "host/output/reading.h"
+#include "host/picture/scene_picture.h"
 #include "tests/io/folder.h"
 #include "tests/io/vtk_bytes.h"
 #include "tests/unit/laws.h"
