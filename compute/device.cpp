@@ -66,6 +66,7 @@ DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t in
     report.software = properties.deviceType == vk::PhysicalDeviceType::eCpu;
     report.api = version_text(properties.apiVersion);
     report.driver = version_text(properties.driverVersion);
+    report.nearest = report.software;
     report.buffer_range = properties.limits.maxStorageBufferRange;
     report.group_invocations =
         std::min(properties.limits.maxComputeWorkGroupInvocations, properties.limits.maxComputeWorkGroupSize[0]);
@@ -101,26 +102,37 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsE
     return VK_FALSE;
 }
 
-void make_instance(Device::Implementation& self, bool validation) {
-    const vk::ApplicationInfo application("forceshade", 1, "forceshade", 1, kApiVersion);
-    std::vector<const char*> layers, extensions;
-    if (validation) {
-        layers.push_back("VK_LAYER_KHRONOS_validation");
-        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+const vk::ApplicationInfo kApplication("forceshade", 1, "forceshade", 1, kApiVersion);
+
+/// The instance that all devices without validation layers share, to the end of the process: a driver of hardware that
+/// is loaded and unloaded again and again is not found any more after some thirty times.
+/// \throws DeviceError (no_such_device) without a Vulkan loader, vk::IncompatibleDriverError without any driver.
+std::shared_ptr<Loaded> shared_instance() {
+    static std::mutex mutex;
+    static std::shared_ptr<Loaded>* const kept = new std::shared_ptr<Loaded>; // outlives the drivers' own cleaning up
+    const std::lock_guard lock(mutex);
+    if (!*kept) {
+        auto loaded = std::make_shared<Loaded>();
+        loaded->instance = vk::raii::Instance(loaded->context, vk::InstanceCreateInfo({}, &kApplication));
+        *kept = std::move(loaded);
     }
+    return *kept;
+}
+
+/// An instance of this device alone, so that the layers' messages are about it.
+void make_validated_instance(Device::Implementation& self) {
+    const std::vector<const char*> layers{"VK_LAYER_KHRONOS_validation"};
+    const std::vector<const char*> extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                              VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     const std::vector<vk::ValidationFeatureEnableEXT> enabled{
         vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
     const vk::ValidationFeaturesEXT features(enabled);
-    vk::InstanceCreateInfo info({}, &application, layers, extensions);
-    if (validation)
-        info.pNext = &features;
-    self.instance = vk::raii::Instance(self.context, info);
-    if (!validation)
-        return;
+    self.loaded = std::make_shared<Loaded>();
+    self.loaded->instance = vk::raii::Instance(
+        self.loaded->context, vk::InstanceCreateInfo({}, &kApplication, layers, extensions, &features));
     using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
     using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
-    self.messenger = self.instance.createDebugUtilsMessengerEXT(
+    self.messenger = self.loaded->instance.createDebugUtilsMessengerEXT(
         {{}, Severity::eWarning | Severity::eError, Type::eValidation | Type::ePerformance, keep_message, &self});
 }
 
@@ -226,14 +238,13 @@ std::optional<std::uint32_t> memory_type(const vk::PhysicalDeviceMemoryPropertie
 
 } // namespace
 
+Loaded::Loaded() : context(load()) {}
+
 std::vector<DeviceReport> list_devices() {
-    const vk::raii::Context context = load();
-    return checked("listing the Vulkan devices", [&] {
-        const vk::ApplicationInfo application("forceshade", 1, "forceshade", 1, kApiVersion);
+    return checked("listing the Vulkan devices", [] {
         std::vector<DeviceReport> devices;
         try {
-            const vk::raii::Instance instance(context, vk::InstanceCreateInfo({}, &application));
-            for (const vk::raii::PhysicalDevice& physical : instance.enumeratePhysicalDevices())
+            for (const vk::raii::PhysicalDevice& physical : shared_instance()->instance.enumeratePhysicalDevices())
                 devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size())));
         } catch (const vk::IncompatibleDriverError&) {
             devices.clear(); // the loader found no driver
@@ -289,8 +300,14 @@ Device::Device(const DeviceOptions& options) {
     checked("opening " + chosen.name, [&] {
         implementation_ = std::make_unique<Implementation>();
         implementation_->report = chosen;
-        make_instance(*implementation_, options.validation);
-        implementation_->physical = std::move(implementation_->instance.enumeratePhysicalDevices().at(chosen.index));
+        if (options.through_double)
+            implementation_->report.nearest = false;
+        if (options.validation)
+            make_validated_instance(*implementation_);
+        else
+            implementation_->loaded = shared_instance();
+        implementation_->physical =
+            std::move(implementation_->loaded->instance.enumeratePhysicalDevices().at(chosen.index));
         make_device(*implementation_, options.pipeline_cache);
     });
 }

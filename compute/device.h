@@ -33,6 +33,7 @@ struct DeviceReport {
     bool software = false;
     bool f64 = false;                    /* double precision in kernels */
     bool int64 = false;                  /* 64-bit integers in kernels: stores travel in pairs */
+    bool nearest = false;                /* its quotients and roots of floats are the nearest: software's are */
     std::uint64_t memory = 0;            /* bytes of the largest device-local heap */
     std::uint64_t buffer_range = 0;      /* bytes that one storage buffer may span */
     std::uint32_t group_invocations = 0; /* most of a work group */
@@ -58,7 +59,8 @@ const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, cons
 struct DeviceOptions {
     std::string wanted; /* as in choose_device */
     bool needs_f64 = false;
-    bool validation = false; /* core and synchronization validation; messages in validation_messages() */
+    bool through_double = false; /* kernels as for a device whose quotients and roots of floats may be off */
+    bool validation = false;     /* core and synchronization validation; messages in validation_messages() */
     std::span<const std::byte> pipeline_cache; /* of an earlier run on this device; ignored where it does not fit */
 };
 

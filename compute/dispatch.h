@@ -26,6 +26,11 @@ template <typename T> void check_precision(const DeviceReport& report) {
                           report.name + " has no double precision in kernels: use --precision f32");
 }
 
+/// Whether kernels take quotients and roots through double precision: where the device's own of floats may be off.
+template <typename T> bool takes_exact(const DeviceReport& report) {
+    return sizeof(T) == sizeof(float) && !report.nearest && report.f64;
+}
+
 class Dispatcher {
 public:
     static constexpr layout::uint kNoStatus = 0xFFFFFFFFu;

@@ -27,11 +27,13 @@ template <typename T> struct FieldRun {
     Dispatcher& dispatcher;
     const FieldKernelOptions& options;
     const layout::FieldInput<T>& input;
-    const bool packed = sizeof(T) == sizeof(float) && options.packed_stores && dispatcher.report().int64;
+    const bool exact = takes_exact<T>(dispatcher.report());
+    const bool packed = sizeof(T) == sizeof(float) && !exact && options.packed_stores && dispatcher.report().int64;
 
     std::uint32_t lanes() const { return packed ? layout::kLanesPacked : layout::kLanes; }
     std::span<const std::uint32_t> code() const {
         return sizeof(T) == sizeof(double) ? kernels::field_f64()
+               : exact                     ? kernels::field_f32_exact()
                : packed                    ? kernels::field_f32_packed()
                                            : kernels::field_f32();
     }

@@ -203,10 +203,11 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
         chunk.limit = options_.limit;
         chunk.stretch = input.stretch;
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
-        constexpr bool kDouble = sizeof(T) == sizeof(double);
+        const auto code = sizeof(T) == sizeof(double)           ? kernels::mesh_path_f64()
+                          : takes_exact<T>(dispatcher.report()) ? kernels::mesh_path_f32_exact()
+                                                                : kernels::mesh_path_f32();
         const Constants constants = constants_of(kGroup, input, loops);
-        const std::size_t pipeline =
-            dispatcher.pipeline(kDouble ? kernels::mesh_path_f64() : kernels::mesh_path_f32(), constants, times);
+        const std::size_t pipeline = dispatcher.pipeline(code, constants, times);
         for (std::size_t first = 0; first < input.paths;) {
             std::optional<Batch<T>> begun;
             dispatcher.upload(times, [&](const PutTable& put) {

@@ -31,12 +31,18 @@ template <typename Call> decltype(auto) checked(const std::string& doing, Call&&
     }
 }
 
+/// The Vulkan loader and an instance of it. \throws DeviceError (no_such_device) without a loader.
+struct Loaded {
+    Loaded();
+    vk::raii::Context context;
+    vk::raii::Instance instance{nullptr};
+};
+
 struct Device::Implementation {
     DeviceReport report;
-    vk::raii::Context context;
+    std::shared_ptr<Loaded> loaded;
     std::mutex messages_mutex;
     std::vector<std::string> messages; // of the validation layers; filled by the messenger below
-    vk::raii::Instance instance{nullptr};
     vk::raii::DebugUtilsMessengerEXT messenger{nullptr};
     vk::raii::PhysicalDevice physical{nullptr};
     vk::PhysicalDeviceLimits limits;

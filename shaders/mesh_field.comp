@@ -82,7 +82,7 @@ Contact contact_at(real3 probe, uint candidate, bool inside) {
         inside = inside_by_pseudonormal(triangle, shape.normal, point);
     if (!inside)
         return contact;
-    precise real size = sqrt(point.square);
+    precise real size = root(point.square);
     return touching_contact(MeshTouch(triangle.facet, point.offset, sum(probe, point.offset), size));
 }
 

@@ -68,7 +68,7 @@ Contact force_of(Rest rest, real3 probe) {
     if (rest.count == 0u)
         return contact;
     real3 offset = difference(rest.proxy, probe);
-    precise real size = sqrt(product(offset, offset));
+    precise real size = root(product(offset, offset));
     MeshTouch touch = MeshTouch(rest.facets.x, offset, rest.proxy, size);
     real3 pull = scaled(mesh.stiffness, offset);
     precise real depth = size * mesh.scale;
@@ -159,7 +159,7 @@ void main() {
     uint end = min(chunk.step_end, steps);
     MotionParams motion = motions[MOTION == kMotionRecorded ? 0u : path];
     HandParams hand = hands[chunk.own_hands * path];
-    per_phase_step = ONE / real(int(motion.phase_step));
+    per_phase_step = quotient(ONE, real(int(motion.phase_step)));
     round_end = in_world(motion, place_at(motion, 0u), real3(exact_zero));
     PathState state = states[path];
     real3 here = target_at(motion, path, walk_word(path, kWalkWordStep), steps);

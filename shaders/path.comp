@@ -133,7 +133,7 @@ void main() {
     HandParams hand = hands[chunk.own_hands * path];
     uint steps = chunk.own_lengths != 0u ? lengths[path] : chunk.steps;
     keep_harmonics(path, chunk.paths);
-    per_phase_step = ONE / real(int(motion.phase_step));
+    per_phase_step = quotient(ONE, real(int(motion.phase_step)));
     round_end = round_end_of(motion);
     real3 here = target_at(motion, path, chunk.step_first, steps);
     PathState state = states[path];

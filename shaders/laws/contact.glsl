@@ -19,9 +19,9 @@ Radial radial_at(real x, real z) {
     precise real square = x * x + rise * rise;
     if (!(square >= SMALLEST_NORMAL))
         return Radial(real3(exact_zero, exact_zero, ONE), ZERO);
-    precise real distance = sqrt(square);
-    precise real direction_x = x / distance;
-    precise real direction_z = rise / distance;
+    precise real distance = root(square);
+    precise real direction_x = quotient(x, distance);
+    precise real direction_z = quotient(rise, distance);
     return Radial(real3(direction_x, exact_zero, direction_z), distance);
 }
 
@@ -52,7 +52,7 @@ Contact cylinder_bump_contact(Column column, real y, real z) {
     if (!(plane_depth > ZERO || power > ZERO))
         return contact;
     Radial radial = radial_at(column.x, z);
-    precise real cylinder_depth = power > ZERO ? power / (law.radius + radial.distance) : ZERO;
+    precise real cylinder_depth = power > ZERO ? quotient(power, law.radius + radial.distance) : ZERO;
     precise real plane_force = law.stiffness * plane_depth;
     precise real cylinder_force = law.stiffness * cylinder_depth;
     precise real force_x = cylinder_force * radial.direction.x;

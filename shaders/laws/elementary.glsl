@@ -31,6 +31,43 @@
         buffer[3u * (at) + 2u] = value.z;                                                                              \
     }
 
+// Quotients and roots, rounded to the nearest. Vulkan lets a device's own of floats be some units in the last place off.
+// FS_EXACT takes those of doubles, which round a quotient or root of floats to the same float (Figueroa 1995: twice the
+// digits and two more are enough to round twice).
+#ifdef FS_EXACT
+#define QUOTIENT(real_n, wide_n)                                                                                       \
+    real_n quotient(real_n a, real_n b) {                                                                              \
+        precise wide_n value = wide_n(a) / wide_n(b);                                                                  \
+        return real_n(value);                                                                                          \
+    }
+QUOTIENT(float, double)
+QUOTIENT(vec3, dvec3)
+QUOTIENT(vec4, dvec4)
+float root(float a) {
+    precise double value = sqrt(double(a));
+    return float(value);
+}
+#else
+#define QUOTIENT(real_n)                                                                                               \
+    real_n quotient(real_n a, real_n b) {                                                                              \
+        precise real_n value = a / b;                                                                                  \
+        return value;                                                                                                  \
+    }
+QUOTIENT(real)
+QUOTIENT(real3)
+QUOTIENT(real4)
+real root(real a) {
+    precise real value = sqrt(a);
+    return value;
+}
+#endif
+real3 quotient(real3 v, real divisor) {
+    return quotient(v, real3(divisor));
+}
+real4 quotient(real4 v, real divisor) {
+    return quotient(v, real4(divisor));
+}
+
 real product(real3 u, real3 v) {
     precise real value = u.x * v.x + u.y * v.y + u.z * v.z;
     return value;
@@ -59,15 +96,15 @@ real3 scaled(real factor, real3 v) {
 }
 
 real3 divided(real3 v, real divisor) {
-    precise real3 value = v / divisor;
+    precise real3 value = quotient(v, divisor);
     return value;
 }
 
 // v / |v|; 0 where v.v is not above 0.
 real3 normalised(real3 v) {
     precise real square = product(v, v);
-    precise real size = sqrt(square);
-    precise real3 direction = v / size;
+    precise real size = root(square);
+    precise real3 direction = quotient(v, size);
     return square > ZERO ? direction : real3(ZERO);
 }
 
@@ -75,7 +112,7 @@ real3 normalised(real3 v) {
 
 // sqrt(R^2 - x^2), m: how far the circle stands above its axis at x, |x| <= R.
 real circle_rise(real radius, real x) {
-    precise real rise = sqrt((radius - x) * (radius + x));
+    precise real rise = root((radius - x) * (radius + x));
     return rise;
 }
 
@@ -84,7 +121,7 @@ real cylinder_height(real half_width, real radius, real centre_depth, real x) {
     precise real product = (half_width - x) * (half_width + x);
     if (!(product > ZERO))
         return ZERO;
-    precise real height = product / (circle_rise(radius, x) + centre_depth);
+    precise real height = quotient(product, circle_rise(radius, x) + centre_depth);
     return height;
 }
 

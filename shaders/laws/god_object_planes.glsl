@@ -61,7 +61,7 @@ Projection onto_line(real3 wish, HalfSpace one, HalfSpace other) {
     real square = product(line, line);
     real3 to_one = divided(cross_product(other.normal, line), square);
     real3 to_other = divided(cross_product(line, one.normal), square);
-    precise real along = product(line, wish) / square;
+    precise real along = quotient(product(line, wish), square);
     real3 vector = sum(sum(scaled(along, line), scaled(one.slack, to_one)), scaled(other.slack, to_other));
     vector = sum(vector, sum(scaled(miss_of(one, vector), to_one), scaled(miss_of(other, vector), to_other)));
     real3 shift = difference(vector, wish);
@@ -161,7 +161,7 @@ void update_touch_beside_face(inout Touch touch, real3 proxy) {
         away = difference(away, scaled(product(away, edge), edge));
     }
     away = normalised(away);
-    precise real size = sqrt(nearest.square);
+    precise real size = root(nearest.square);
     touch.feature = nearest.feature;
     if (nearest.feature != kMeshFace) {
         touch.separation = size;
@@ -238,8 +238,8 @@ bool stays_above_face(Touch touch, real3 displacement) {
 
 void leave_over(uint edge, real inside, real rate, real3 along, inout Release release) {
     precise real ahead = inside + rate * release.time;
-    precise real outside = inside + kWidth * sqrt(product(along, along));
-    precise real time = outside / -rate;
+    precise real outside = inside + kWidth * root(product(along, along));
+    precise real time = quotient(outside, -rate);
     if (ahead < ZERO && rate < ZERO && time < release.time)
         release = Release(time > ZERO ? time : ZERO, edge);
 }

@@ -276,9 +276,9 @@ bool comes_before(uint one, uint other) {
 // By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the direction.
 real gain_since(real3 place) {
     real3 both = sum(difference(walk_probe, place), difference(walk_probe, walk_proxy));
-    precise real size = sqrt(product(both, both));
+    precise real size = root(product(both, both));
     const real most = real(2.0LF) * kFarOff;
-    precise real gain = product(difference(walk_proxy, place), both) / (size < most ? size : most);
+    precise real gain = quotient(product(difference(walk_proxy, place), both), size < most ? size : most);
     return gain;
 }
 
@@ -338,7 +338,7 @@ Impact first_impact(Move move) {
 real clipped(real from, real displacement, real until, real clip) {
     real edge = displacement < ZERO ? -kRegion : kRegion;
     precise real there = from + until * displacement;
-    precise real time = (edge - from) / displacement;
+    precise real time = quotient(edge - from, displacement);
     return abs(there) > kRegion && time < clip ? time : clip;
 }
 

@@ -11,7 +11,7 @@ Gradient cylinder_gradient(MapParams map, real x, bool dip) {
     Gradient gradient = Gradient(exact_zero, exact_zero);
     if (!(abs(x) < map.half_width))
         return gradient;
-    precise real slope = x / circle_rise(map.radius, x);
+    precise real slope = quotient(x, circle_rise(map.radius, x));
     gradient.x = dip ? slope : -slope;
     return gradient;
 }

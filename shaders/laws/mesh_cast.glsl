@@ -37,8 +37,8 @@ struct Stretch {
 
 Stretch stretch_near_plane(Move move, real height, real rate) {
     precise real last = height + move.until * rate;
-    precise real enter_above = (kCulled - height) / rate;
-    precise real enter_below = (-kCulled - height) / rate;
+    precise real enter_above = quotient(kCulled - height, rate);
+    precise real enter_below = quotient(-kCulled - height, rate);
     real begin = ZERO;
     real end = move.until;
     if (height > kCulled)
@@ -75,7 +75,7 @@ bool beyond_an_edge(Triangle triangle, real3 begin, real3 end) {
 
 // The part of an offset that is square to an edge.
 real3 square_to(real3 edge, real3 offset) {
-    precise real share = product(offset, edge) / product(edge, edge);
+    precise real share = quotient(product(offset, edge), product(edge, edge));
     return difference(offset, scaled(share, edge));
 }
 
@@ -159,10 +159,10 @@ real impact_time(Triangle triangle, Move move) {
     [[dont_unroll]] do {
         real3 place = place_at(move, t);
         TrianglePoint nearest = nearest_on_triangle(place, triangle);
-        precise real size = sqrt(nearest.square);
+        precise real size = root(nearest.square);
         real approach = approach_of(nearest, triangle, place, size, move.displacement); // times the distance
         precise real excess = size - kImpact;
-        precise real next = t + excess * size / approach;
+        precise real next = t + quotient(excess * size, approach);
         bool leaves = !(approach > ZERO);
         bool touches = !(excess > kRest);
         bool late = !(next <= until);

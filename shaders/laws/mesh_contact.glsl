@@ -12,7 +12,7 @@ struct MeshCorner {
 MeshCorner corner_at(uint corner, real3 point) {
     uint vertex = facet_words[corner];
     real3 offset = difference(vertex_position(vertex), point);
-    precise real distance = sqrt(product(offset, offset));
+    precise real distance = root(product(offset, offset));
     return MeshCorner(offset, distance, vertex_normal(vertex));
 }
 
@@ -52,7 +52,7 @@ real3 barycentric_normal(uint begin, real3 normal, real3 point) {
 MeshCorner flat_corner_at(uint index, real3 point, real3 normal) {
     MeshCorner corner = corner_at(index, point);
     corner.offset = difference(corner.offset, scaled(product(normal, corner.offset), normal));
-    precise real distance = sqrt(product(corner.offset, corner.offset));
+    precise real distance = root(product(corner.offset, corner.offset));
     corner.distance = distance;
     return corner;
 }
@@ -79,9 +79,9 @@ void add_edge(inout MeanValue mean, MeshCorner start, MeshCorner stop, real3 nor
     }
     precise real above = reach + along;
     precise real below = reach - along;
-    precise real tangent = along > ZERO ? across / above : below / across;
-    precise real at_start = tangent / start.distance;
-    precise real at_stop = tangent / stop.distance;
+    precise real tangent = along > ZERO ? quotient(across, above) : quotient(below, across);
+    precise real at_start = quotient(tangent, start.distance);
+    precise real at_stop = quotient(tangent, stop.distance);
     mean.sum = sum(mean.sum, sum(scaled(at_start, start.normal), scaled(at_stop, stop.normal)));
     precise real weights = mean.weights + (at_start + at_stop);
     mean.weights = weights;
@@ -181,7 +181,7 @@ real3 shaded_force(MeshTouch touch, real3 unshaded) {
         real lift = product(direction, normal);
         if (!(lift > ZERO))
             return unshaded;
-        magnitude = magnitude / lift;
+        magnitude = quotient(magnitude, lift);
     }
     return scaled(magnitude, direction);
 }

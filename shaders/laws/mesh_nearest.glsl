@@ -64,7 +64,7 @@ Eight squares(Points points) {
 real4 edge_square(real4 ahead, Points start, real z, real3 side, real length_square, real4 start_square,
                   real4 end_square, out bvec4 within) {
     precise real4 along = -ahead;
-    precise real4 share = along / length_square;
+    precise real4 share = quotient(along, length_square);
     precise real4 foot_x = start.x.xyxy + share * real4(side.x);
     precise real4 foot_y = start.y.xxyy + share * real4(side.y);
     precise real4 foot_z = z + share * real4(side.z);

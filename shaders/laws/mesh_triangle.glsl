@@ -37,7 +37,7 @@ EdgePoint nearest_on_edge(real3 start, real3 end, real3 edge, real length_square
         return EdgePoint(from, product(from, from), backwards ? kEnd : kStart);
     if (!(along < length_square))
         return EdgePoint(to, product(to, to), backwards ? kStart : kEnd);
-    precise real share = along / length_square;
+    precise real share = quotient(along, length_square);
     real3 offset = sum(from, scaled(share, directed));
     return EdgePoint(offset, product(offset, offset), kWithin);
 }

@@ -60,7 +60,7 @@ real raster_line(MotionParams motion, uint index) {
     uint last = motion.lines - 1u;
     uint folded = index % max(2u * last, 1u);
     uint line = folded > last ? 2u * last - folded : folded;
-    precise real place = real(int(2u * line)) / real(int(last)) - ONE;
+    precise real place = quotient(real(int(2u * line)), real(int(last))) - ONE;
     return last > 0u ? place : exact_zero;
 }
 
@@ -69,8 +69,8 @@ Place raster_place(MotionParams motion, uint step) {
     uint index = step / pitch;
     uint within = step - index * pitch;
     bool running = within < motion.run;
-    precise real ran = real(int(within)) / real(int(motion.run));
-    precise real crossed = real(int(within - motion.run)) / real(int(motion.turn));
+    precise real ran = quotient(real(int(within)), real(int(motion.run)));
+    precise real crossed = quotient(real(int(within - motion.run)), real(int(motion.turn)));
     real share = running ? ran : ONE;
     real turned = running ? exact_zero : crossed;
     precise real forth = share * real(2.0LF) - ONE;
@@ -116,7 +116,7 @@ Place minimum_jerk_place(MotionParams motion, uint step) {
     // Seldom another one; a software device goes through this all the same.
     while (stretch.index != index)
         stretch = Stretch(index, via_point(motion, index), via_point(motion, index + 1u));
-    precise real time = real(int(within)) / real(int(motion.run));
+    precise real time = quotient(real(int(within)), real(int(motion.run)));
     precise real share = minimum_jerk(time);
     precise real along = motion.reach * (stretch.from.x + share * (stretch.to.x - stretch.from.x));
     precise real across = motion.across * (stretch.from.y + share * (stretch.to.y - stretch.from.y));

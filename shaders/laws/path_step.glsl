@@ -35,7 +35,7 @@ AxisMotion moved_with_friction(AxisMap map, AxisPush push, real coulomb, real pe
     AxisMotion motion = moved(map, push, force);
     precise real turning = push.speed * motion.speed;
     bool turns = turning < ZERO;
-    precise real stop = real(0.5LF) * period * push.speed * (push.speed / (push.speed - motion.speed));
+    precise real stop = real(0.5LF) * period * push.speed * quotient(push.speed, push.speed - motion.speed);
     return AxisMotion(sticks ? exact_zero : turns ? stop : motion.shift, sticks || turns ? exact_zero : motion.speed);
 }
 
@@ -52,9 +52,9 @@ AxisMotion axis_moved(AxisMap map, AxisPush push, HandParams hand) {
 real3 measured(HandParams hand, real3 place) {
     if (QUANTISED == 0u)
         return place;
-    precise real x = floor(place.x / hand.quantum + real(0.5LF)) * hand.quantum;
-    precise real y = floor(place.y / hand.quantum + real(0.5LF)) * hand.quantum;
-    precise real z = floor(place.z / hand.quantum + real(0.5LF)) * hand.quantum;
+    precise real x = floor(quotient(place.x, hand.quantum) + real(0.5LF)) * hand.quantum;
+    precise real y = floor(quotient(place.y, hand.quantum) + real(0.5LF)) * hand.quantum;
+    precise real z = floor(quotient(place.z, hand.quantum) + real(0.5LF)) * hand.quantum;
     bool rounds = hand.quantum > ZERO;
     return real3(rounds ? x : place.x, rounds ? y : place.y, rounds ? z : place.z);
 }
@@ -65,8 +65,8 @@ real3 commanded(HandParams hand, real3 law_force) {
     precise real x = hand.gain * law_force.x;
     precise real y = hand.gain * law_force.y;
     precise real z = hand.gain * law_force.z;
-    precise real size = sqrt(product(real3(x, y, z), real3(x, y, z)));
-    precise real share = hand.max_force / size;
+    precise real size = root(product(real3(x, y, z), real3(x, y, z)));
+    precise real share = quotient(hand.max_force, size);
     precise real less_x = share * x;
     precise real less_y = share * y;
     precise real less_z = share * z;
@@ -122,7 +122,7 @@ PathMetrics no_metrics() {
 // A sample: the depth and facet that the law gave, and the force that is commanded, N.
 void add_sample(inout PathMetrics metrics, real depth, bool touches, real3 force) {
     precise real square = product(force, force);
-    precise real size = sqrt(square);
+    precise real size = root(square);
     metrics.largest_force = size > metrics.largest_force ? size : metrics.largest_force;
     add_to(metrics.force_square, metrics.force_square_rest, square, true);
     bool least = metrics.contact_samples == 0u || depth < metrics.least_depth;
@@ -203,7 +203,7 @@ void end_round(inout PathMetrics metrics, real late, bool ends) {
 // The speed, m/s, at a step of a path of `steps` steps: growing oscillations show late.
 void add_speed(inout PathMetrics metrics, real3 speed, uint step, uint steps) {
     uint quarter = steps / 4u;
-    precise real size = sqrt(product(speed, speed));
+    precise real size = root(product(speed, speed));
     bool early = step >= quarter && step < 2u * quarter;
     bool late = step >= 3u * quarter;
     metrics.early_speed = early && size > metrics.early_speed ? size : metrics.early_speed;

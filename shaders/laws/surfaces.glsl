@@ -37,9 +37,9 @@ Slope slope_of(uint id) {
     real right = facet_vertices[id + 1u];
     // The chord of a circle descends by (x_i + x_i+1) / (rise_i + rise_i+1): no difference of heights, so no digits cancel.
     precise real rises = circle_rise(law.radius, left) + circle_rise(law.radius, right);
-    precise real descent = rises > ZERO ? (left + right) / rises : ZERO;
+    precise real descent = rises > ZERO ? quotient(left + right, rises) : ZERO;
     real top = cylinder_height(law.half_width, law.radius, law.centre_depth, left);
-    precise real normal_z = ONE / sqrt(ONE + descent * descent);
+    precise real normal_z = quotient(ONE, root(ONE + descent * descent));
     precise real normal_x = descent * normal_z;
     return Slope(left, right, top, descent, normal_x, normal_z);
 }
@@ -78,15 +78,15 @@ struct Column {
 real3 reference_normal(real x, bool on_bump) {
     if (!on_bump)
         return real3(exact_zero, exact_zero, ONE);
-    precise real normal_x = x / law.radius;
-    precise real normal_z = circle_rise(law.radius, x) / law.radius;
+    precise real normal_x = quotient(x, law.radius);
+    precise real normal_z = quotient(circle_rise(law.radius, x), law.radius);
     return real3(normal_x, exact_zero, normal_z);
 }
 
 // L5: the unit normal of the height map.
 real3 map_normal(real x, real y) {
     Gradient gradient = map_gradient(x, y);
-    precise real normal_z = ONE / sqrt(gradient.x * gradient.x + gradient.y * gradient.y + ONE);
+    precise real normal_z = quotient(ONE, root(gradient.x * gradient.x + gradient.y * gradient.y + ONE));
     precise real normal_x = -(gradient.x * normal_z);
     precise real normal_y = -(gradient.y * normal_z);
     return real3(normal_x, normal_y, normal_z);

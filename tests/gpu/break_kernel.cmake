@@ -1,7 +1,7 @@
 # cmake -DSHADERS=DIR -DINTO=DIR -DGLSLANG=PROGRAM -DNAME=name -DPATTERN=glob -DFROM=text -DTO=text -DVARIANTS=one+other
 #       -P break_kernel.cmake
 # Copies the shaders, replaces a text in those that match, and compiles variants of the kernels to INTO/NAME_VARIANT.spv.h:
-# f32, f32_packed and f64 of field.comp, mesh_f32 and mesh_f64 of mesh_field.comp, KERNEL_f32 and KERNEL_f64 of others.
+# f32, f32_packed, f32_exact and f64 of field.comp, mesh_f32, ... of mesh_field.comp, KERNEL_f32, ... of others.
 # An error if nothing was replaced: a break that no longer breaks would go unseen.
 string(REPLACE "\\n" "\n" TO "${TO}") # no build tool takes a line break in an argument
 file(REMOVE_RECURSE ${INTO}/${NAME})
@@ -25,10 +25,12 @@ foreach(variant IN LISTS VARIANTS)
     set(definitions)
     if(variant STREQUAL "f32_packed")
         set(definitions -DFS_PACKED)
+    elseif(variant MATCHES "exact")
+        set(definitions -DFS_EXACT)
     elseif(variant MATCHES "f64")
         set(definitions -DFS_F64)
     endif()
-    string(REGEX REPLACE "_?f(32|64)(_packed)?$" "" kernel ${variant})
+    string(REGEX REPLACE "_?f(32|64)(_packed|_exact)?$" "" kernel ${variant})
     if(kernel STREQUAL "")
         set(kernel field)
     elseif(kernel STREQUAL "mesh")

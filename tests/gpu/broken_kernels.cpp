@@ -51,12 +51,16 @@ namespace kernels {
     }
 FS_CHOSEN(field_f32, "f32")
 FS_CHOSEN(field_f32_packed, "f32_packed")
+FS_CHOSEN(field_f32_exact, "f32_exact")
 FS_CHOSEN(field_f64, "f64")
 FS_CHOSEN(mesh_field_f32, "mesh_f32")
+FS_CHOSEN(mesh_field_f32_exact, "mesh_f32_exact")
 FS_CHOSEN(mesh_field_f64, "mesh_f64")
 FS_CHOSEN(path_f32, "path_f32")
+FS_CHOSEN(path_f32_exact, "path_f32_exact")
 FS_CHOSEN(path_f64, "path_f64")
 FS_CHOSEN(mesh_path_f32, "mesh_path_f32")
+FS_CHOSEN(mesh_path_f32_exact, "mesh_path_f32_exact")
 FS_CHOSEN(mesh_path_f64, "mesh_path_f64")
 } // namespace kernels
 

@@ -99,6 +99,8 @@ TEST(ChooseDevice, WithoutAnyDevice) {
 }
 
 TEST(SoftwareDevice, IsThereAndDescribed) {
+    if (std::string(test::tested_gpu()) != "llvmpipe")
+        GTEST_SKIP() << "another device is tried";
     const auto devices = list_devices();
     const DeviceReport& found = choose_device(devices, "llvmpipe", true);
     EXPECT_TRUE(found.software);
@@ -111,7 +113,6 @@ TEST(SoftwareDevice, IsThereAndDescribed) {
     EXPECT_GE(found.subgroup, 1u);
     EXPECT_FALSE(found.driver.empty());
     EXPECT_EQ(found.api.substr(0, 2), "1.");
-    EXPECT_EQ(test::open_software_device(false).report().name, found.name);
     for (std::size_t i = 0; i < devices.size(); ++i)
         EXPECT_EQ(devices[i].index, i);
 }

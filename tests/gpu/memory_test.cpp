@@ -41,6 +41,8 @@ protected:
     void SetUp() override {
         if (!kOwnsAddressSpace)
             GTEST_SKIP() << "sanitizers take the address space that this test limits";
+        if (!on_software())
+            GTEST_SKIP() << "hardware has memory of its own";
     }
 
     static constexpr std::size_t kMebibyte = std::size_t(1) << 20;

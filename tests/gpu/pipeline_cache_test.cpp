@@ -98,7 +98,7 @@ class EngineCache : public ::testing::Test {
 protected:
     static EngineOptions options(const std::filesystem::path& cache) {
         EngineOptions options;
-        options.gpu = "llvmpipe";
+        options.gpu = test::tested_gpu();
         options.validation = test::has_validation_layer();
         options.cache = cache;
         return options;
@@ -147,7 +147,7 @@ TEST_F(EngineCache, SurvivesForeignBytes) {
     const Bytes header(kept.begin(), kept.begin() + 20);
     for (const Bytes& bytes : {kept, other_vendor, other_uuid, half, header, some_bytes(10), some_bytes(10000)}) {
         compute::DeviceOptions options;
-        options.wanted = "llvmpipe";
+        options.wanted = test::tested_gpu();
         options.pipeline_cache = bytes;
         compute::Device device(options);
         compute::FieldKernel kernel(device);

@@ -87,7 +87,7 @@ class ClosedForm : public ::testing::TestWithParam<std::tuple<Conditioning, Prec
 TEST_P(ClosedForm, HoldsWithinTheBound) {
     const auto [conditioning, precision] = GetParam();
     EngineOptions options;
-    options.gpu = "llvmpipe";
+    options.gpu = test::tested_gpu();
     options.needs_f64 = true;
     options.validation = test::has_validation_layer();
     const auto engine = make_engine(options);

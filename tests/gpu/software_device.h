@@ -1,5 +1,7 @@
-// The software device that every GPU test is pinned to.
+// The device that the GPU tests run on: the software one, or what FORCESHADE_TEST_GPU names (as --gpu does).
 #pragma once
+
+#include <cstdlib>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,11 +11,17 @@
 
 namespace forceshade::test {
 
-inline compute::Device open_software_device(bool validation) {
+inline const char* tested_gpu() {
+    const char* const named = std::getenv("FORCESHADE_TEST_GPU");
+    return named ? named : "llvmpipe";
+}
+
+inline compute::Device open_software_device(bool validation, bool through_double = false) {
     compute::DeviceOptions options;
-    options.wanted = "llvmpipe";
+    options.wanted = tested_gpu();
     options.needs_f64 = true;
     options.validation = validation;
+    options.through_double = through_double;
     return compute::Device(options);
 }
 
@@ -43,6 +51,8 @@ protected:
         static Kernels made(device());
         return made;
     }
+    /// To be called first by tests of what llvmpipe alone does.
+    static bool on_software() { return device().report().software; }
     void TearDown() override {
         for (const std::string& message : device().validation_messages())
             ADD_FAILURE() << message;

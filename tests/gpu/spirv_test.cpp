@@ -194,12 +194,16 @@ const std::vector<Kernel>& all_kernels() {
     static const std::vector<Kernel> all{
         {"f32", "field", kernels::field_f32(), 4, plain},
         {"f32_packed", "field", kernels::field_f32_packed(), 4, {spv::CapabilityShader, spv::CapabilityInt64}},
+        {"f32_exact", "field", kernels::field_f32_exact(), 4, wide},
         {"f64", "field", kernels::field_f64(), 8, wide},
         {"mesh_f32", "mesh_field", kernels::mesh_field_f32(), 4, plain},
+        {"mesh_f32_exact", "mesh_field", kernels::mesh_field_f32_exact(), 4, wide},
         {"mesh_f64", "mesh_field", kernels::mesh_field_f64(), 8, wide},
         {"path_f32", "path", kernels::path_f32(), 4, plain},
+        {"path_f32_exact", "path", kernels::path_f32_exact(), 4, wide},
         {"path_f64", "path", kernels::path_f64(), 8, wide},
         {"mesh_path_f32", "mesh_path", kernels::mesh_path_f32(), 4, plain},
+        {"mesh_path_f32_exact", "mesh_path", kernels::mesh_path_f32_exact(), 4, wide},
         {"mesh_path_f64", "mesh_path", kernels::mesh_path_f64(), 8, wide}};
     return all;
 }

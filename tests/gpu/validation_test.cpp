@@ -46,7 +46,7 @@ TEST_F(Validation, IsSilent) {
 TEST_F(Validation, IsListenedTo) {
     test::choose_break(test::Break::undeclared);
     EngineOptions options;
-    options.gpu = "llvmpipe";
+    options.gpu = test::tested_gpu();
     options.validation = true;
     const auto engine = make_engine(options);
     const FieldTables<float> tables = make_tables<float>(Scene{}, {}, Extent::what_varies);

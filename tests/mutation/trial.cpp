@@ -72,6 +72,16 @@ FS_KERNEL(path_f64)
 FS_KERNEL(mesh_path_f32)
 FS_KERNEL(mesh_path_f64)
 #undef FS_KERNEL
+// No software device takes these.
+#define FS_KERNEL(name)                                                                                                \
+    std::span<const std::uint32_t> name() {                                                                            \
+        return {};                                                                                                     \
+    }
+FS_KERNEL(field_f32_exact)
+FS_KERNEL(mesh_field_f32_exact)
+FS_KERNEL(path_f32_exact)
+FS_KERNEL(mesh_path_f32_exact)
+#undef FS_KERNEL
 
 } // namespace kernels
 
