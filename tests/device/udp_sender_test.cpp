@@ -121,7 +121,10 @@ TEST(UdpSender, CountsWhatAReceiverThatIsNotThereDoesNotGet) {
     {
         const Inbox late(port);
         put(100);
-        got = late.take().size();
+        for (int i = 0; i < 1000 && got < 20; ++i) { // on a busy machine the sender is late
+            got += late.take().size();
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
         EXPECT_EQ(got, 20u) << "whoever comes later gets what comes then";
     }
     put(200);
