@@ -89,7 +89,9 @@ DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t in
     if (properties.apiVersion >= VK_API_VERSION_1_2) {
         const auto driver = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>()
                                 .get<vk::PhysicalDeviceDriverProperties>();
-        report.driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
+        report.driver = driver.driverName.data();
+        if (driver.driverInfo[0] != 0)
+            report.driver += fmt::format(" {}", driver.driverInfo.data());
     }
     return report;
 }

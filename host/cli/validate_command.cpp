@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compute/device.h"
 #include "host/accuracy/rounding_search.h"
 #include "host/cases/path_comparison.h"
 #include "host/cli/command.h"
@@ -72,71 +73,142 @@ nlohmann::ordered_json rounding_json(const std::vector<CaseRounding>& rounding) 
     return json;
 }
 
-// Prints the comparisons; true if all passed.
-bool print(const std::vector<Comparison>& fields, const std::vector<PathComparison>& paths,
-           const std::vector<CaseRounding>& rounding, const CommonOptions& common, const EngineReport& engine) {
-    const Totals voxels = totals_of(fields);
-    const PathTotals samples = totals_of(paths);
-    const bool passed = voxels.passed && samples.passed;
-    if (common.json) {
-        nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(fields, engine));
-        if (!paths.empty()) {
-            json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(paths));
-            json["samples"] = samples.samples;
-            json["samples_differing"] = samples.differing;
-            json["passed"] = passed;
-        }
-        json["worst_rounding"] = rounding_json(rounding);
-        print_data(json.dump(2) + "\n");
-        return passed;
-    }
-    std::string text;
-    if (!fields.empty())
-        text += comparison_table(fields) + rounding_text(rounding) +
-                fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
-    if (!paths.empty())
-        text +=
-            path_comparison_table(paths) + fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
-    print_data(text);
-    return passed;
-}
-
-int run(const ValidateArguments& arguments, const CommonOptions& common) {
-    const LongRun long_run(common.quiet);
-    const Study study = load_study(arguments.study, common);
-    const std::vector<const Case*> cases = cases_named(study, arguments.only);
-    const auto engine = make_engine(device_options(common, common.precision == "f64"));
-    const std::vector<Precision> wanted = precisions(common, engine->report());
-    CasePreparation preparation;
+// What was found on a device.
+struct Findings {
+    EngineReport engine;
     std::vector<Comparison> fields;
     std::vector<PathComparison> paths;
-    std::vector<CaseRounding> rounding;
+
+    bool passed() const { return totals_of(fields).passed && totals_of(paths).passed; }
+};
+
+nlohmann::ordered_json json_of(const Findings& found, const std::vector<CaseRounding>& rounding) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(found.fields, found.engine));
+    if (!found.paths.empty()) {
+        const PathTotals samples = totals_of(found.paths);
+        json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(found.paths));
+        json["samples"] = samples.samples;
+        json["samples_differing"] = samples.differing;
+        json["passed"] = found.passed();
+    }
+    json["worst_rounding"] = rounding_json(rounding);
+    return json;
+}
+
+std::string text_of(const Findings& found, const std::vector<CaseRounding>& rounding) {
+    const Totals voxels = totals_of(found.fields);
+    const PathTotals samples = totals_of(found.paths);
+    std::string text;
+    if (!found.fields.empty())
+        text += comparison_table(found.fields) + rounding_text(rounding) +
+                fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
+    if (!found.paths.empty())
+        text += path_comparison_table(found.paths) +
+                fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
+    return text;
+}
+
+// A line for each of several devices.
+std::string overview(const std::vector<Findings>& all) {
+    std::string text;
+    for (const Findings& found : all) {
+        const Totals voxels = totals_of(found.fields);
+        const PathTotals samples = totals_of(found.paths);
+        text += fmt::format("{}, {}, {}: {} values, {} differ: {}\n", found.engine.device, found.engine.driver,
+                            found.engine.f64 ? "f32 and f64" : "f32", voxels.voxels + samples.samples,
+                            voxels.differing + samples.differing, found.passed() ? "ok" : "beyond a bound");
+    }
+    return text;
+}
+
+// `each`: of every device, however few there are.
+void print(const std::vector<Findings>& all, const std::vector<CaseRounding>& rounding, bool each, bool json) {
+    if (json && !each) {
+        print_data(json_of(all.front(), rounding).dump(2) + "\n");
+    } else if (json) {
+        nlohmann::ordered_json devices = nlohmann::ordered_json::array();
+        for (const Findings& found : all)
+            devices.push_back(json_of(found, rounding));
+        print_data(nlohmann::ordered_json{{"devices", devices}}.dump(2) + "\n");
+    } else if (!each) {
+        print_data(text_of(all.front(), rounding));
+    } else {
+        for (const Findings& found : all)
+            print_data(fmt::format("{}\n{}\n", found.engine.device, text_of(found, rounding)));
+        print_data(overview(all));
+    }
+}
+
+// The device that is asked for; with --gpu all each that can be used. One is open at a time.
+std::vector<EngineOptions> devices(const CommonOptions& common) {
+    const bool needs_f64 = common.precision == "f64";
+    std::vector<EngineOptions> all(1, device_options(common, needs_f64));
+    if (common.gpu != "all")
+        return all;
+    const EngineOptions one = all.front();
+    all.clear();
+    for (const compute::DeviceReport& device : compute::list_devices())
+        if (device.refusals.empty() && (device.f64 || !needs_f64)) {
+            all.push_back(one);
+            all.back().gpu = std::to_string(device.index);
+        } else {
+            print_note("{} is left out: {}\n", device.name,
+                       device.refusals.empty() ? "no double precision" : device.refusals.front());
+        }
+    if (all.empty())
+        throw compute::DeviceError(compute::DeviceError::Kind::no_such_device,
+                                   "no usable Vulkan device: forceshade gpus says why");
+    return all;
+}
+
+// `rounding`: null where it was searched for before.
+Findings findings_on(const EngineOptions& options, const std::vector<const Case*>& cases, const CommonOptions& common,
+                     std::vector<CaseRounding>* rounding) {
+    const auto engine = make_engine(options);
+    const std::vector<Precision> wanted = precisions(common, engine->report());
+    CasePreparation preparation;
+    Findings found{engine->report(), {}, {}};
     std::set<std::string> warned;
     std::size_t all = 0;
     for (const Case* one : cases)
         all += wanted.size() * ((one->scene.field ? 1 : 0) + (one->scene.paths ? 1 : 0));
     Stage stage("preparing", all, "comparisons");
     for (const Case* one : cases) {
-        stage.update(fields.size() + paths.size(), one->name);
+        stage.update(found.fields.size() + found.paths.size(), one->name);
         PreparedCase prepared = preparation.prepare(*one);
         add_recorded_digest(prepared);
         for (const std::string& warning : prepared.warnings)
-            if (warned.insert(warning).second)
+            if (rounding && warned.insert(warning).second)
                 print_warnings({warning}, common);
-        if (one->scene.field && std::ranges::count(wanted, Precision::f32) > 0)
+        if (rounding && one->scene.field && std::ranges::count(wanted, Precision::f32) > 0)
             for (const WorstRounding& worst : worst_rounding(prepared, kSearched))
-                rounding.push_back({one->name, worst});
+                rounding->push_back({one->name, worst});
         for (const Precision precision : wanted) {
             if (one->scene.field)
-                fields.push_back(compare_case(*engine, prepared, precision));
+                found.fields.push_back(compare_case(*engine, prepared, precision));
             if (one->scene.paths)
-                paths.push_back(compare_paths(*engine, prepared, precision));
-            stage.update(fields.size() + paths.size());
+                found.paths.push_back(compare_paths(*engine, prepared, precision));
+            stage.update(found.fields.size() + found.paths.size());
         }
     }
-    const bool passed = print(fields, paths, rounding, common, engine->report());
-    if (!passed && !common.quiet)
-        print_note("a bound was exceeded on {}\n", engine->report().device);
+    return found;
+}
+
+int run(const ValidateArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
+    const Study study = load_study(arguments.study, common);
+    const std::vector<const Case*> cases = cases_named(study, arguments.only);
+    std::vector<Findings> all;
+    std::vector<CaseRounding> rounding;
+    for (const EngineOptions& options : devices(common))
+        all.push_back(findings_on(options, cases, common, all.empty() ? &rounding : nullptr));
+    print(all, rounding, common.gpu == "all", common.json);
+    bool passed = true;
+    for (const Findings& found : all) {
+        passed = passed && found.passed();
+        if (!found.passed() && !common.quiet)
+            print_note("a bound was exceeded on {}\n", found.engine.device);
+    }
     return passed ? 0 : 1;
 }
 
@@ -150,7 +222,9 @@ void add_validate_command(CommandLine& program) {
                              "TOML file; without it the paper's study, which is built in");
             options.optional("--only CASES", arguments.only, "shell pattern of case names").names(case_names);
             options.example("validate bump.toml", "a scene in both precisions")
-                .example("validate --only '*600mil_facets-3_*' --gpu 0", "cases of the paper on a device");
+                .example("validate --only '*600mil_facets-3_*' --gpu 0", "cases of the paper on a device")
+                .example("validate bump.toml --gpu all",
+                         "on every Vulkan device that can be used, with a line for each");
         });
 }
 

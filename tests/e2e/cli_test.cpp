@@ -84,6 +84,11 @@ TEST_F(CommandLine, prints_json_and_nothing_else_if_asked) {
     EXPECT_EQ(validation["differing"], 0);
     EXPECT_EQ(validation["passed"], true);
     EXPECT_EQ(validation["cases"].size(), 6u);
+    const json devices =
+        json::parse(expect_success({"validate", "three.toml", "--gpu", "all", "--json"}).out)["devices"];
+    ASSERT_GE(devices.size(), 1u);
+    for (const json& device : devices)
+        EXPECT_EQ(device["passed"], true) << device["engine"]["device"];
     expect_failure(2, {"schema", "--default-study", "--json"}, {"--json"});
 }
 
