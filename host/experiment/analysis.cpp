@@ -524,13 +524,14 @@ Answers read_answers(const std::vector<std::filesystem::path>& folders) {
         const std::string toml = read_file(file);
         if (!answers) {
             answers = Answers{parse_experiment(toml, file.string(), folder / "materials"), {}, 0};
-            first = toml;
-        } else if (toml != first) {
+            first = resolved_toml(answers->experiment);
+        } else if (toml != first &&
+                   resolved_toml(parse_experiment(toml, file.string(), folder / "materials")) != first) {
             throw UsageError(fmt::format("{} and {} hold different experiments; analyse them apart",
                                          folders[0].string(), folder.string()));
         }
         for (const std::filesystem::path& one : files)
-            for (TrialRow& row : last_rows(read_rows(one))) {
+            for (TrialRow& row : last_rows(read_rows(one, &answers->experiment))) {
                 if (!row.counts()) {
                     ++answers->left_out;
                     continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <ctime>
 #include <fcntl.h>
 #include <functional>
@@ -28,9 +29,13 @@ namespace forceshade::experiment {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using namespace std::string_view_literals;
 
 template <typename T> bool parsed(std::string_view text, T& value) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if constexpr (std::is_floating_point_v<T>)
+        if (!std::isfinite(value))
+            return false;
     return error == std::errc() && end == text.data() + text.size();
 }
 
@@ -179,6 +184,18 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
     out.publish();
 }
 
+// Whether a folder's experiment means what `resolved` does: keys that this program has and that one's had not are at
+// their defaults, and comments mean nothing.
+bool is_same(const std::string& kept, const std::filesystem::path& file, const std::string& resolved) {
+    if (kept == resolved)
+        return true;
+    try {
+        return resolved_toml(parse_experiment(kept, file.string(), file.parent_path())) == resolved;
+    } catch (const UsageError&) {
+        return false; // a later version's, or damaged
+    }
+}
+
 bool is_word(const std::string& text) {
     return !text.empty() && text.size() <= 64 && std::ranges::all_of(text, [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
@@ -217,6 +234,52 @@ std::string readme(const Experiment& experiment) {
         experiment.spec.title);
 }
 
+// One process at a time sets a folder up; what one that was ended left behind, or one whose disk was full, is made
+// anew.
+class SetUp {
+public:
+    explicit SetUp(const std::filesystem::path& folder) : mark_(folder / ".unfinished") {
+        std::error_code error;
+        std::filesystem::create_directories(folder, error);
+        folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (folder_ < 0)
+            throw file_error("open", folder, errno);
+        while (::flock(folder_, LOCK_EX) != 0 && errno == EINTR)
+            continue;
+    }
+    ~SetUp() { ::close(folder_); }
+    SetUp(const SetUp&) = delete;
+    SetUp& operator=(const SetUp&) = delete;
+
+    bool was_begun() const { return std::filesystem::exists(mark_); }
+    void begin() const { write_whole(mark_, "forceshade sets this folder up; if it stays, start the session again\n"); }
+    void end() const {
+        std::error_code error;
+        std::filesystem::remove(mark_, error);
+    }
+
+private:
+    const std::filesystem::path mark_;
+    int folder_;
+};
+
+std::vector<std::string> names_of(const std::vector<DataColumn>& columns) {
+    std::vector<std::string> names;
+    for (const DataColumn& column : columns)
+        names.push_back(column.name);
+    return names;
+}
+
+// Whether the file's header names these columns, however a spreadsheet ends its lines and quotes its cells.
+bool has_columns(const std::filesystem::path& file, const std::vector<DataColumn>& columns) {
+    CsvReader csv(file);
+    std::vector<std::string> names;
+    if (csv.next())
+        for (std::size_t i = 0; i < csv.size(); ++i)
+            names.emplace_back(csv.text(i));
+    return names == names_of(columns);
+}
+
 } // namespace
 
 std::vector<ThresholdTrack> unanswered_tracks(const Experiment& experiment) {
@@ -240,7 +303,11 @@ std::vector<TrialRow> last_rows(const std::vector<TrialRow>& rows) {
     return last;
 }
 
-std::vector<TrialRow> read_rows(const std::filesystem::path& file) {
+std::vector<TrialRow> read_rows(const std::filesystem::path& file, const Experiment* experiment) {
+    std::vector<std::string> answers;
+    if (experiment)
+        for (const Answer& answer : experiment->spec.answers)
+            answers.push_back(answer.name);
     CsvReader csv(file);
     std::vector<TrialRow> rows;
     if (!csv.next())
@@ -265,6 +332,15 @@ std::vector<TrialRow> read_rows(const std::filesystem::path& file) {
                 fail(csv.source(), csv.where(i),
                      "is damaged: \"{}\" is no {}; repair the line, or delete it, and its trial is done again",
                      csv.text(i), columns[i]->name);
+        if (experiment && row.outcome.status == kAnswered && std::ranges::find(answers, row.answer) == answers.end())
+            fail(
+                csv.source(),
+                csv.where(static_cast<std::size_t>(
+                    std::ranges::find_if(columns, [](const DataColumn* c) { return c && c->name == "answer"sv; }) -
+                    columns.begin())),
+                "is damaged: \"{}\" is no answer of this experiment ({}); repair the line, or delete it, and its trial "
+                "is done again",
+                row.answer, fmt::join(answers, ", "));
         rows.push_back(std::move(row));
     }
     return rows;
@@ -312,21 +388,25 @@ void SessionRecord::write_materials() const {
     const std::filesystem::path materials = folder_ / "materials", experiment_file = materials / "experiment.toml";
     const std::string toml = resolved_toml(experiment_);
     std::error_code error;
-    const auto require_same = [&](const std::string& name, const std::string& bytes) {
-        if (read_file(materials / name) != bytes)
+    const auto require_same = [&](const std::string& name, bool same) {
+        if (!same)
             throw UsageError(fmt::format("{} holds another experiment (materials/{} differs); name another folder, or "
                                          "give the file that this folder was begun with",
                                          folder_.string(), name));
     };
-    if (std::filesystem::exists(experiment_file, error)) {
-        require_same("experiment.toml", toml);
+    const SetUp set_up(folder_);
+    const bool is_set_up = std::filesystem::exists(experiment_file, error);
+    if (is_set_up) {
+        require_same("experiment.toml", is_same(read_file(experiment_file), experiment_file, toml));
         for (const Answer& answer : experiment_.spec.answers)
             if (const std::string name = answer.picture_file(); !name.empty())
-                require_same(name, answer.picture.bytes);
-    } else if (std::filesystem::exists(folder_, error) && !std::filesystem::is_empty(folder_, error)) {
-        throw UsageError(fmt::format("{} is not empty and holds no experiment; name a new folder", folder_.string()));
+                require_same(name, read_file(materials / name) == answer.picture.bytes);
+    } else if (!set_up.was_begun()) {
+        if (!std::filesystem::is_empty(folder_, error))
+            throw UsageError(
+                fmt::format("{} is not empty and holds no experiment; name a new folder", folder_.string()));
+        set_up.begin();
     }
-    std::filesystem::create_directories(folder_, error);
     for (const char* name : {"data", "materials", "paths"})
         make_subfolder(folder_, name);
     for (const char* name : {"order", "stimuli"})
@@ -355,7 +435,7 @@ void SessionRecord::write_materials() const {
         throw UsageError(fmt::format("{} is not the order that this program draws for subject {}, session {}; it was "
                                      "changed, or another version drew it. Name another session",
                                      order_file.string(), info_.subject, info_.session));
-    if (std::filesystem::exists(experiment_file, error))
+    if (is_set_up)
         return;
     for (const Case& one : experiment_.study.cases)
         write_whole(materials / "stimuli" / (one.name + ".toml"), forceshade::resolved_toml(one));
@@ -365,6 +445,7 @@ void SessionRecord::write_materials() const {
     write_whole(folder_ / "dataset_description.json", description(experiment_));
     write_whole(folder_ / "README.md", readme(experiment_));
     write_whole(experiment_file, toml); // last: with it the rest is there
+    set_up.end();
 }
 
 void SessionRecord::open_data() {
@@ -395,11 +476,11 @@ void SessionRecord::read_back() {
             throw file_error("write", file_, errno);
         return;
     }
-    if (!text.starts_with(header(experiment_)))
+    if (!has_columns(file_, columns_of(experiment_)))
         throw UsageError(fmt::format("{}: its columns are not those that this program writes, an older one began it; "
                                      "finish it with that, or name another session",
                                      file_.string()));
-    rows_ = read_rows(file_);
+    rows_ = read_rows(file_, &experiment_);
     std::set<std::uint64_t> answered;
     for (const TrialRow& row : rows_) {
         if (!trial_of(row))

@@ -65,8 +65,9 @@ struct TrialRow {
 /// The posteriors of an experiment's tracks before the first trial.
 std::vector<ThresholdTrack> unanswered_tracks(const Experiment& experiment);
 
-/// Rows of one file. \throws IoError, or UsageError `file:line:column: ...` for a row that is none.
-std::vector<TrialRow> read_rows(const std::filesystem::path& file);
+/// Rows of one file; with an experiment its answers alone are answers. \throws IoError, or UsageError
+/// `file:line:column: ...` for a row that is none.
+std::vector<TrialRow> read_rows(const std::filesystem::path& file, const Experiment* experiment = nullptr);
 
 /// The last row of each trial, which decides whether it counts: one that was withdrawn has a later row.
 std::vector<TrialRow> last_rows(const std::vector<TrialRow>& rows);

@@ -401,6 +401,80 @@ TEST(SessionRecords, RefuseWhatDoesNotBelong) {
     EXPECT_NE(complaint([&] { SessionRecord(other.path(), one, info); }).find("is not empty"), std::string::npos);
 }
 
+// What a process that was killed left behind: everything but the experiment, which comes last.
+TEST(SessionRecords, AreSetUpAnewWhereThatWasCutOff) {
+    const Folder folder;
+    const Experiment one = small();
+    const SessionInfo info{"03", 1, "person", "test"};
+    SessionRecord(folder.path(), one, info);
+    EXPECT_FALSE(fs::exists(folder / ".unfinished"));
+    std::ofstream(folder / ".unfinished") << "";
+    fs::remove(folder / "materials" / "experiment.toml");
+    fs::remove(folder / "README.md");
+    SessionRecord(folder.path(), one, info);
+    EXPECT_FALSE(fs::exists(folder / ".unfinished"));
+    EXPECT_TRUE(fs::exists(folder / "materials" / "experiment.toml") && fs::exists(folder / "README.md"));
+}
+
+TEST(SessionRecords, TwoRigsMayStartTogether) {
+    const Experiment one = small();
+    for (int times = 0; times < 10; ++times) {
+        const Folder folder;
+        std::string complaints;
+        {
+            const std::jthread other([&] { SessionRecord(folder / "data", one, {"04", 1, "person", "test"}); });
+            complaints = complaint([&] { SessionRecord(folder / "data", one, {"03", 1, "person", "test"}); });
+        }
+        EXPECT_EQ(complaints, "");
+        EXPECT_EQ(data_files(folder / "data").size(), 2u);
+    }
+}
+
+TEST(SessionRecords, CompareExperimentsByWhatTheyMean) {
+    const Folder folder;
+    const Experiment one = small();
+    SessionRecord(folder.path(), one, {"03", 1, "person", "test"});
+    const fs::path kept = folder / "materials" / "experiment.toml";
+    std::string older;
+    for (std::string rest = read_file(kept); !rest.empty(); rest.erase(0, rest.find('\n') + 1))
+        if (const std::string line = rest.substr(0, rest.find('\n')); !line.starts_with("max_repeats"))
+            older += line + "\n";
+    std::ofstream(kept) << "# a comment\n" << older;
+    SessionRecord(folder.path(), one, {"04", 1, "person", "test"});
+}
+
+TEST(SessionRecords, ReadWhatASpreadsheetSavedAndRefuseDamagedCells) {
+    const Folder folder;
+    const Experiment one = small();
+    const SessionInfo info{"03", 1, "person", "test"};
+    {
+        SessionRecord record(folder.path(), one, info);
+        record.add(*record.next(), answered(0));
+    }
+    const fs::path file = data_files(folder.path())[0];
+    const std::string text = read_file(file);
+    std::string saved = "\xEF\xBB\xBF";
+    for (const char c : text)
+        saved += c == '\n' ? std::string("\r\n") : std::string(1, c);
+    std::ofstream(file) << saved;
+    {
+        SessionRecord record(folder.path(), one, info);
+        ASSERT_EQ(record.rows().size(), 1u);
+        record.add(*record.next(), answered(1));
+    }
+    EXPECT_EQ(read_rows(file).size(), 2u);
+    const auto damaged = [&](const std::string& from, const std::string& to) {
+        std::string bad = text;
+        bad.replace(bad.find(from, bad.find('\n')), from.size(), to);
+        std::ofstream(file) << bad;
+        return complaint([&] { SessionRecord(folder.path(), one, info); });
+    };
+    const std::string answer = "," + one.spec.answers[0].name + ",";
+    EXPECT_NE(damaged(answer, ",banana,").find("_data.csv:2:"), std::string::npos);
+    EXPECT_NE(damaged(answer, ",banana,").find("\"banana\" is no answer of this experiment"), std::string::npos);
+    EXPECT_NE(damaged(",1.5,", ",nan,").find("\"nan\" is no reaction_time"), std::string::npos);
+}
+
 // The published rules: dataset_description.json, names of files, rows as wide as the header, columns described, ids
 // that differ.
 void expect_psych_ds(const Experiment& one, std::size_t trials, const std::string& path) {
