@@ -36,12 +36,15 @@ void make_ours(int descriptor, const std::filesystem::path& file) {
     }
 }
 
-// A device such as /dev/null or a pipe has no content to replace. Does not wait for a pipe's reader.
+// A device such as /dev/null or a pipe has no content to replace. Does not wait for a pipe's reader. A link to a file
+// is replaced, not followed.
 int create(const std::filesystem::path& file, bool replace) {
     std::error_code ignored;
     const std::filesystem::file_status status = std::filesystem::status(file, ignored);
     const bool special = std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
-    const int flags = O_WRONLY | O_CLOEXEC | (special ? O_NONBLOCK : O_CREAT | (replace ? 0 : O_EXCL));
+    if (replace && !special && std::filesystem::is_symlink(file, ignored))
+        std::filesystem::remove(file, ignored);
+    const int flags = O_WRONLY | O_CLOEXEC | (special ? O_NONBLOCK : O_CREAT | O_NOFOLLOW | (replace ? 0 : O_EXCL));
     const int descriptor = ::open(file.c_str(), flags, 0666);
     if (descriptor >= 0 && !std::filesystem::is_character_file(status))
         make_ours(descriptor, file);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <sys/stat.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -88,6 +89,7 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
     const std::unique_ptr<experiment::Participant> participant =
         person ? experiment::make_person(experiment, person_options(arguments, experiment, common))
                : experiment::make_observer(experiment);
+    ::umask(0077);                   // data of people are their experimenter's alone
     std::optional<LongRun> long_run; // a person is not left with a device that pushes
     if (!person)
         long_run.emplace(common.quiet, "trials that were finished stay; the same command goes on from there");

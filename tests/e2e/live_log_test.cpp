@@ -102,6 +102,15 @@ TEST_F(LiveLog, that_another_run_writes_is_refused_and_stays_whole) {
     EXPECT_EQ(rows("log.csv").size(), 1000u) << "once it is written it may be replaced";
 }
 
+TEST_F(LiveLog, in_the_place_of_a_link_leaves_alone_what_the_link_leads_to) {
+    std::ofstream(path("letter.txt")) << "dear";
+    std::filesystem::create_symlink("letter.txt", path("log.csv"));
+    expect_failure(2, live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv"}), {"is there already"});
+    expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv", "--overwrite"}));
+    EXPECT_EQ(rows("log.csv").size(), 1000u);
+    EXPECT_EQ(text("letter.txt"), "dear");
+}
+
 TEST_F(LiveLog, that_another_run_writes_to_a_pipe_is_refused) {
     ASSERT_EQ(::mkfifo(path("log.fifo").c_str(), 0600), 0);
     const int reader = ::open(path("log.fifo").c_str(), O_RDWR | O_NONBLOCK); // also holds the pipe open

@@ -344,6 +344,8 @@ TEST(FullDisks, LoseNoTrialAndCountNoneTwice) {
     Outcome outcome = Process(launch).wait();
     EXPECT_EQ(outcome.code, 4);
     EXPECT_NE(outcome.error.find("o space left"), std::string::npos) << outcome.error;
+    EXPECT_EQ(std::filesystem::status(data_files(folder / "data")[0]).permissions(), std::filesystem::perms(0600));
+    EXPECT_EQ(std::filesystem::status(folder / "data").permissions(), std::filesystem::perms(0700));
     const std::size_t kept = read_rows(data_files(folder / "data")[0]).size();
     EXPECT_GT(kept, 10u);
     EXPECT_LT(kept, 504u);
