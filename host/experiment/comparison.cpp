@@ -155,6 +155,11 @@ Table threshold_table(const std::vector<Estimate>& estimates, const std::string&
          {{"threshold", unit, of}, [](const E& e) { return cell(e.posterior.threshold().median); }},
          {{"from", unit, "95 % credible interval"}, [](const E& e) { return cell(e.posterior.threshold().range.low); }},
          {{"to", unit, "likewise"}, [](const E& e) { return cell(e.posterior.threshold().range.high); }},
+         {{"unbounded", "", "below or above: no threshold that was considered ends the interval there"},
+          [](const E& e) {
+              const int beyond = e.posterior.threshold().beyond;
+              return Cell(std::string(beyond < 0 ? "below" : beyond > 0 ? "above" : ""));
+          }},
          {{"lowest_level", unit, "that could be shown: a threshold beyond the levels is a guess"},
           [](const E& e) { return cell(e.levels->levels.front()); }},
          {{"highest_level", unit, "likewise"}, [](const E& e) { return cell(e.levels->levels.back()); }}},
@@ -279,8 +284,23 @@ std::string with_unit(double value, const std::string& unit) {
     return fmt::format("{:.3g}{}", value, unit == "1" ? "" : " " + unit);
 }
 
+// A subject whose answers name no threshold among the levels.
+void warn_of_thresholds_beyond(study::StudyData& data, const std::vector<Estimate>& estimates) {
+    for (const Estimate& one : estimates) {
+        const Threshold found = one.posterior.threshold();
+        const std::vector<double>& levels = one.levels->levels;
+        if (one.subject != kAll && (found.beyond != 0 || found.median < levels.front() || found.median > levels.back()))
+            data.notes.push_back(fmt::format(
+                "{}: the threshold is likely {} the levels{}: show {} ones, or leave this subject out of means.",
+                one.label, found.median < levels.front() ? "below" : "above",
+                found.beyond != 0 ? ", and nothing bounds it there" : "",
+                found.median < levels.front() ? "lower" : "higher"));
+    }
+}
+
 void add_threshold_findings(study::StudyData& data, const Answers& answers, const std::vector<Estimate>& estimates) {
     const std::string &axis = answers.experiment.track_key, &unit = answers.experiment.track_unit;
+    warn_of_thresholds_beyond(data, estimates);
     for (const Track& track : answers.experiment.tracks) {
         std::vector<double> logarithms;
         Threshold single;

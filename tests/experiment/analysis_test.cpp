@@ -189,6 +189,24 @@ TEST(ThresholdTracks, CoverTheTruthInAbout95PercentAndErrLessThanFixedLevels) {
     EXPECT_LT(width, 0.9 * fixed_width) << width << " against " << fixed_width;
 }
 
+// Truths a little beyond the levels on either side: the answers favour the end of the prior, which is widened.
+TEST(ThresholdTracks, CoverTheTruthBeyondTheLevels) {
+    constexpr unsigned kRuns = 200;
+    const double span = std::log(kLevels.back() / kLevels.front());
+    unsigned covered = 0, inside = 0;
+    for (std::uint64_t run = 1; run <= kRuns; ++run) {
+        Truth truth = truth_of(run);
+        Random random(run, "beyond");
+        const double off = span * (0.1 + 0.3 * random.uniform());
+        truth.threshold = run % 4 < 2 ? kLevels.front() * std::exp(-off) : kLevels.back() * std::exp(off);
+        const Threshold one = found(truth, run, adaptive);
+        covered += one.range.low <= truth.threshold && truth.threshold <= one.range.high;
+        inside += one.median > kLevels.front() && one.median < kLevels.back();
+    }
+    EXPECT_GE(covered, 180u);
+    EXPECT_LE(inside, 20u) << "are said to be within the levels";
+}
+
 TEST(ThresholdTracks, FollowTheSideOnWhichLevelsAreEasy) {
     for (const bool rises : {true, false}) {
         ThresholdTrack track(kLevels, rises);
