@@ -70,7 +70,7 @@ Table answer_table(const Answers& data) {
         table.columns.push_back({answer.name + "_from_percent", "%", "95 % interval of a share of trials (Jeffreys)"});
         table.columns.push_back({answer.name + "_to_percent", "%", "likewise"});
         table.columns.push_back(
-            {answer.name + "_subjects_from_percent", "%", "95 % interval over subjects (bootstrap)"});
+            {answer.name + "_subjects_from_percent", "%", "95 % interval over subjects (Student's t)"});
         table.columns.push_back({answer.name + "_subjects_to_percent", "%", "likewise"});
     }
     std::vector<std::string> subjects = data.subjects();
@@ -87,9 +87,8 @@ Table answer_table(const Answers& data) {
             for (const std::string& one : subjects)
                 if (const auto own = data.counts(condition, one); sum_of(own) > 0)
                     shares.push_back(100 * own[i] / sum_of(own));
-            const bool pooled = subject.empty() && shares.size() > 1;
-            const Range over = pooled ? bootstrap_mean(shares) : Range{};
-            row.insert(row.end(), {pooled ? cell(over.low) : Cell(), pooled ? cell(over.high) : Cell()});
+            const Range over = subject.empty() ? mean_interval(shares) : Range{NAN, NAN};
+            row.insert(row.end(), {cell(over.low), cell(over.high)});
         }
         table.rows.push_back(std::move(row));
     };
@@ -184,9 +183,9 @@ std::vector<Contrast> contrasts_of(const Experiment& experiment) {
 
 struct Tested {
     std::string name;
-    double difference = 0; /* percentage points: mean over subjects */
-    Range range;           /* likewise */
-    double p = 1;
+    double difference = 0;       /* percentage points: mean over subjects */
+    Range range;                 /* likewise */
+    double p = 1, corrected = 1; /* of all contrasts (Holm) */
     std::size_t subjects = 0;
 };
 
@@ -208,8 +207,14 @@ std::vector<Tested> tests_of(const Answers& data, std::size_t answer) {
                 differences.push_back(d);
         if (!differences.empty())
             tests.push_back({contrast.name, sum_of(differences) / double(differences.size()),
-                             bootstrap_mean(differences), sign_flip_p(differences), differences.size()});
+                             mean_interval(differences), sign_flip_p(differences), 1, differences.size()});
     }
+    std::vector<double> all;
+    for (const Tested& one : tests)
+        all.push_back(one.p);
+    const std::vector<double> corrected = holm(all);
+    for (std::size_t i = 0; i < tests.size(); ++i)
+        tests[i].corrected = corrected[i];
     return tests;
 }
 
@@ -219,12 +224,14 @@ Table test_table(const std::vector<Tested>& tests, const std::string& answer) {
         {{{"contrast", "", "which conditions"}, [](const Tested& one) { return Cell(one.name); }},
          {{"difference_points", "%", "percentage points, mean over subjects"},
           [](const Tested& one) { return cell(one.difference); }},
-         {{"from_points", "%", "95 % interval over subjects (bootstrap); with one subject the value itself"},
+         {{"from_points", "%", "95 % interval over subjects (Student's t); nothing with one"},
           [](const Tested& one) { return cell(one.range.low); }},
          {{"to_points", "%", "likewise"}, [](const Tested& one) { return cell(one.range.high); }},
          {{"p", "1",
            "of a mean as far from 0 if each subject's sign were by chance, two sides; no less than 2^(1 - n)"},
           [](const Tested& one) { return cell(one.p); }},
+         {{"p_holm", "1", "corrected for the number of contrasts (Holm): of whichever is reported"},
+          [](const Tested& one) { return cell(one.corrected); }},
          {{"subjects", "1", "n"}, [](const Tested& one) { return cell(double(one.subjects)); }}},
         tests);
 }
@@ -441,7 +448,7 @@ std::vector<study::Figure> figures_of(const std::vector<Tested>& tests, const st
         study::Figure contrasts;
         contrasts.name = "tests";
         contrasts.title = fmt::format("How much more often \"{}\" is answered", smooth);
-        contrasts.caption = "Means over subjects, with 95 % of bootstrap samples of subjects.";
+        contrasts.caption = "Means over subjects, with their 95 % intervals (Student's t).";
         contrasts.kind = study::FigureKind::bars;
         contrasts.table = "tests";
         contrasts.x = {"contrast", "contrast"};
@@ -453,6 +460,17 @@ std::vector<study::Figure> figures_of(const std::vector<Tested>& tests, const st
     return figures;
 }
 
+std::string evidence_of(const Tested& test) {
+    if (test.subjects < 2)
+        return "one subject: neither an interval nor a test";
+    const std::string range =
+        fmt::format("95 % over subjects: {:.0f} to {:.0f} points", test.range.low, test.range.high);
+    if (test.subjects < kLeastSubjects)
+        return fmt::format("{}; sign flips of {} subjects cannot be significant, {} are the fewest", range,
+                           test.subjects, kLeastSubjects);
+    return fmt::format("{}; sign flips: p = {:.2g}, corrected for all contrasts {:.2g}", range, test.p, test.corrected);
+}
+
 void add_findings(study::StudyData& data, const Answers& answers, const std::vector<Tested>& tests,
                   const std::vector<Fit>& fits, const std::string& smooth) {
     const std::size_t subjects = answers.subjects().size();
@@ -462,9 +480,7 @@ void add_findings(study::StudyData& data, const Answers& answers, const std::vec
         data.findings.push_back({name,
                                  fmt::format(fmt::runtime(claim), smooth, std::abs(test.difference),
                                              test.difference < 0 ? "less often" : "more often"),
-                                 "", test.name, who,
-                                 fmt::format("95 % over subjects: {:.0f} to {:.0f} points; sign flips: p = {:.2g}",
-                                             test.range.low, test.range.high, test.p)});
+                                 "", test.name, who, evidence_of(test)});
     };
     for (const Tested& test : tests)
         if (test.name == "shaded against unshaded")
@@ -621,9 +637,10 @@ study::StudyData analyse(const Answers& answers) {
     add_findings(data, answers, tests, fits, smooth_label);
     data.notes = {
         left_out,
-        "Intervals of shares take trials as independent (Jeffreys) or draw whole subjects anew (bootstrap); tests "
-        "change "
-        "the signs of whole subjects, so that with few of them no p can be small."};
+        fmt::format(
+            "Intervals of shares take trials as independent (Jeffreys) or are of the subjects' means (Student's "
+            "t); tests change the signs of whole subjects, so that of less than {} none can be significant.",
+            kLeastSubjects)};
     if (papers) {
         data.notes.push_back(
             "The observer is a Poisson race of an edge on the crest against a level top. Its structure was "

@@ -69,7 +69,7 @@ Table comparison_table(const Answers& data) {
             const Range none{NAN, NAN};
             rows.push_back({group, name, data.experiment.study.cases[*condition.standard].name, counts,
                             counts.has_right ? jeffreys(counts.right, counts.trials) : none,
-                            counts.has_right && shares.size() > 1 ? bootstrap_mean(shares) : none});
+                            counts.has_right ? mean_interval(shares) : none});
         }
     return study::table_of<Row>(
         "comparisons", "Answers by comparison",
@@ -82,7 +82,7 @@ Table comparison_table(const Answers& data) {
          {{"right_from_percent", "%", "95 % interval of a share of trials (Jeffreys)"},
           [](const Row& r) { return cell(100 * r.trials.low); }},
          {{"right_to_percent", "%", "likewise"}, [](const Row& r) { return cell(100 * r.trials.high); }},
-         {{"right_subjects_from_percent", "%", "95 % interval over subjects (bootstrap)"},
+         {{"right_subjects_from_percent", "%", "95 % interval over subjects (Student's t)"},
           [](const Row& r) { return cell(100 * r.subjects.low); }},
          {{"right_subjects_to_percent", "%", "likewise"}, [](const Row& r) { return cell(100 * r.subjects.high); }},
          {{"stimulus_percent", "%", "answers that chose the stimulus, not its standard"},
@@ -316,7 +316,7 @@ void add_threshold_findings(study::StudyData& data, const Answers& answers, cons
         double mean = 0;
         for (const double one : logarithms)
             mean += one / double(logarithms.size());
-        const Range over = bootstrap_mean(logarithms);
+        const Range over = mean_interval(logarithms);
         const bool several = logarithms.size() > 1;
         const double threshold = std::exp(mean);
         const bool below = threshold<track.levels.front(), above = threshold> track.levels.back();

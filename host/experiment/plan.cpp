@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "host/error.h"
 #include "host/experiment/run.h"
+#include "host/experiment/statistics.h"
 #include "host/random.h"
 #include "host/scene/value.h"
 #include "host/spelling.h"
@@ -63,23 +63,17 @@ Shares expected_answers(const Case& stimulus) {
 
 double power_of(double first, double second, unsigned trials, unsigned subjects) {
     constexpr unsigned kExperiments = 1000;
-    constexpr double kSides = 0.025;
-    if (subjects < 2)
+    constexpr double kSignificant = 0.05;
+    if (subjects < kLeastSubjects)
         return 0;
     Random random(1, fmt::format("{} {} {} {}", first, second, trials, subjects));
-    const double limit =
-        boost::math::quantile(boost::math::complement(boost::math::students_t(subjects - 1.0), kSides));
     const Counts of_first(first, trials), of_second(second, trials);
     unsigned found = 0;
     for (unsigned i = 0; i < kExperiments; ++i) {
-        double sum = 0, squares = 0;
-        for (unsigned subject = 0; subject < subjects; ++subject) {
-            const double d = of_first.share(random) - of_second.share(random);
-            sum += d;
-            squares += d * d;
-        }
-        const double mean = sum / subjects, variance = std::max(0.0, squares / subjects - mean * mean);
-        found += std::abs(mean) > limit * std::sqrt(variance / (subjects - 1)) && mean != 0;
+        std::vector<double> differences;
+        for (unsigned subject = 0; subject < subjects; ++subject)
+            differences.push_back(of_first.share(random) - of_second.share(random));
+        found += sign_flip_p(differences) <= kSignificant;
     }
     return static_cast<double>(found) / kExperiments;
 }
@@ -97,12 +91,17 @@ Plan planned(const Experiment& experiment, const std::string& first, const std::
             most = i;
     Plan plan{first, second, experiment.spec.answers[most].label, a[most], b[most], {}};
     for (const unsigned trials : {6u, 12u, 24u, 48u}) {
-        // The fewest: power grows with the subjects but for the noise of its simulation.
-        unsigned low = 1, high = kMostSubjects;
-        const bool any = power_of(a[most], b[most], trials, high) >= kPower;
+        // The fewest: power grows with the subjects but for the noise of its simulation, and few are simulated faster.
+        const auto enough = [&](unsigned subjects) { return power_of(a[most], b[most], trials, subjects) >= kPower; };
+        unsigned low = kLeastSubjects - 1, high = kLeastSubjects;
+        bool any = enough(high);
+        for (; !any && high < kMostSubjects; any = enough(high)) {
+            low = high;
+            high = std::min(2 * high, kMostSubjects);
+        }
         while (any && low + 1 < high) {
             const unsigned middle = (low + high) / 2;
-            (power_of(a[most], b[most], trials, middle) >= kPower ? high : low) = middle;
+            (enough(middle) ? high : low) = middle;
         }
         plan.needed.push_back({trials, any ? std::optional(high) : std::nullopt});
     }

@@ -27,8 +27,8 @@ struct Plan {
     std::vector<PlannedSubjects> needed;
 };
 
-/// Power: the share of simulated experiments in which the paired t test of subjects' shares is significant (5 %, two
-/// sides). Answers of a subject are beta-binomial.
+/// Power: the share of simulated experiments in which the test that analyse makes of the difference of the subjects'
+/// shares (sign_flip_p) is significant (5 %). Answers of a subject are beta-binomial.
 double power_of(double first, double second, unsigned trials, unsigned subjects);
 
 /// For 80 % power. \throws UsageError for an experiment without the paper's answers, or a name that is no condition's.

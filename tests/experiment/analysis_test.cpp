@@ -3,11 +3,13 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <random>
 
 #include <gtest/gtest.h>
 
 #include "host/error.h"
 #include "host/experiment/analysis.h"
+#include "host/experiment/plan.h"
 #include "host/experiment/run.h"
 #include "host/experiment/statistics.h"
 #include "host/experiment/threshold.h"
@@ -35,11 +37,67 @@ TEST(Statistics, SignFlipsAreExactForFewSubjects) {
     EXPECT_LT(sign_flip_p(std::vector<double>(40, 1.0)), 1e-3);
 }
 
-TEST(Statistics, BootstrapOfOneIsThatOne) {
-    EXPECT_EQ(bootstrap_mean({3}).low, 3);
-    const Range range = bootstrap_mean({1, 2, 3, 4, 5, 6, 7, 8, 9});
-    EXPECT_GT(range.low, 2.5);
-    EXPECT_LT(range.high, 7.5);
+// As R's t.test(1:9) and p.adjust(c(0.01, 0.04, 0.03, 0.5), "holm") say.
+TEST(Statistics, IntervalsOfMeansAndCorrections) {
+    EXPECT_TRUE(std::isnan(mean_interval({3}).low));
+    const Range range = mean_interval({1, 2, 3, 4, 5, 6, 7, 8, 9});
+    EXPECT_NEAR(range.low, 2.894916, 1e-6);
+    EXPECT_NEAR(range.high, 7.105084, 1e-6);
+    const std::vector<double> corrected = holm({0.01, 0.04, 0.03, 0.5});
+    const std::vector<double> expected{0.04, 0.09, 0.09, 0.5};
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        EXPECT_NEAR(corrected[i], expected[i], 1e-12) << i;
+}
+
+// Subjects differ: the share of a subject is drawn from a beta distribution, the answers from a binomial one.
+double share_of_subject(double share, unsigned trials, std::mt19937_64& random) {
+    const double spread = 1 / kSubjectCorrelation - 1;
+    std::gamma_distribution<> first(share * spread), second((1 - share) * spread);
+    const double a = first(random), own = a / (a + second(random));
+    return std::binomial_distribution<unsigned>(trials, own)(random) / double(trials);
+}
+
+TEST(Statistics, CoverAndErrAsTheySayIn2000Experiments) {
+    std::mt19937_64 random(9);
+    constexpr int kExperiments = 2000; // two standard errors are 1 %
+    for (const unsigned subjects : {5u, 12u, 20u}) {
+        int covered = 0, wrong = 0;
+        for (int i = 0; i < kExperiments; ++i) {
+            std::vector<double> shares, differences;
+            for (unsigned one = 0; one < subjects; ++one) {
+                shares.push_back(share_of_subject(0.6, 24, random));
+                differences.push_back(shares.back() - share_of_subject(0.6, 24, random));
+            }
+            const Range range = mean_interval(shares);
+            covered += range.low <= 0.6 && 0.6 <= range.high;
+            wrong += sign_flip_p(differences) <= 0.05;
+        }
+        EXPECT_GE(covered, 0.93 * kExperiments) << subjects;
+        EXPECT_LE(covered, 0.97 * kExperiments) << subjects;
+        EXPECT_LE(wrong, 0.06 * kExperiments) << subjects;
+        if (subjects < kLeastSubjects) {
+            EXPECT_EQ(wrong, 0) << "no p of so few is small";
+        } else {
+            EXPECT_GE(wrong, 0.04 * kExperiments) << subjects;
+        }
+    }
+}
+
+// What plan promises, by the test that analyse makes: of simulated experiments of its size 80 % find the difference.
+TEST(Statistics, PowerIsThatOfTheAnalysis) {
+    std::mt19937_64 random(10);
+    for (const unsigned subjects : {8u, 20u}) {
+        const double power = power_of(0.7, 0.5, 24, subjects);
+        int found = 0;
+        for (int i = 0; i < 1000; ++i) {
+            std::vector<double> differences;
+            for (unsigned one = 0; one < subjects; ++one)
+                differences.push_back(share_of_subject(0.7, 24, random) - share_of_subject(0.5, 24, random));
+            found += sign_flip_p(differences) <= 0.05;
+        }
+        EXPECT_NEAR(power, found / 1000.0, 0.07) << subjects;
+    }
+    EXPECT_EQ(power_of(0.9, 0.1, 24, 5), 0) << "five subjects cannot be significant";
 }
 
 TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
