@@ -220,7 +220,7 @@ std::string description(const Experiment& experiment) {
                      experiment.conditions.size(), experiment.spec.trials,
                      experiment.tracks.empty() ? "" : fmt::format(" track over {}", experiment.track_key),
                      experiment.spec.question)},
-                {"schemaVersion", "Psych-DS 0.4.0"},
+                {"schemaVersion", "Psych-DS 1.5.1"},
                 {"variableMeasured", std::move(variables)}}
                .dump(2) +
            "\n";
@@ -444,7 +444,8 @@ void SessionRecord::write_materials() const {
             write_whole(materials / name, answer.picture.bytes);
     write_whole(folder_ / "dataset_description.json", description(experiment_));
     write_whole(folder_ / "README.md", readme(experiment_));
-    write_whole(experiment_file, toml); // last: with it the rest is there
+    write_whole(folder_ / ".psychds-ignore", "paths/\n"); // tables of samples, not of answers
+    write_whole(experiment_file, toml);                   // last: with it the rest is there
     set_up.end();
 }
 

@@ -1,6 +1,7 @@
 // The data of an experiment as a Psych-DS folder: a row a trial, on the disk as soon as it is there.
 //
 //   dataset_description.json                 what the columns are
+//   .psychds-ignore                          folders that are no data in the sense of Psych-DS
 //   data/subject-03_session-1_data.csv       a row a trial
 //   materials/experiment.toml                the experiment, resolved
 //   materials/order/subject-03_session-1.csv its order, written before the first trial

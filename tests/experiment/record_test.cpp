@@ -5,7 +5,9 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -500,6 +502,25 @@ void expect_psych_ds(const Experiment& one, std::size_t trials, const std::strin
     EXPECT_EQ(columns.find("standard") != std::string::npos, one.spec.task == Task::compare);
     EXPECT_EQ(read_rows(files[0]).size(), trials);
     EXPECT_TRUE(fs::exists(folder / "paths" / path)) << path;
+    EXPECT_EQ(description.at("schemaVersion"), "Psych-DS 1.5.1");
+    // Rules of files: in the root these alone, in data/ names of keys and values; some folders are never looked at, and
+    // those that .psychds-ignore names.
+    const std::set<std::string> root{"dataset_description.json", "README.md", ".psychds-ignore"},
+        free{"materials", "documentation", "analysis", "results"};
+    const std::regex name("([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\\.(csv|tsv)");
+    const std::string ignored = read_file(folder / ".psychds-ignore");
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
+        const fs::path inside = entry.path().lexically_relative(folder.path());
+        const std::string top = inside.begin()->string();
+        if (entry.is_directory() || free.contains(top) ||
+            ("\n" + ignored).find("\n" + top + "/\n") != std::string::npos)
+            continue;
+        EXPECT_TRUE(top == "data" ? std::regex_match(inside.filename().string(), name) : root.contains(top)) << inside;
+    }
+    std::set<std::string> ids;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        EXPECT_TRUE(ids.insert(line.substr(0, line.find(','))).second) << "row_id " << line;
 }
 
 TEST(SessionRecords, KeepToPsychDs) {
