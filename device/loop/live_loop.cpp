@@ -85,7 +85,7 @@ void LiveLoop::ask_for_permissions() noexcept {
         return;
     try {
         permissions_ = ask_for_real_time(settings_.cpu);
-        const double patience = std::max(settings_.limits.late * period_, period_);
+        const double patience = std::max(settings_.limits.late, period_);
         if (std::isfinite(patience))
             watchdog_.emplace(back_end_, static_cast<std::int64_t>(std::min(patience, 1e6) * 1e9));
     } catch (...) { // no memory, no thread: the loop runs without permissions, and the report lists none
@@ -140,7 +140,7 @@ void LiveLoop::wait_until_due(Turn& turn) noexcept {
         first_due_ += turn.sample.late;
     }
     if (!turn.suspended)
-        turn.now.late = seconds(turn.sample.late) / period_;
+        turn.now.late = seconds(turn.sample.late);
     counts_->late.add(turn.sample.late);
     if (tick_ > 0)
         counts_->jitter.add(std::abs((turn.begin - woken_) - (turn.due - due(tick_ - 1))));
@@ -224,7 +224,7 @@ void LiveLoop::look_at_buttons(Turn& turn, const Reading& reading) noexcept {
 void LiveLoop::display_force(Turn& turn) noexcept {
     LiveSample& sample = turn.sample;
     const auto is_late = [&](std::int64_t time) {
-        return settings_.real_time && seconds(time - turn.due) > settings_.limits.late * period_;
+        return settings_.real_time && seconds(time - turn.due) > settings_.limits.late;
     };
     const std::int64_t begin = now();
     ProbeLaw& law = laws_.present();

@@ -26,7 +26,7 @@ struct SafetyLimits {
     double free_time = 0.05;            /* s: without contact, after which the next is made again */
     double max_speed = 2;               /* m/s: of the probe */
     double stale = 0.02;                /* s: without a new position */
-    double late = 20;                   // periods that a sample may be late
+    double late = 0.02;                 /* s: that a sample may be late */
     glm::dvec3 low{-kUnknown};          /* m: the workspace, for the hand's position */
     glm::dvec3 high{kUnknown};          /* m */
     bool fade = false;                  // whether a force that drives an oscillation is faded out
@@ -175,7 +175,7 @@ struct Situation {
     bool withheld = false;       // the device displays no force
     std::uint32_t held_back = 0; // kDeadMan, kClutched
     double time = 0;             /* s: when it was read */
-    double late = 0;             // periods
+    double late = 0;             /* s: this sample is */
 };
 
 /// Keeps the state of safety between samples, in the device's axes and metres for any mapping of the scene: speed,

@@ -376,7 +376,7 @@ private:
         const auto late = std::ranges::find_if(after, [](const LiveSample& s) { return (s.flags & kTooLate) != 0; });
         if (late == after.end() || late->commanded != glm::dvec3(0))
             return failed(fmt::format("the loop stood still for {} s and pushed on", kStall),
-                          "set a watchdog: --watchdog 20 periods");
+                          "set a watchdog: --watchdog \"20 ms\"");
         const auto woken = std::find_if(late, after.end(), [&](const LiveSample& s) { return s.tick > late->tick; });
         const double scale = opened_.settings.mapping.scale;
         const glm::dvec3 left = woken == after.end() ? yielded : woken->probe / scale - before;

@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimi
             {"ramp at contact", text(1000 * limits.contact_ramp, "ms")},
             {"speed", text(limits.max_speed, "m/s")},
             {"stale position", text(1000 * limits.stale, "ms")},
-            {"watchdog", text(limits.late, "periods")},
+            {"watchdog", text(1000 * limits.late, "ms")},
             {"fading out of oscillations", limits.fade ? "on" : "off"},
             {"passivity", limits.passivity ? fmt::format("on, damping up to {:.6g} N s/m", limits.damping) : "off"},
             {"workspace", std::isinf(limits.low.x) && std::isinf(limits.high.x)
@@ -349,6 +349,10 @@ private:
         if (outcome.counts.lost > 0)
             remarks_.push_back("samples are missing in the log; on a mesh the rest of their paths will not replay "
                                "to the same forces");
+        if (const std::uint64_t all = outcome.counts.samples; all > 0 && outcome.counts.with(kOutside) == all)
+            remarks_.push_back(
+                "every position lay outside of the workspace, so there was no force at all: does --origin "
+                "put the scene where the hand is, and is --workspace the device's?");
         if (const std::uint64_t faded = outcome.counts.with(kUnstable); faded > 0)
             remarks_.push_back(fmt::format(
                 "the force drove an oscillation and was faded out, in {} of {} samples: this hand cannot hold the "

@@ -40,19 +40,6 @@ double quantity(const std::string& flag, const std::string& text, Dimension dime
     return value;
 }
 
-double periods(const std::string& text) {
-    if (text == kNone)
-        return device::kUnknown;
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !(value >= 1) || !std::isfinite(value))
-        throw UsageError(
-            fmt::format("--watchdog: a sample may be late by 1 period or more, as in --watchdog 20, or by any "
-                        "time with none; got \"{}\"",
-                        text));
-    return value;
-}
-
 void check_cpu(std::optional<int> cpu) {
     const std::vector<int> allowed = device::allowed_cpus();
     if (cpu && !allowed.empty() && std::find(allowed.begin(), allowed.end(), *cpu) == allowed.end())
@@ -188,9 +175,8 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
         "no force while the probe is faster (default \"2 m/s\")");
     add(options, "--stale TIME", limits.stale, Dimension::time, Accepted::positive_or_none,
         "no force when positions are older (default \"20 ms\")");
-    options.read(
-        "--watchdog PERIODS", [&limits](const std::string& text) { limits.late = periods(text); },
-        "no force when a sample is later than this many of them (default 20)");
+    add(options, "--watchdog TIME", limits.late, Dimension::time, Accepted::positive_or_none,
+        "no force when a sample is later than this (default \"20 ms\")");
     options.read(
         "--workspace LENGTHS", [&session](const std::string& text) { session.workspace = workspace(text); },
         "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas, in the device's axes "

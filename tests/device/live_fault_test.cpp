@@ -135,7 +135,7 @@ TEST(LiveLoop, ASampleThatTheDeviceTookTooLateSaysSo) {
     ScriptedDevice device(deep, 100000, false);
     device.slow_write = 101;
     LoopSettings settings = real_time(1000, 400);
-    settings.limits.late = 90;
+    settings.limits.late = 0.09;
     settings.limits.ramp = 0.1;
     const LoopRun run = run_through(device, settings);
     const LiveSample& late = run.samples[100];
@@ -170,7 +170,7 @@ TEST(LiveLoop, AForceThatTheDeviceLetGoOfComesUpFromZero) {
         1000, false);
     device.lets_go_after(0.05);
     LoopSettings settings = real_time(100, 120);
-    settings.limits.late = 20;
+    settings.limits.late = 0.2;
     settings.limits.ramp = 0.5;
     const LoopRun run = run_through(device, settings);
     EXPECT_NE(run.samples[100].flags & kTooLate, 0u);
@@ -215,7 +215,7 @@ TEST(LiveLoop, TheWatchdogTakesTheForceOfALoopThatIsStuck) {
         100000, false);
     seen = &device;
     LoopSettings settings = real_time(1000, 800);
-    settings.limits.late = 50;
+    settings.limits.late = 0.05;
     const LoopRun run = run_through(device, settings);
     EXPECT_GE(rests_meanwhile, 1);
     ASSERT_EQ(run.samples.size(), 800u) << "none is skipped";
@@ -237,7 +237,7 @@ TEST(LiveLoop, AProcessThatStoodStillTakesUpItsTimeWhereItWakes) {
         },
         100000, false);
     LoopSettings settings = real_time(1000, 300);
-    settings.limits.late = 50;
+    settings.limits.late = 0.05;
     settings.standstill = 0.3;
     const LoopRun run = run_through(device, settings);
     ASSERT_EQ(run.samples.size(), 300u);

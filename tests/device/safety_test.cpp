@@ -237,7 +237,7 @@ TEST(Safety, NoForceWithoutASoundPosition) {
     zero([](Situation& now, glm::dvec3&) { now.answer = Answer::failed; }, kFailed);
     zero([](Situation& now, glm::dvec3&) { now.answer = Answer::repeated, now.time = 0.03; }, kStale);
     zero([](Situation& now, glm::dvec3&) { now.withheld = true; }, kWithheld);
-    zero([](Situation& now, glm::dvec3&) { now.late = 21; }, kTooLate);
+    zero([](Situation& now, glm::dvec3&) { now.late = 0.021; }, kTooLate);
     zero([](Situation& now, glm::dvec3&) { now.late = kUnknown; }, kTooLate);
     zero([](Situation& now, glm::dvec3&) { now.late = kNan; }, kTooLate);
     zero([](Situation& now, glm::dvec3&) { now.probe.z = 0.05; }, kTooFast); // 50 mm in a sample
@@ -307,7 +307,7 @@ TEST(Safety, WhateverComesTheForceIsWithinItsLimits) {
             now.is_position = now.answer != Answer::failed && *rc::gen::inRange(0, 10) > 0;
             const double place = *rc::gen::element(0.0, 1e-4, -1e-4, 1e-3, 10.0, 1e150);
             now.probe = {place, 0, -place};
-            now.late = *rc::gen::element(0.0, 0.0, 0.0, 1.0, 30.0, kNan);
+            now.late = *rc::gen::element(0.0, 0.0, 0.0, 0.001, 0.03, kNan);
             const glm::dvec3 shown = touch.show(now, {*wild, *wild, *wild}, *rc::gen::arbitrary<bool>());
             RC_ASSERT(size_of(shown) <= 3 * (1 + 1e-12));
             RC_ASSERT((touch.flags & kZeroForceFlags) == 0 || shown == glm::dvec3(0));

@@ -145,7 +145,7 @@ TEST_F(LiveVendor, feels_a_stiffness_that_the_hand_cannot_hold_only_if_it_is_tol
 TEST_F(LiveDevice, is_checked_before_it_is_felt) {
     const auto checked = [&](std::vector<std::string> further, const char* hand) {
         std::vector<std::string> all{"device", "check", "plane.toml", "--quiet",    "--watchdog",
-                                     "100",    "--out", "check.json", "--overwrite"};
+                                     "100 ms", "--out", "check.json", "--overwrite"};
         all.insert(all.end(), further.begin(), further.end());
         Launch launch = this->launch(std::move(all));
         launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB_OLD; // without buttons

@@ -152,8 +152,8 @@ TEST_F(LiveFault, stopped_by_the_terminal_it_has_no_force_and_ramps_when_it_goes
 
 TEST_F(LiveFault, stopped_for_a_second_it_makes_up_for_every_tick_without_force) {
     write_still("still.csv", 3000);
-    Process process(launch(live(
-        "plane.toml", {"--device", "replay:still.csv", "--ramp", "200 ms", "--log", "log.csv", "--watchdog", "100"})));
+    Process process(launch(live("plane.toml", {"--device", "replay:still.csv", "--ramp", "200 ms", "--log", "log.csv",
+                                               "--watchdog", "100 ms"})));
     ASSERT_TRUE(await(process, [&] { return std::filesystem::exists(path("log.csv")); }));
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     process.send(SIGSTOP);
@@ -306,7 +306,9 @@ TEST_F(LiveFault, outside_of_the_devices_workspace_there_is_no_force) {
     Launch launch = felt({"--duration", "0.3 s", "--json"});
     launch.environment["STUB_POSITION"] = "0,0,-0.2"; // an omega is 160 mm wide
     Outcome outcome = run(launch);
-    EXPECT_EQ(nlohmann::json::parse(outcome.out)["happened"]["outside"], 300);
+    const auto report = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(report["happened"]["outside"], 300);
+    EXPECT_NE(report["remarks"].dump().find("every position lay outside of the workspace"), std::string::npos);
     EXPECT_EQ(pushes_after(record(), 0), 0u);
     launch.arguments.insert(launch.arguments.end(), {"--workspace", "none"});
     EXPECT_EQ(nlohmann::json::parse(run(launch).out)["happened"]["outside"], 0);

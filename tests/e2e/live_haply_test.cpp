@@ -53,7 +53,7 @@ protected:
     }
     Launch felt(const Service& service, const std::string& name, std::vector<std::string> further) const {
         std::vector<std::string> all = live("plane.toml", {"--device", service.device(), "--ramp", "50 ms", "--log",
-                                                           name + ".csv", "--watchdog", "400"});
+                                                           name + ".csv", "--watchdog", "400 ms"});
         all.insert(all.end(), further.begin(), further.end());
         return launch(std::move(all));
     }

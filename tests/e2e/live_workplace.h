@@ -107,7 +107,8 @@ protected:
 class LiveDevice : public Live {
 protected:
     Launch felt(std::vector<std::string> further, const std::string& fail = "") const {
-        std::vector<std::string> all = live("plane.toml", {"--device", "dhd", "--ramp", "50 ms", "--watchdog", "400"});
+        std::vector<std::string> all =
+            live("plane.toml", {"--device", "dhd", "--ramp", "50 ms", "--watchdog", "400 ms"});
         all.insert(all.end(), further.begin(), further.end());
         Launch launch = this->launch(std::move(all));
         launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB;
