@@ -12,14 +12,19 @@
 namespace forceshade {
 namespace {
 
-// Whole commands with both engines on two threads of a Xeon with AVX-512 and of Mesa 22.3, kernels on disk; thread
-// seconds that the software device saves, below 0 where it is slower. What both do alike, such as writing, is not in
-// them.
-constexpr double kStart = 0.12; // s: opening the device and reading its kernels; 0.07 for a field, 0.13 for paths
-constexpr double kAVoxel = -10e-9;
-constexpr double kAStep = 0.1e-6;
-constexpr double kAHarmonic = 15e-9; // and step
-constexpr double kAMeshStep = -0.3e-6;
+// What a device saves, measured once. What both engines do alike, such as writing, is not in it.
+struct Savings {
+    double start;                                        /* s that opening it and reading its kernels takes */
+    double voxel, mesh_voxel, step, harmonic, mesh_step; /* s of a thread; below 0 where the device is slower */
+    double own_mesh_step;                                /* s that the device takes, however many threads there are */
+};
+
+// Whole commands with both engines on two threads of a Xeon with AVX-512 and of Mesa 22.3, kernels on disk. Opening
+// takes 0.07 s for a field, 0.13 for paths.
+constexpr Savings kSoftware{0.12, -10e-9, 0, 0.1e-6, 15e-9, -0.3e-6, 0};
+// An NVIDIA H200 beside 16 threads of a Xeon at 2.1 GHz, driver 580: whole commands for the start, the kernels' benches
+// and the engines' times for the rest (host/referee/README.md).
+constexpr Savings kHardware{0.25, 0.9e-9, 0.23e-6, 0.15e-6, 50e-9, 0.37e-6, 0.06e-6};
 
 constexpr double kBytesASample = 40; // of a recorded file: five numbers
 
@@ -33,6 +38,21 @@ double recorded_samples(const std::string& file) {
     return none ? 0 : static_cast<double>(bytes) / kBytesASample;
 }
 
+double saved(const Savings& by, const Workload& work, unsigned threads) {
+    return (by.voxel * work.voxels + by.mesh_voxel * work.mesh_voxels + by.step * work.steps +
+            by.harmonic * work.harmonics + by.mesh_step * work.mesh_steps) /
+               threads -
+           by.own_mesh_step * work.mesh_steps - by.start;
+}
+
+std::string cpu_text(unsigned threads) {
+    return fmt::format("cpu ({} thread{})", threads, threads == 1 ? "" : "s");
+}
+
+EngineChoice left_to_cpu(unsigned threads, const std::string& gpu) {
+    return {true, "", fmt::format("{}: it is done before {} would be; --engine gpu takes one", cpu_text(threads), gpu)};
+}
+
 bool is_hardware(const compute::DeviceReport& device, bool needs_f64) {
     return !device.software && device.refusals.empty() && (device.f64 || !needs_f64);
 }
@@ -41,6 +61,7 @@ bool is_hardware(const compute::DeviceReport& device, bool needs_f64) {
 
 Workload& Workload::operator+=(const Workload& other) {
     voxels += other.voxels;
+    mesh_voxels += other.mesh_voxels;
     steps += other.steps;
     harmonics += other.harmonics;
     mesh_steps += other.mesh_steps;
@@ -48,15 +69,18 @@ Workload& Workload::operator+=(const Workload& other) {
 }
 
 Workload Workload::operator*(double times) const {
-    return {voxels * times, steps * times, harmonics * times, mesh_steps * times};
+    return {voxels * times, mesh_voxels * times, steps * times, harmonics * times, mesh_steps * times};
 }
 
 Workload field_workload(const Scene& scene) {
     Workload work;
-    if (!scene.field || scene.surface.kind == SurfaceKind::mesh) // of meshes both take equally long
+    if (!scene.field)
         return work;
     const double voxels = grid_voxels(scene.grid);
-    work.voxels = depends_on_y(features_of(scene)) ? voxels : voxels / static_cast<double>(scene.grid.size[1]);
+    if (scene.surface.kind == SurfaceKind::mesh)
+        work.mesh_voxels = voxels;
+    else
+        work.voxels = depends_on_y(features_of(scene)) ? voxels : voxels / static_cast<double>(scene.grid.size[1]);
     return work;
 }
 
@@ -87,9 +111,11 @@ Workload study_workload(const Study& study) {
 }
 
 double saved_by_software_device(const Workload& work, unsigned threads) {
-    return (kAVoxel * work.voxels + kAStep * work.steps + kAHarmonic * work.harmonics + kAMeshStep * work.mesh_steps) /
-               threads -
-           kStart;
+    return saved(kSoftware, work, threads);
+}
+
+double saved_by_hardware(const Workload& work, unsigned threads) {
+    return saved(kHardware, work, threads);
 }
 
 EngineChoice choose_engine(const Workload& work, const std::vector<compute::DeviceReport>& devices, bool needs_f64,
@@ -97,14 +123,16 @@ EngineChoice choose_engine(const Workload& work, const std::vector<compute::Devi
     const auto hardware = std::ranges::count_if(devices, [&](const auto& one) { return is_hardware(one, needs_f64); });
     if (hardware > 0) {
         const compute::DeviceReport& chosen = compute::choose_device(devices, "", needs_f64);
+        if (saved_by_hardware(work, threads) <= 0)
+            return left_to_cpu(threads, chosen.name);
         return {
             false, std::to_string(chosen.index),
             fmt::format("gpu ({}){}", chosen.name,
                         hardware > 1 ? fmt::format(", one of {}: --gpu UUID or INDEX takes another", hardware) : "")};
     }
-    const std::string cpu = fmt::format("cpu ({} thread{})", threads, threads == 1 ? "" : "s");
+    const std::string cpu = cpu_text(threads);
     const double saved = saved_by_software_device(work, threads);
-    if (saved < -kStart)
+    if (saved < -kSoftware.start)
         return {true, "",
                 fmt::format("{}: a software device would be slower for {}", cpu,
                             work.mesh_steps > 0 ? "paths over meshes" : "fields of analytic surfaces")};
@@ -119,6 +147,8 @@ EngineChoice choose_engine(const Workload& work, const std::vector<compute::Devi
 
 EngineChoice choose_engine(const Workload& work, bool needs_f64) {
     const unsigned threads = most_threads();
+    if (compute::may_have_hardware() && saved_by_hardware(work, threads) <= 0)
+        return left_to_cpu(threads, "a GPU");
     std::vector<compute::DeviceReport> devices;
     if (compute::may_have_hardware() || saved_by_software_device(work, threads) > 0)
         try {

@@ -1,5 +1,5 @@
-// Which engine `--engine auto` takes: a hardware GPU where there is one, else the CPU or the software device, whichever
-// is faster by what was measured of them. It depends on the machine and the scene alone, never on how fast it is just
+// Which engine `--engine auto` takes: the CPU, or a hardware GPU or else the software device if it is done sooner by
+// what was measured of them. It depends on the machine and the scene alone, never on how fast it is just
 // now, and both compute the same bits.
 #pragma once
 
@@ -14,10 +14,11 @@ namespace forceshade {
 
 /// What there is to compute, as far as it decides which engine is faster.
 struct Workload {
-    double voxels = 0;     /* evaluated, of analytic surfaces; of meshes both take equally long */
-    double steps = 0;      /* of paths over analytic surfaces */
-    double harmonics = 0;  /* of their motions, summed over the steps */
-    double mesh_steps = 0; /* of paths over meshes */
+    double voxels = 0;      /* evaluated, of analytic surfaces */
+    double mesh_voxels = 0; /* of meshes' grids */
+    double steps = 0;       /* of paths over analytic surfaces */
+    double harmonics = 0;   /* of their motions, summed over the steps */
+    double mesh_steps = 0;  /* of paths over meshes */
 
     Workload& operator+=(const Workload& other);
     Workload operator*(double times) const;
@@ -34,6 +35,9 @@ Workload study_workload(const Study& study);
 
 /// s: by how much a software device is done sooner than the CPU engine, both on that many threads; below 0: later.
 double saved_by_software_device(const Workload& work, unsigned threads);
+
+/// s: the same of a hardware GPU, which needs none of the threads.
+double saved_by_hardware(const Workload& work, unsigned threads);
 
 struct EngineChoice {
     bool cpu = true;

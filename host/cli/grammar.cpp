@@ -38,11 +38,11 @@ void add_common_options(Options options, CommonOptions& common) {
     options.optional(
         "--gpu NAME|UUID|INDEX", common.gpu,
         "Vulkan device: part of its name, UUID or index (forceshade gpus); default: a hardware GPU if available, "
-        "else the software device");
+        "else the software device, where --engine takes a device");
     options.optional(
         "--engine auto|gpu|cpu", common.engine,
-        "auto (default): a hardware GPU if available, else the software device or the CPU, whichever was "
-        "measured faster at such work (study, validate and doctor, which measure or check a device, take a device); "
+        "auto (default): a hardware GPU, the software device or the CPU, whichever was measured faster at such work, "
+        "its start included (study, validate and doctor, which measure or check a device, take a device); "
         "gpu: a Vulkan device; cpu: the oracle");
     options.optional(
         "--precision f32|f64", common.precision,

@@ -58,18 +58,24 @@ TEST(EngineChoice, IsTheCpuUntilADeviceIsWorthStarting) {
 }
 
 TEST(EngineChoice, TakesHardwareThenWhatIsFaster) {
-    const Workload little{}, much{.steps = 1e9};
+    const Workload little{}, some{.steps = 1e7}, much{.steps = 1e9};
     const compute::DeviceReport software = report_of(0, "llvmpipe", "software");
     compute::DeviceReport card = report_of(1, "Card", "discrete");
-    const EngineChoice on_card = choose_engine(little, {software, card}, false, 2);
+    const EngineChoice without = choose_engine(little, {software, card}, false, 2);
+    EXPECT_TRUE(without.cpu);
+    EXPECT_NE(without.why.find("--engine gpu"), std::string::npos) << without.why;
+    EXPECT_GT(saved_by_hardware({.mesh_voxels = 1e8}, 16), 0);
+    EXPECT_LT(saved_by_hardware({.mesh_steps = 1e9}, 16), 0) << "paths that wait for each other";
+    EXPECT_GT(saved_by_hardware({.mesh_steps = 1e9}, 2), 0);
+    const EngineChoice on_card = choose_engine(some, {software, card}, false, 2);
     EXPECT_FALSE(on_card.cpu);
     EXPECT_EQ(on_card.gpu, "1");
     EXPECT_EQ(on_card.why, "gpu (Card)");
-    const EngineChoice on_one = choose_engine(little, {software, card, report_of(2, "Card", "discrete")}, false, 2);
+    const EngineChoice on_one = choose_engine(some, {software, card, report_of(2, "Card", "discrete")}, false, 2);
     EXPECT_EQ(on_one.gpu, "1");
     EXPECT_NE(on_one.why.find("one of 2: --gpu"), std::string::npos) << on_one.why;
     card.f64 = false;
-    EXPECT_FALSE(choose_engine(little, {software, card}, false, 2).cpu);
+    EXPECT_FALSE(choose_engine(some, {software, card}, false, 2).cpu);
     EXPECT_TRUE(choose_engine(little, {software, card}, true, 2).cpu) << "it has no double precision";
     card.refusals = {"broken"};
     EXPECT_TRUE(choose_engine(little, {software, card}, false, 2).cpu);
