@@ -31,6 +31,12 @@ template <typename T> bool takes_exact(const DeviceReport& report) {
     return sizeof(T) == sizeof(float) && !report.nearest && report.f64;
 }
 
+/// Of a kernel's three forms the one that computes in T on this device.
+using Code = std::span<const std::uint32_t>;
+template <typename T> Code code_for(const DeviceReport& report, Code f32, Code f32_exact, Code f64) {
+    return sizeof(T) == sizeof(double) ? f64 : takes_exact<T>(report) ? f32_exact : f32;
+}
+
 class Dispatcher {
 public:
     static constexpr layout::uint kNoStatus = 0xFFFFFFFFu;

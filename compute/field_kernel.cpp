@@ -27,15 +27,14 @@ template <typename T> struct FieldRun {
     Dispatcher& dispatcher;
     const FieldKernelOptions& options;
     const layout::FieldInput<T>& input;
-    const bool exact = takes_exact<T>(dispatcher.report());
-    const bool packed = sizeof(T) == sizeof(float) && !exact && options.packed_stores && dispatcher.report().int64;
+    const bool packed = sizeof(T) == sizeof(float) && !takes_exact<T>(dispatcher.report()) && options.packed_stores &&
+                        dispatcher.report().int64;
 
     std::uint32_t lanes() const { return packed ? layout::kLanesPacked : layout::kLanes; }
-    std::span<const std::uint32_t> code() const {
-        return sizeof(T) == sizeof(double) ? kernels::field_f64()
-               : exact                     ? kernels::field_f32_exact()
-               : packed                    ? kernels::field_f32_packed()
-                                           : kernels::field_f32();
+    Code code() const {
+        return packed ? kernels::field_f32_packed()
+                      : code_for<T>(dispatcher.report(), kernels::field_f32(), kernels::field_f32_exact(),
+                                    kernels::field_f64());
     }
     FieldPlan reserve() const;
     void run(const FieldPlan& plan, std::size_t pipeline, FieldTimes& times, const TakeField<T>& take) const;

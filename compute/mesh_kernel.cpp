@@ -116,9 +116,8 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeFi
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         std::vector<uint> candidates;
         dispatcher.upload(times, [&](const PutTable& put) { candidates = put_mesh_tables(input, put); });
-        const auto code = sizeof(T) == sizeof(double)           ? kernels::mesh_field_f64()
-                          : takes_exact<T>(dispatcher.report()) ? kernels::mesh_field_f32_exact()
-                                                                : kernels::mesh_field_f32();
+        const Code code = code_for<T>(dispatcher.report(), kernels::mesh_field_f32(), kernels::mesh_field_f32_exact(),
+                                      kernels::mesh_field_f64());
         const auto x_pitch =
             static_cast<std::uint32_t>(divide_up(input.x.size(), layout::kMeshBlock) * layout::kMeshBlock);
         MeshFieldRun<T> field{dispatcher,

@@ -203,9 +203,8 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
         chunk.limit = options_.limit;
         chunk.stretch = input.stretch;
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
-        const auto code = sizeof(T) == sizeof(double)           ? kernels::mesh_path_f64()
-                          : takes_exact<T>(dispatcher.report()) ? kernels::mesh_path_f32_exact()
-                                                                : kernels::mesh_path_f32();
+        const Code code = code_for<T>(dispatcher.report(), kernels::mesh_path_f32(), kernels::mesh_path_f32_exact(),
+                                      kernels::mesh_path_f64());
         const Constants constants = constants_of(kGroup, input, loops);
         const std::size_t pipeline = dispatcher.pipeline(code, constants, times);
         for (std::size_t first = 0; first < input.paths;) {

@@ -119,9 +119,8 @@ FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePath
     FieldTimes times;
     run_checked("evaluating paths", [&] {
         dispatcher.upload(times, [&](const PutTable& put) { put_path_tables(input.law, put); });
-        const auto code = sizeof(T) == sizeof(double)           ? kernels::path_f64()
-                          : takes_exact<T>(dispatcher.report()) ? kernels::path_f32_exact()
-                                                                : kernels::path_f32();
+        const Code code =
+            code_for<T>(dispatcher.report(), kernels::path_f32(), kernels::path_f32_exact(), kernels::path_f64());
         const std::size_t pipeline = dispatcher.pipeline(code, constants_of(kPathGroup, input), times);
         Paths<T> paths{dispatcher, options_, input, take, times, pipeline};
         dispatcher.complete(times, [&] {
