@@ -146,9 +146,9 @@ int plan_experiment(const ExperimentArguments& arguments, const CommonOptions& c
     if (pairs.empty())
         throw UsageError("no stimulus is there shaded and unshaded: say --compare CONDITION,CONDITION");
     std::string text =
-        "Subjects needed to distinguish two conditions (80 % power of the sign flips that analyse makes, at 5 %),\n"
-        "by trials of each condition, of this contrast alone; of fewer than 6 none can be significant. Answers as the observer\n"
-        "expects them, subjects as different as in 1996.\n\n";
+        "Subjects needed to distinguish two conditions (80 % power of the sign flips that analyse makes, at\n"
+        "5 %), by trials of each condition, of this contrast alone; of fewer than 6 none can be significant.\n"
+        "Answers as the observer expects them, subjects as different as in 1996.\n\n";
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const auto& [first, second] : pairs) {
         const experiment::Plan plan = experiment::planned(experiment, first, second);
