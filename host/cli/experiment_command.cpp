@@ -41,6 +41,7 @@ std::uint64_t session_number(const std::string& text) {
 
 std::vector<unsigned> answer_buttons(const std::vector<std::string>& words) {
     std::vector<unsigned> buttons;
+    buttons.reserve(words.size());
     for (const std::string& word : words)
         buttons.push_back(read_button("--answer-buttons", word));
     return buttons;

@@ -210,6 +210,7 @@ std::vector<Tested> tests_of(const Answers& data, std::size_t answer) {
                              mean_interval(differences), sign_flip_p(differences), 1, differences.size()});
     }
     std::vector<double> all;
+    all.reserve(tests.size());
     for (const Tested& one : tests)
         all.push_back(one.p);
     const std::vector<double> corrected = holm(all);
@@ -268,6 +269,7 @@ Table stroke_table(const Answers& data) {
         std::vector<Cell> cells{name, double(rows.size())};
         for (const Measure& measure : kMeasures) {
             std::vector<double> values;
+            values.reserve(rows.size());
             for (const TrialRow* row : rows)
                 values.push_back(measure.of(*row));
             for (const double share : {0.5, 0.25, 0.75})

@@ -7,7 +7,6 @@
 #include <ctime>
 #include <fcntl.h>
 #include <functional>
-#include <ranges>
 #include <set>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -540,9 +539,9 @@ void SessionRecord::learn(const TrialRow& row) {
 std::vector<const TrialRow*> SessionRecord::latest() const {
     std::vector<const TrialRow*> last;
     std::set<std::uint64_t> seen;
-    for (const TrialRow& row : std::views::reverse(rows_))
-        if (seen.insert(row.number).second)
-            last.push_back(&row);
+    for (auto row = rows_.rbegin(); row != rows_.rend(); ++row)
+        if (seen.insert(row->number).second)
+            last.push_back(&*row);
     std::ranges::reverse(last);
     return last;
 }
