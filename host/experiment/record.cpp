@@ -264,6 +264,7 @@ private:
 
 std::vector<std::string> names_of(const std::vector<DataColumn>& columns) {
     std::vector<std::string> names;
+    names.reserve(columns.size());
     for (const DataColumn& column : columns)
         names.push_back(column.name);
     return names;
