@@ -312,13 +312,17 @@ TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
             browser.press(" ");
     EXPECT_TRUE(reaches("done"));
     EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
-    ASSERT_EQ(rows().size(), 4u) << "nothing between the trials counts";
+    std::size_t answered = 0;
     for (const TrialRow& row : rows()) {
+        if (row.outcome.status == "too early" || row.outcome.status == "no contact")
+            continue; // a press in the first 0.2 s of a trial, which comes again
+        ++answered;
         EXPECT_EQ(row.answer, "two_poly");
         EXPECT_EQ(row.outcome.answered_by, "button");
         EXPECT_EQ(row.outcome.status, kAnswered);
         EXPECT_EQ(row.device_check, "passed");
     }
+    EXPECT_EQ(answered, 4u) << "nothing between the trials counts";
     const std::string line = read_file(data() / "documentation" / "subject-03_session-1_device.jsonl");
     const nlohmann::json kept = nlohmann::json::parse(line);
     EXPECT_EQ(kept["check"]["steps"].size(), 7u);
