@@ -107,7 +107,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsE
 const vk::ApplicationInfo kApplication("forceshade", 1, "forceshade", 1, kApiVersion);
 
 /// The instance that all devices without validation layers share, to the end of the process: a driver of hardware that
-/// is loaded and unloaded again and again is not found any more after some thirty times.
+/// is loaded and unloaded again and again has been seen not to be found any more.
 /// \throws DeviceError (no_such_device) without a Vulkan loader, vk::IncompatibleDriverError without any driver.
 std::shared_ptr<Loaded> shared_instance() {
     static std::mutex mutex;

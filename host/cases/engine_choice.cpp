@@ -22,8 +22,8 @@ struct Savings {
 // Whole commands with both engines on two threads of a Xeon with AVX-512 and of Mesa 22.3, kernels on disk. Opening
 // takes 0.07 s for a field, 0.13 for paths.
 constexpr Savings kSoftware{0.12, -10e-9, 0, 0.1e-6, 15e-9, -0.3e-6, 0};
-// An NVIDIA H200 beside 16 threads of a Xeon at 2.1 GHz, driver 580: whole commands for the start, the kernels' benches
-// and the engines' times for the rest (host/referee/README.md).
+// An NVIDIA H200 (driver 580) against 16 threads of a Xeon at 2.1 GHz: whole commands for the start, the kernels'
+// benches and the engines' times for the rest (host/referee/README.md).
 constexpr Savings kHardware{0.25, 0.9e-9, 0.23e-6, 0.15e-6, 50e-9, 0.37e-6, 0.06e-6};
 
 constexpr double kBytesASample = 40; // of a recorded file: five numbers

@@ -12,10 +12,10 @@ constexpr std::size_t kSpreads = 10;
 constexpr std::array<double, 4> kLapses{0, 0.02, 0.04, 0.06};
 constexpr std::size_t kEach = kSpreads * kLapses.size();   // parameters of a threshold
 constexpr double kStep = 1.5 / 80;                         // of the levels' range, from threshold to threshold
-constexpr double kBeyond = 0.25, kMostBeyond = 1.5;        // likewise, on either side
-constexpr double kWider = 0.25;                            // likewise, at a time
+constexpr double kBeyond = 0.25, kMostBeyond = 1.5;        // of that range, on either side
+constexpr double kWider = 0.25;                            // of that range, at a time
 constexpr unsigned kInformed = 10;                         // answers, before which the prior decides
-constexpr double kNarrowest = 1.0 / 30, kWidest = 1.0 / 3; // likewise: spreads
+constexpr double kNarrowest = 1.0 / 30, kWidest = 1.0 / 3; // of that range: spreads
 
 std::vector<double> steps(double from, double to, std::size_t count) {
     std::vector<double> values;
