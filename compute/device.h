@@ -14,7 +14,7 @@ namespace forceshade::compute {
 /// What went wrong on or with a device, in words for the user.
 class DeviceError : public std::runtime_error {
 public:
-    enum class Kind { no_such_device, out_of_memory, device_lost, unfinished, unsupported };
+    enum class Kind { no_such_device, out_of_memory, device_lost, unfinished, unsupported, differs_in_parts };
     DeviceError(Kind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
     Kind kind() const noexcept { return kind_; }
 

@@ -77,7 +77,8 @@ struct Commands {
 // sees `device` itself.
 struct OwnBuffer {
     Buffer device, host;
-    std::size_t bytes = 0; // used
+    std::size_t bytes = 0;  // used
+    std::size_t behind = 0; // bytes that stay poisoned
     bool is_table = false;
     std::optional<uint> filled;
 };
@@ -118,6 +119,7 @@ struct Dispatcher::Implementation {
     vk::raii::DescriptorPool sets{nullptr};
     std::vector<InFlight> slots;
     std::size_t turn = 0; // the slot at hand is turn % slots
+    bool poisoned = false;
 
     Implementation(Device::Implementation& on, const Shape& wanted)
         : device(on), shape(wanted),
@@ -210,12 +212,14 @@ void Dispatcher::Implementation::record(const InFlight& slot, std::span<const Ru
             copy(own.host, own.device, own.bytes);
         if (own.filled)
             commands.fillBuffer(*own.device.buffer, 0, own.bytes, *own.filled);
+        if (own.behind != 0)
+            commands.fillBuffer(*own.device.buffer, own.bytes, own.behind, kPoison);
     }
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout, 0, *slot.set, {});
     for (const Run& run : runs) {
         vk::PipelineStageFlags before;
         vk::AccessFlags written;
-        if (run.after_copies) {
+        if (run.after_copies || poisoned) {
             before |= Stage::eTransfer;
             written |= Access::eTransferWrite;
         }
@@ -237,7 +241,7 @@ void Dispatcher::Implementation::record(const InFlight& slot, std::span<const Ru
         barrier(commands, worked, written, Stage::eTransfer, Access::eTransferRead);
         for (const OwnBuffer& own : slot.buffers)
             if (!own.is_table && own.bytes != 0)
-                copy(own.device, own.host, own.bytes);
+                copy(own.device, own.host, own.bytes + own.behind);
     }
     barrier(commands, worked, written, Stage::eHost, Access::eHostRead);
     stamp(2);
@@ -272,6 +276,21 @@ void Dispatcher::Implementation::finish(InFlight& slot, FieldTimes& times) {
         throw DeviceError(DeviceError::Kind::unfinished,
                           "the device's driver ended a loop of the kernel before its work was done; do not trust "
                           "what it computed");
+    for (const OwnBuffer& own : slot.buffers)
+        if (own.behind != 0)
+            require_poison({visible_to_host(device, staged ? own.host : own.device) + own.bytes, own.behind});
+}
+
+void require_poison(Bytes behind) {
+    for (std::size_t at = 0; at < behind.size(); at += sizeof(uint)) {
+        uint word = 0;
+        std::memcpy(&word, behind.data() + at, sizeof(word));
+        if (word != Dispatcher::kPoison)
+            throw DeviceError(DeviceError::Kind::differs_in_parts,
+                              fmt::format("a kernel writes {} bytes behind the end of its results; do not trust what "
+                                          "this device computes",
+                                          at));
+    }
 }
 
 Dispatcher::Dispatcher(Device& device, const Shape& shape)
@@ -359,7 +378,7 @@ void Dispatcher::begin(FieldTimes& times) {
     if (done)
         slot.consume();
     for (OwnBuffer& own : slot.buffers) {
-        own.bytes = 0;
+        own.bytes = own.behind = 0;
         own.filled.reset();
     }
 }
@@ -413,6 +432,11 @@ void Dispatcher::expect(uint binding, std::size_t bytes) {
     OwnBuffer& own = implementation_->slot().buffers[binding];
     implementation_->reserve(own, bytes);
     own.bytes = bytes;
+    if (!implementation_->poisoned || bytes == 0)
+        return;
+    own.filled = kPoison;
+    own.behind = kPoisonBehind;
+    implementation_->reserve(own, bytes + own.behind);
 }
 
 void Dispatcher::expect_channels(uint force_binding, uint channels, std::size_t samples, std::size_t real_size) {
@@ -431,6 +455,10 @@ void Dispatcher::reserve_channels(uint force_binding, uint channels, std::size_t
 void Dispatcher::fill(uint binding, uint word) {
     if (OwnBuffer& own = implementation_->slot().buffers[binding]; own.bytes != 0)
         own.filled = word;
+}
+
+void Dispatcher::poison(bool on) {
+    implementation_->poisoned = on;
 }
 
 void Dispatcher::submit(std::span<const Run> runs, const std::function<void()>& consume) {

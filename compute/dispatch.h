@@ -37,9 +37,15 @@ template <typename T> Code code_for(const DeviceReport& report, Code f32, Code f
     return sizeof(T) == sizeof(double) ? f64 : takes_exact<T>(report) ? f32_exact : f32;
 }
 
+/// Of poisoned memory behind results. \throws DeviceError (differs_in_parts) if something was written there.
+void require_poison(Bytes behind);
+
 class Dispatcher {
 public:
     static constexpr layout::uint kNoStatus = 0xFFFFFFFFu;
+    static constexpr layout::uint kPoison = 0xFFA5A5A5u; /* as real not a number; no facet has it as id */
+
+    static constexpr std::size_t kPoisonBehind = 4096; /* bytes behind results */
 
     struct Shape {
         layout::uint bindings = 0;
@@ -90,6 +96,9 @@ public:
                           std::size_t real_size);
     /// Fills results with a word before anything runs.
     void fill(layout::uint binding, layout::uint word);
+    /// From now on fills all results with kPoison, but where `fill` says otherwise, and some room behind them: what a
+    /// kernel writes there ends the run with DeviceError (differs_in_parts). Or no longer.
+    void poison(bool on);
 
     struct Run {
         std::size_t pipeline;

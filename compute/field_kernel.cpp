@@ -60,6 +60,10 @@ template <typename T> FieldPlan FieldRun<T>::reserve() const {
     const std::size_t row = (input.x.size() + limits.lanes) * sample.all;
     // 1 GiB keeps every index of the kernel within 32 bits.
     limits.chunk_bytes = std::max(std::min<std::size_t>(wanted, std::size_t(1) << 30), row);
+    if (options.in_parts) {
+        limits.chunk_bytes = std::clamp(row * part_of(input.y.size()), row, limits.chunk_bytes);
+        limits.rows = 3;
+    }
     for (;; limits.chunk_bytes /= 2) {
         const FieldPlan plan = plan_field(input.x.size(), input.y.size(), input.z.size(), sample, limits);
         try {
@@ -109,6 +113,7 @@ FieldKernel::~FieldKernel() = default;
 template <typename T> FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take) {
     Dispatcher& dispatcher = *dispatcher_;
     check_precision<T>(dispatcher.report());
+    dispatcher.poison(options_.in_parts);
     FieldTimes times;
     run_checked("evaluating a field", [&] {
         const FieldRun<T> field{dispatcher, options_, input};

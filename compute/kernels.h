@@ -39,13 +39,19 @@ struct FieldKernelOptions {
     std::uint32_t rows = 0; /* rows (of one y and z) an invocation evaluates; 0: as many as leave the device filled */
     bool packed_stores = true;  /* two reals a 64-bit word where the device has 64-bit integers (f32) */
     bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
+    bool in_parts = false;      /* below */
 };
+
+// In parts: the same work in dispatches of two fifths of a layer (of the paths, of their steps), whose buffers hold a
+// number that no law gives before they run. So whoever compares sees a first sample or a stride that is taken for
+// another, and a result that is not written.
 
 /// Fields of analytic surfaces.
 class FieldKernel {
 public:
     explicit FieldKernel(Device& device, const FieldKernelOptions& options = {});
     ~FieldKernel();
+    void set_in_parts(bool in_parts) { options_.in_parts = in_parts; }
 
     /// Evaluates the law at every sample, in T, and hands over consecutive chunks of rows in order (z, then y) while
     /// the device computes the next. \throws DeviceError: out_of_memory, device_lost, unfinished (the driver ended a
@@ -66,6 +72,7 @@ struct MeshKernelOptions {
     std::size_t software_chunk_bytes = std::size_t(8) << 20; /* the same on a software device */
     std::size_t slab_voxels = std::size_t(1) << 20;          /* planned at once */
     bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
+    bool in_parts = false;
 };
 
 /// Fields of meshes.
@@ -73,6 +80,7 @@ class MeshKernel {
 public:
     explicit MeshKernel(Device& device, const MeshKernelOptions& options = {});
     ~MeshKernel();
+    void set_in_parts(bool in_parts) { options_.in_parts = in_parts; }
 
     /// As FieldKernel::evaluate, for a law of surface kSurfaceMesh. Samples of blocks that no plan lists are out of
     /// contact. `plan` is asked for one slab after the other, in order; without it `input.plan` is that of the whole
@@ -90,6 +98,7 @@ struct PathKernelOptions {
     std::size_t batch_paths = 16384;                 /* most paths whose tables are held at once */
     std::uint32_t steps = 0;    /* of a dispatch; 0: as many as end within a second, and no driver breaks off */
     bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
+    bool in_parts = false;
 };
 
 /// Paths over analytic surfaces (L1 to L5, L8).
@@ -97,6 +106,7 @@ class PathKernel {
 public:
     explicit PathKernel(Device& device, const PathKernelOptions& options = {});
     ~PathKernel();
+    void set_in_parts(bool in_parts) { options_.in_parts = in_parts; }
 
     /// Takes every path of the input through its law, in T, and hands over chunks while the device computes the next:
     /// batch by batch, within one in the order of steps; then the batch's metrics. \throws DeviceError: out_of_memory,
@@ -114,6 +124,7 @@ struct MeshPathOptions {
     std::size_t chunk_bytes = std::size_t(64) << 20; /* most for the samples of a chunk of steps */
     std::uint32_t pause = 250;                       /* loops after which an invocation begins no other step */
     std::uint32_t limit = 3600; /* loops that an invocation may run: up to 16 together share a driver's limit */
+    bool in_parts = false;
 };
 
 struct MeshPathTimes : FieldTimes {
@@ -130,6 +141,7 @@ class MeshPathKernel {
 public:
     explicit MeshPathKernel(Device& device, const MeshPathOptions& options = {});
     ~MeshPathKernel();
+    void set_in_parts(bool in_parts) { options_.in_parts = in_parts; }
 
     /// As PathKernel::explore, for a law of surface kSurfaceMesh; equal to reference<T> if `finish` does as it would.
     /// \throws DeviceError: unsupported also for facets with too many corners.

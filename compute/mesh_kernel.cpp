@@ -32,7 +32,9 @@ MeshChunkSteps steps_of(const Dispatcher& dispatcher, const MeshKernelOptions& o
     const std::size_t wanted =
         report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
     const std::uint64_t least = layout::kMeshBlock * x_pitch * sample.all; // a row of blocks always fits
-    const std::uint64_t bytes = std::max(least, std::min<std::uint64_t>(wanted, kMostBlockSamples * sample.all));
+    std::uint64_t bytes = std::max(least, std::min<std::uint64_t>(wanted, kMostBlockSamples * sample.all));
+    if (options.in_parts)
+        bytes = std::clamp(x_pitch * sample.all * part_of(input.y.size()), least, bytes);
     return plan_mesh_chunks(x_pitch, input.y.size(), input.z.size(), sample, report.buffer_range, bytes);
 }
 
@@ -111,6 +113,7 @@ template <typename T>
 FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take, const PlanSlab& plan) {
     Dispatcher& dispatcher = *dispatcher_;
     check_precision<T>(dispatcher.report());
+    dispatcher.poison(options_.in_parts);
     FieldTimes times;
     run_checked("evaluating a field", [&] {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);

@@ -20,22 +20,23 @@ template <typename T> class Batch {
 public:
     // The paths before their first steps, and room for `rows` steps of results and, if recorded, of positions.
     Batch(Dispatcher& dispatcher, const layout::PathInput<T>& input, const layout::PathBatch<T>& paths,
-          std::size_t most_bytes)
-        : dispatcher_(dispatcher), channels_(input.features.channels), first_(paths.first), paths_(paths.count),
-          steps_(paths.longest ? paths.longest : input.steps) {
+          const MeshPathOptions& options)
+        : dispatcher_(dispatcher), channels_(input.features.channels), poisoned_(options.in_parts), first_(paths.first),
+          paths_(paths.count), steps_(paths.longest ? paths.longest : input.steps) {
         const bool recorded = input.features.motion == layout::kMotionRecorded;
         const std::size_t facet = channels_ & layout::kChannelFacet ? sizeof(uint) : 0;
         const std::size_t reals = bytes_per_sample(channels_, sizeof(T)).all - facet;
         const std::size_t row = paths_ * (reals + facet + (recorded ? 3 * sizeof(T) : 0));
-        const std::size_t most = std::clamp<std::size_t>(kMostPathSamples / paths_, 1, steps_);
-        rows_ = std::clamp<std::size_t>(most_bytes / std::max<std::size_t>(row, 1), 1, most);
+        const std::size_t wanted = options.in_parts ? part_of_steps(steps_) : steps_;
+        const std::size_t most = std::clamp<std::size_t>(kMostPathSamples / paths_, 1, wanted);
+        rows_ = std::clamp<std::size_t>(options.chunk_bytes / std::max<std::size_t>(row, 1), 1, most);
         const std::size_t words = layout::kWalkWordCount * paths_;
         words_ = share<uint>(layout::kMeshPathBindWalkWords, words + 1 + paths_);
         reals_ = share<T>(layout::kMeshPathBindWalkReals, layout::kWalkRealCount * paths_);
         states_ = share<layout::PathState<T>>(layout::kMeshPathBindStates, paths_);
         recorded_ = share<T>(layout::kMeshPathBindRecorded, recorded ? 3 * (rows_ + 1) * paths_ : 0);
-        share<std::byte>(layout::kMeshPathBindSamples, reals * rows_ * paths_);
-        share<std::byte>(layout::kMeshPathBindFacet, facet * rows_ * paths_);
+        samples_ = share_results(layout::kMeshPathBindSamples, reals);
+        facets_ = share_results(layout::kMeshPathBindFacet, facet);
         std::memset(words_, 0, (words + 1) * sizeof(uint));
         std::memset(reals_, 0, layout::kWalkRealCount * paths_ * sizeof(T));
         std::memset(static_cast<void*>(states_), 0, paths_ * sizeof(layout::PathState<T>));
@@ -53,6 +54,16 @@ public:
     std::size_t paths() const { return paths_; }
     std::size_t rows() const { return rows_; }
     std::size_t steps() const { return steps_; }
+
+    // Before the first dispatch of some steps.
+    void poison() {
+        if (!poisoned_)
+            return;
+        std::ranges::fill(samples_, Dispatcher::kPoison);
+        std::ranges::fill(facets_, Dispatcher::kPoison);
+        dispatcher_.flush(layout::kMeshPathBindSamples);
+        dispatcher_.flush(layout::kMeshPathBindFacet);
+    }
 
     void put_positions(std::span<const T> positions) {
         std::memcpy(recorded_, positions.data(), positions.size_bytes());
@@ -102,6 +113,11 @@ private:
         const std::size_t bytes = std::max<std::size_t>(values * sizeof(Value), 16);
         return reinterpret_cast<Value*>(dispatcher_.keep(binding, bytes, true));
     }
+    std::span<uint> share_results(uint binding, std::size_t sample_bytes) {
+        const std::size_t behind = poisoned_ && sample_bytes != 0 ? Dispatcher::kPoisonBehind : 0;
+        const std::size_t words = (sample_bytes * rows_ * paths_ + behind) / sizeof(uint);
+        return {share<uint>(binding, words), words};
+    }
     void flush(uint more) {
         for (const uint binding : {layout::kMeshPathBindWalkWords, layout::kMeshPathBindWalkReals, more})
             dispatcher_.flush(binding);
@@ -109,7 +125,9 @@ private:
 
     Dispatcher& dispatcher_;
     uint channels_;
+    bool poisoned_;
     std::size_t first_, paths_, steps_, rows_ = 0;
+    std::span<uint> samples_, facets_; // results, as words
     uint* words_;
     T *reals_, *recorded_;
     layout::PathState<T>* states_;
@@ -164,6 +182,10 @@ template <typename T> layout::PathChunk<T> Batch<T>::chunk(std::size_t step_firs
     chunk.step_first = step_first;
     chunk.step_count = step_count;
     const T* from = reinterpret_cast<const T*>(dispatcher_.kept(layout::kMeshPathBindSamples));
+    dispatcher_.kept(layout::kMeshPathBindFacet);
+    for (const std::span<uint> results : {samples_, facets_})
+        if (poisoned_ && !results.empty())
+            require_poison(std::as_bytes(results).last(Dispatcher::kPoisonBehind));
     const auto take = [&](uint bit, std::size_t width, std::span<const T>& values) {
         if (!(channels_ & bit))
             return;
@@ -199,7 +221,7 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         layout::MeshPathChunkParams chunk{};
         chunk.own_hands = input.hands.size() > 1;
-        chunk.pause = options_.pause;
+        chunk.pause = static_cast<uint>(options_.in_parts ? part_of(options_.pause) : options_.pause);
         chunk.limit = options_.limit;
         chunk.stretch = input.stretch;
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
@@ -207,17 +229,18 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
                                       kernels::mesh_path_f64());
         const Constants constants = constants_of(kGroup, input, loops);
         const std::size_t pipeline = dispatcher.pipeline(code, constants, times);
+        const std::size_t most = std::min(options_.batch_paths, options_.in_parts ? part_of(input.paths) : input.paths);
         for (std::size_t first = 0; first < input.paths;) {
             std::optional<Batch<T>> begun;
             dispatcher.upload(times, [&](const PutTable& put) {
-                const layout::PathBatch<T> tables =
-                    input.source->batch(first, std::min(options_.batch_paths, input.paths - first));
+                const layout::PathBatch<T> tables = input.source->batch(first, std::min(most, input.paths - first));
                 put_batch_tables(input, tables, layout::kMeshPathBindMotions, put);
-                begun.emplace(dispatcher, input, tables, options_.chunk_bytes);
+                begun.emplace(dispatcher, input, tables, options_);
             });
             Batch<T>& batch = *begun;
             for (std::size_t step = 0; step < batch.steps(); step += batch.rows()) {
                 const std::size_t count = std::min(batch.rows(), batch.steps() - step);
+                batch.poison();
                 if (input.features.motion == layout::kMotionRecorded) {
                     const auto positions = input.source->positions(step, std::min(count + 1, batch.steps() - step));
                     batch.put_positions(positions);

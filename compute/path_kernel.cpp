@@ -35,7 +35,8 @@ template <typename T> std::size_t Paths<T>::batch_paths() const {
     const std::uint64_t harmonics = std::uint64_t(3) * input.features.harmonics * sizeof(layout::Harmonic<T>);
     const std::uint64_t most =
         dispatcher.report().buffer_range / std::max<std::uint64_t>(harmonics, sizeof(layout::PathState<T>));
-    return static_cast<std::size_t>(std::clamp<std::uint64_t>(most, 1, options.batch_paths));
+    const std::size_t wanted = options.in_parts ? part_of(input.paths) : input.paths;
+    return static_cast<std::size_t>(std::clamp<std::uint64_t>(most, 1, std::min(wanted, options.batch_paths)));
 }
 
 template <typename T> uint Paths<T>::window() const {
@@ -43,8 +44,9 @@ template <typename T> uint Paths<T>::window() const {
         return options.steps;
     // Each dispatch loads and stores every state: short windows would be mostly that.
     const std::uint64_t bytes = std::min<std::uint64_t>(options.chunk_bytes, dispatcher.report().buffer_range);
-    return steps_of_dispatch(step_work(input.law.features, input.features, input.law.params.facets, sizeof(T)),
-                             batch.count, steps(), bytes);
+    const uint most = steps_of_dispatch(
+        step_work(input.law.features, input.features, input.law.params.facets, sizeof(T)), batch.count, steps(), bytes);
+    return options.in_parts ? std::min(most, static_cast<uint>(part_of_steps(steps()))) : most;
 }
 
 template <typename T> void Paths<T>::submit(std::size_t step, uint window) {
@@ -53,7 +55,7 @@ template <typename T> void Paths<T>::submit(std::size_t step, uint window) {
     const std::size_t count = std::min<std::size_t>(window, steps() - step);
     layout::PathChunkParams chunk{};
     chunk.paths = static_cast<uint>(batch.count);
-    chunk.step_first = chunk.row_first = static_cast<uint>(step);
+    chunk.step_first = static_cast<uint>(step);
     chunk.step_end = static_cast<uint>(step + count);
     chunk.steps = static_cast<uint>(steps());
     chunk.own_lengths = !batch.steps.empty();
@@ -116,6 +118,7 @@ FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePath
                                const TakeMetrics<T>& take_metrics) {
     Dispatcher& dispatcher = *dispatcher_;
     check_precision<T>(dispatcher.report());
+    dispatcher.poison(options_.in_parts);
     FieldTimes times;
     run_checked("evaluating paths", [&] {
         dispatcher.upload(times, [&](const PutTable& put) { put_path_tables(input.law, put); });

@@ -2,6 +2,7 @@
 // device is touched.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -37,6 +38,15 @@ inline constexpr std::uint32_t kGroup = 64; /* invocations of a work group */
 
 constexpr std::uint64_t divide_up(std::uint64_t value, std::uint64_t by) {
     return (value + by - 1) / by;
+}
+
+/// Rows of a layer, or paths, of a dispatch of work that is done in parts; and steps, many times, since a state is read
+/// again after each.
+constexpr std::size_t part_of(std::size_t all) {
+    return std::max<std::size_t>(1, all * 2 / 5);
+}
+constexpr std::size_t part_of_steps(std::size_t all) {
+    return std::max<std::size_t>(1, all / 16);
 }
 
 struct PlanLimits {

@@ -108,7 +108,7 @@ real3 round_end_of(MotionParams motion) {
 // The motion's place at a step, m; a recorded path of `steps` steps rests where it ends.
 real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
     if (MOTION == kMotionRecorded) {
-        uint row = max(min(step, steps - 1u), chunk.row_first) - chunk.row_first; // one that ended before does not matter
+        uint row = max(min(step, steps - 1u), chunk.step_first) - chunk.step_first; // one that ended before does not matter
         uint at = 3u * (row * chunk.paths + path);
         return real3(recorded[at], recorded[at + 1u], recorded[at + 2u]);
     }
@@ -142,7 +142,7 @@ void main() {
     bool idle = gl_GlobalInvocationID.x >= chunk.paths; // fills the last work group
     uint end = idle ? state.step : min(chunk.step_end, steps);
     real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
-    uint at = (chunk.step_first - chunk.row_first) * chunk.paths + path;
+    uint at = path;
     while (state.step < end && !leaves(state, hand, here)) {
         real3 next = target_at(motion, path, state.step + 1u, steps);
         PathSample taken = sample_at(probe_at(state, hand, here), hand);

@@ -143,6 +143,7 @@ void print(const std::vector<Findings>& all, const std::vector<CaseRounding>& ro
 std::vector<EngineOptions> devices(const CommonOptions& common) {
     const bool needs_f64 = common.precision == "f64";
     std::vector<EngineOptions> all(1, device_options(common, needs_f64));
+    all.front().twice = true;
     if (common.gpu != "all")
         return all;
     const EngineOptions one = all.front();

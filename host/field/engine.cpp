@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "compute/kernels.h"
 #include "host/clock.h"
+#include "host/field/digests.h"
 #include "host/field/pipeline_cache.h"
 #include "host/mesh/block_plan.h"
 #include "host/reference/field.h"
@@ -109,6 +111,28 @@ private:
     reference::PathOptions path_options_;
 };
 
+// Hands batches on, and keeps the paths' lengths.
+template <typename T> class Lengths final : public layout::PathSource<T> {
+public:
+    explicit Lengths(const layout::PathInput<T>& input)
+        : source_(*input.source), lengths_(input.paths, static_cast<layout::uint>(input.steps)) {}
+
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
+        const layout::PathBatch<T> batch = source_.batch(first, count);
+        std::ranges::copy(batch.steps, lengths_.begin() + std::ptrdiff_t(first));
+        return batch;
+    }
+    std::span<const T> positions(std::size_t step, std::size_t steps) override {
+        return source_.positions(step, steps);
+    }
+
+    std::span<const layout::uint> lengths() const { return lengths_; }
+
+private:
+    layout::PathSource<T>& source_;
+    std::vector<layout::uint> lengths_;
+};
+
 // A kernel, made when it is first asked for.
 template <typename Kernel, typename Options> class OnDemand {
 public:
@@ -118,6 +142,10 @@ public:
             kernel_ = std::make_unique<Kernel>(device, options);
         return *kernel_;
     }
+    void set_in_parts(bool on) {
+        if (kernel_)
+            kernel_->set_in_parts(on);
+    }
 
 private:
     std::unique_ptr<Kernel> kernel_;
@@ -126,7 +154,7 @@ private:
 class GpuEngine final : public Engine {
 public:
     explicit GpuEngine(const EngineOptions& options)
-        : cache_(options.cache),
+        : cache_(options.cache), twice_(options.twice),
           chosen_(compute::choose_device(compute::list_devices(), options.gpu, options.needs_f64)),
           device_(open(options)) {
         fields_.options.chunk_bytes = options.chunk_bytes;
@@ -148,8 +176,13 @@ public:
     }
 
     EngineTimes run(const EngineWork& work) override {
+        return std::visit([&](const auto& one) { return twice_ ? run_twice(one) : run_once(one); }, work);
+    }
+
+private:
+    template <typename Work> EngineTimes run_once(const Work& work) {
         EngineTimes spent;
-        const compute::FieldTimes times = std::visit([&](const auto& one) { return run_kernel(one, spent); }, work);
+        const compute::FieldTimes times = run_kernel(work, spent);
         if (const auto complaints = device_.validation_messages(); !complaints.empty())
             throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
                                        "the validation layers complain: " + complaints.front());
@@ -162,7 +195,66 @@ public:
         return spent;
     }
 
-private:
+    template <typename T> EngineTimes run_twice(const FieldWork<T>& work) {
+        const std::size_t ny = work.input.y.size(), rows = ny * work.input.z.size();
+        Digests whole(rows), parts(rows);
+        const std::function<void(const layout::FieldChunk<T>&)> take = [&](const layout::FieldChunk<T>& chunk) {
+            add(whole, chunk, ny);
+            work.take(chunk);
+        };
+        const std::function<void(const layout::FieldChunk<T>&)> again = [&](const layout::FieldChunk<T>& chunk) {
+            add(parts, chunk, ny);
+        };
+        const EngineTimes times = run_once(FieldWork<T>{work.input, take});
+        in_parts([&] { run_once(FieldWork<T>{work.input, again}); });
+        if (const std::size_t row = parts.first_difference(whole); row != rows)
+            throw differs(fmt::format("the field at y {}, z {}", row % ny, row / ny));
+        return times;
+    }
+
+    template <typename T> EngineTimes run_twice(const PathWork<T>& work) {
+        layout::PathInput<T> input = work.input;
+        Lengths<T> source(input);
+        input.source = &source;
+        Digests whole(input.paths), parts(input.paths);
+        Digests* digests = &whole;
+        const reference::TakePaths<T> take = [&](const layout::PathChunk<T>& chunk) {
+            add(*digests, chunk, source.lengths());
+            if (digests == &whole)
+                work.take(chunk);
+        };
+        const reference::TakeMetrics<T> take_metrics = [&](std::size_t first,
+                                                           std::span<const layout::PathMetrics<T>> metrics) {
+            add(*digests, first, metrics);
+            if (digests == &whole)
+                work.take_metrics(first, metrics);
+        };
+        const EngineTimes times = run_once(PathWork<T>{input, take, take_metrics});
+        digests = &parts;
+        in_parts([&] { run_once(PathWork<T>{input, take, take_metrics}); });
+        if (const std::size_t path = parts.first_difference(whole); path != input.paths)
+            throw differs(fmt::format("path {}", path));
+        return times;
+    }
+
+    void in_parts(const std::function<void()>& work) {
+        set_in_parts(true);
+        work();
+        set_in_parts(false);
+    }
+    void set_in_parts(bool on) {
+        fields_.set_in_parts(on);
+        mesh_fields_.set_in_parts(on);
+        paths_.set_in_parts(on);
+        mesh_paths_.set_in_parts(on);
+    }
+    compute::DeviceError differs(const std::string& what) const {
+        return {compute::DeviceError::Kind::differs_in_parts,
+                fmt::format("{} of {} comes out otherwise when it is computed in other parts; do not trust what this "
+                            "device computes, and report it with its driver: {}",
+                            what, chosen_.name, chosen_.driver)};
+    }
+
     std::string identity() const { return chosen_.name + chosen_.uuid + chosen_.driver; }
     compute::Device open(const EngineOptions& options) {
         const Stage stage("opening " + chosen_.name);
@@ -201,6 +293,7 @@ private:
     }
 
     std::filesystem::path cache_;
+    bool twice_;
     compute::DeviceReport chosen_;
     compute::Device device_;
     OnDemand<compute::FieldKernel, compute::FieldKernelOptions> fields_;

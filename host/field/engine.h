@@ -71,6 +71,9 @@ struct EngineOptions {
     bool validation = false;                         /* Vulkan validation layers; complaints end the run */
     std::size_t chunk_bytes = std::size_t(32) << 20; /* results held at once */
     std::filesystem::path cache;                     /* folder of compiled kernels; empty: none is kept */
+    /// Computes all a second time on a Vulkan device, in parts (compute/kernels.h). \throws compute::DeviceError
+    /// (differs_in_parts) where a bit differs.
+    bool twice = false;
 };
 
 /// \throws compute::DeviceError if the device is not there or refused. There is no silent fallback from one engine to

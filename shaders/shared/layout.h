@@ -286,9 +286,8 @@ FS_CONSTANT kPathBindCount = 16u;
 // What one dispatch of a kernel of paths covers, as push constants.
 struct PathChunkParams {
     uint paths;       // of the batch
-    uint step_first;  // of the dispatch
+    uint step_first;  // of the dispatch; results and recorded positions begin there
     uint step_end;    // where it ends
-    uint row_first;   // the step at which results and recorded positions begin
     uint steps;       // of a path, where it has no length of its own
     uint own_lengths; // 1: each path has one
     uint own_hands;   // 1: each path has a hand of its own

@@ -15,6 +15,8 @@ enum class Break {
     edge,       /* G2: a facet loses its left vertex to its neighbour */
     channel,    /* the unshaded force is the shaded one */
     beyond,     /* rows are written behind a chunk's last */
+    first,      /* a dispatch of a field begins at the first layer */
+    restart,    /* a dispatch of paths begins where the motions do */
     undeclared, /* a capability that the device was not opened with */
     tie,        /* L6: of triangles equally near, the last wins */
     outward,    /* L6: of an edge's two normals the pseudonormal takes the difference */

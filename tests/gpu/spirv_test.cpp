@@ -62,7 +62,7 @@ std::vector<Expected> chunk_members() {
 }
 
 std::vector<Expected> path_chunk_members() {
-    return FS_MEMBERS(layout::PathChunkParams, paths, step_first, step_end, row_first, steps, own_lengths, own_hands,
+    return FS_MEMBERS(layout::PathChunkParams, paths, step_first, step_end, steps, own_lengths, own_hands,
                       stretch);
 }
 

@@ -205,12 +205,22 @@ private:
                (one->code == spv::OpLoad && other->code == spv::OpLoad && code_.word(*one, 3) == code_.word(*other, 3));
     }
 
+    bool is_zero(const Instruction* constant) const {
+        if (!constant)
+            return false;
+        bool zero = constant->code == spv::OpConstant;
+        for (std::size_t word = 3; word < constant->count; ++word)
+            zero = zero && code_.word(*constant, word) == 0;
+        return zero || constant->code == spv::OpConstantNull || constant->code == spv::OpConstantFalse;
+    }
+
     void leave_out() {
         const std::uint32_t variable = code_.variable_of(code_.word(here(), 1));
         const Instruction* defined = code_.definition(variable);
         if (!defined)
             return; // to a parameter
-        if (code_.word(*defined, 3) == spv::StorageClassFunction && stores_[variable] < 2)
+        if (code_.word(*defined, 3) == spv::StorageClassFunction &&
+            (stores_[variable] < 2 || is_zero(code_.definition(code_.word(here(), 2)))))
             return;
         add("left out", {here().at, here().count, {}});
     }

@@ -26,7 +26,8 @@ struct Mutant {
 ///   false;
 /// - another component of a vector or member of a struct, of the same type;
 /// - a store left out, if another one writes to the same variable or the variable is no function's: what nothing
-///   writes has no value in SPIR-V, and the driver might choose the right one.
+///   writes has no value in SPIR-V, and the driver might choose the right one. It chooses 0, so no store of 0 to a
+///   function's variable either.
 /// Not changed: what specialization constants are computed from, calls, and addresses of arrays.
 std::vector<Mutant> mutants_of(const KernelCode& code);
 

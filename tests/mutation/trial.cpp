@@ -151,10 +151,11 @@ private:
     std::uint64_t host_updates_ = 0;
 };
 
-std::unique_ptr<Engine> software_engine() {
+std::unique_ptr<Engine> software_engine(bool twice) {
     EngineOptions options;
     options.gpu = "llvmpipe";
     options.needs_f64 = true;
+    options.twice = twice;
     return make_engine(options);
 }
 
@@ -181,7 +182,7 @@ int run_trial(const Kernel& kernel, const std::vector<PreparedCase>& scenes, Tri
     replace(kernel, std::move(trial.words));
     std::size_t at = trial.scenes.front();
     try {
-        Counting engine(software_engine());
+        Counting engine(software_engine(true));
         bool left_to_host = false;
         for (const std::size_t scene : trial.scenes) {
             at = scene;
@@ -342,7 +343,7 @@ std::vector<bool> blocks_that_run(const Kernel& kernel, const KernelCode& code, 
                                   const std::vector<std::size_t>& blocks) {
     const std::string ran = in_process(fmt::format("which blocks of {} run in {}", kernel.name, scene.one.name), [&] {
         replace(kernel, with_coverage(code, kernel.marks, blocks));
-        Marks marks(software_engine(), kernel.channel, coverage_stride(code, kernel.marks), blocks.size());
+        Marks marks(software_engine(false), kernel.channel, coverage_stride(code, kernel.marks), blocks.size());
         passes(marks, kernel, scene);
         return std::string(marks.ran().begin(), marks.ran().end());
     });
@@ -360,7 +361,7 @@ std::vector<std::uint64_t> host_updates_of(const Kernel& kernel, const std::vect
         if (is_for(kernel, scenes[i]))
             all[i] =
                 std::stoull(in_process(fmt::format("the intact kernel {} in {}", kernel.name, scenes[i].one.name), [&] {
-                    Counting engine(software_engine());
+                    Counting engine(software_engine(true));
                     if (!passes(engine, kernel, scenes[i]))
                         throw std::runtime_error("the comparison fails");
                     return std::to_string(engine.host_updates());
