@@ -62,8 +62,7 @@ std::vector<Expected> chunk_members() {
 }
 
 std::vector<Expected> path_chunk_members() {
-    return FS_MEMBERS(layout::PathChunkParams, paths, step_first, step_end, steps, own_lengths, own_hands,
-                      stretch);
+    return FS_MEMBERS(layout::PathChunkParams, paths, step_first, step_end, steps, own_lengths, own_hands, stretch);
 }
 
 std::vector<Expected> mesh_path_chunk_members() {
