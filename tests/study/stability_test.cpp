@@ -126,16 +126,10 @@ TEST(RestPlaces, KnowHowTheForceChanges) {
     EXPECT_GT(slopes, 50);
 }
 
-const LeastLimit& worst_of(const std::vector<LeastLimit>& limits) {
-    return *std::ranges::min_element(limits, {}, [](const LeastLimit& one) {
-        return one.own && one.limit ? *one.limit : std::numeric_limits<double>::infinity();
-    });
-}
-
 TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
     for (const char* name : {"plane", "shaded bump", "map of a bump", "shaded mesh"}) {
         const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), settings_of(own(name), true));
-        const LeastLimit& worst = worst_of(limits);
+        const LeastLimit& worst = *worst_of(limits);
         EXPECT_NEAR(simulated_limit(own(name), worst).value() / *worst.limit, 1, 2e-3) << name;
     }
 }
@@ -188,8 +182,8 @@ TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
 TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     const LoopSurface& map = own("map of a bump");
     const std::vector<LeastLimit> limits = least_limits(map, places_on(map.name), settings_of(map, true));
-    const double least = worst_of(limits).limit.value();
-    EXPECT_LT(least, 0.9 * worst_of(limits).wall) << "a shaded slope bears less than a wall";
+    const double least = worst_of(limits)->limit.value();
+    EXPECT_LT(least, 0.9 * worst_of(limits)->wall) << "a shaded slope bears less than a wall";
     for (const RestPlace& place : places_on(map.name)) {
         if (!jumps(place.kind)) {
             for (const Hold& hold : usual_holds(place.force, place.slope)) {
@@ -226,7 +220,7 @@ Engine& engine() {
 // Closer to a jump of the direction than a kick, the other side's force takes the probe away.
 TEST(LargestKick, IsLessBesideAJump) {
     const LoopSurface& bump = own("shaded bump");
-    LeastLimit inside = worst_of(least_limits(bump, places_on(bump.name), settings_of(bump, true))), beside = inside;
+    LeastLimit inside = *worst_of(least_limits(bump, places_on(bump.name), settings_of(bump, true))), beside = inside;
     for (const RestPlace& place : places_on(bump.name))
         if (place.kind == PlaceKind::slope && place.depth == bump.deepest)
             (place.edge_distance ? beside : inside).place = place;
@@ -333,7 +327,7 @@ TEST(SceneStability, AreTheScenesOwn) {
     EXPECT_NEAR(*results.worst()->limit / 40167.4, 1, 1e-3) << "K_crit of 0.2 kg and 10 N s/m at 2 kHz";
     const std::vector<Finding> findings = loop_findings(results);
     ASSERT_FALSE(findings.empty());
-    EXPECT_LE(findings.size(), 4U);
+    EXPECT_LE(findings.size(), 5U);
     EXPECT_NE(findings[0].text.find("its own 500 N/m is 0.0124 times that"), std::string::npos) << findings[0].text;
     for (const Finding& finding : findings) {
         EXPECT_EQ(finding.text.find("nan"), std::string::npos) << finding.text;

@@ -167,39 +167,94 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
          fmt::format("the largest of eight feet of each surface; {} surfaces have one", all)});
 }
 
-void add_delay(std::vector<Finding>& findings, const LoopResults& results) {
-    double low = 1, high = 0;
-    std::size_t pairs = 0;
-    for (const LoopSurface& surface : results.surfaces) {
-        // The least at the surface's own damping and rate, without delay and one sample late.
-        double least[2] = {0, 0};
-        for (const LeastLimit& one : results.limits) {
-            const std::uint64_t delay = one.cell.hand.delay_samples;
-            const bool own = damping_of(one.cell.hand) == surface.hand.damping + surface.hand.grip_damping &&
-                             one.cell.rate == surface.rate;
-            if (one.surface == surface.name && own && delay < 2 && one.limit &&
-                (least[delay] == 0 || *one.limit < least[delay]))
-                least[delay] = *one.limit;
-        }
-        if (!(least[0] > 0) || !(least[1] > 0))
-            continue;
-        ++pairs;
-        low = std::min(low, least[1] / least[0]);
-        high = std::max(high, least[1] / least[0]);
+// "grip (20 to 5000 N/m: 46.7 to 5570 N/m)"
+struct Span {
+    const Quantity* quantity;
+    double from, to;  // SI: of the quantity
+    double low, high; // N/m: of the limit
+
+    std::string text() const {
+        return fmt::format("{} ({:g} to {:g} {}: {} to {})", quantity->name, from, to, quantity->unit, newtons(low),
+                           newtons(high));
     }
-    if (pairs == 0)
+};
+
+std::vector<Span> spans_of(const LoopResults& results, const LeastLimit& worst) {
+    std::vector<Span> spans;
+    for (const Quantity& quantity : quantities()) {
+        Span span{&quantity, INFINITY, 0, INFINITY, 0};
+        for (const AtlasPoint& point : results.atlas) {
+            if (point.quantity != quantity.name || point.least.surface != worst.surface ||
+                point.least.place.kind != worst.place.kind || !point.least.limit)
+                continue;
+            span.from = std::min(span.from, point.value);
+            span.to = std::max(span.to, point.value);
+            span.low = std::min(span.low, *point.least.limit);
+            span.high = std::max(span.high, *point.least.limit);
+        }
+        if (span.low > 0 && span.high > 0)
+            spans.push_back(span);
+    }
+    std::ranges::stable_sort(spans, {}, [](const Span& span) { return span.low / span.high; });
+    return spans;
+}
+
+// What moves the lowest limit, most first, and what does not.
+void add_atlas(std::vector<Finding>& findings, const LoopResults& results, const LeastLimit& worst) {
+    constexpr double kSame = 0.99;
+    std::vector<std::string> moved, still;
+    for (const Span& span : spans_of(results, worst)) {
+        if (span.low / span.high < kSame)
+            moved.push_back(span.text());
+        else
+            still.push_back(
+                fmt::format("{} ({:g} to {:g} {})", span.quantity->name, span.from, span.to, span.quantity->unit));
+    }
+    if (moved.empty())
         return;
+    std::size_t stepped = 0, apart = 0;
+    double most = 0; // 1
+    for (const AtlasPoint& point : results.atlas)
+        if (point.least.simulated && point.least.limit) {
+            const double off = std::abs(*point.least.simulated / *point.least.limit - 1);
+            ++stepped;
+            apart += off > 0.01;
+            most = std::max(most, off);
+        }
+    findings.push_back({"loop_atlas",
+                        fmt::format("The limit there moves with {}{}.", fmt::join(moved, ", "),
+                                    still.empty() ? "" : fmt::format("; not with {}", fmt::join(still, ", "))),
+                        "loop-atlas-grip", place_of(worst),
+                        hand_text(results.surfaces.front()) + ", one varied at a time",
+                        stepped == 0 ? ""
+                                     : fmt::format("{} limits of all surfaces stepped through the surface's own force: "
+                                                   "within {:.2g} %, {} beyond 1 %",
+                                                   stepped, 100 * most, apart)});
+}
+
+void add_basin(std::vector<Finding>& findings, const LoopResults& results) {
+    std::size_t all = 0, right = 0;
+    const MapLoop* any = nullptr;
+    for (const MapLoop& loop : results.maps) {
+        if (loop.map != "basin")
+            continue;
+        any = &loop;
+        ++all;
+        right += loop.foreseen == (loop.outcome.state == LoopState::stable);
+    }
+    if (!any)
+        return;
+    const auto basin = [&](double stiffness) {
+        return 1e3 * friction_basin(any->cell.hand.mass, any->cell.hand.coulomb, stiffness, 1 / any->cell.rate);
+    };
     findings.push_back(
-        {"loop_delay",
-         pairs == 1    ? fmt::format("One sample of delay leaves {:.3g} % of the least limit.", 100 * low)
-         : high > 0.99 ? fmt::format("One sample of delay leaves {:.3g} % of a surface's least limit or "
-                                     "more, and all of it where the grip sets it.",
-                                     100 * low)
-                       : fmt::format("One sample of delay leaves {:.3g} to {:.3g} % of a surface's least "
-                                     "limit, by the surface.",
-                                     100 * low, 100 * high),
-         "loop-kinds", fmt::format("the worst place of each of {} surfaces", pairs),
-         hand_text(results.surfaces.front(), false) + ", without delay and one sample late", sureness_of(results)});
+        {"loop_basin",
+         fmt::format("Without any damping {:.3g} N of friction lets a kick die out up to 8 f_c / (pi K T w), w = "
+                     "sqrt(K / m): {:.2g} mm on "
+                     "1000 N/m, {:.2g} mm on 5000 N/m; a larger one grows.",
+                     any->cell.hand.coulomb, basin(1000), basin(5000)),
+         "loop-basin", fmt::format("{}, a wall", any->surface), hand_text(results.surfaces.front()) + ", no damping",
+         fmt::format("{} of {} stepped loops do as foreseen", right, all)});
 }
 
 void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
@@ -229,11 +284,14 @@ void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
 
 std::vector<Finding> loop_findings(const LoopResults& results) {
     std::vector<Finding> findings;
-    if (const LeastLimit* worst = results.worst())
+    const LeastLimit* const worst = results.worst();
+    if (worst) {
         findings.push_back(about_least(results, *worst));
+        add_atlas(findings, results, *worst);
+    }
     add_shading(findings, results);
     add_edges(findings, results);
-    add_delay(findings, results);
+    add_basin(findings, results);
     if (results.surfaces.front().stiffness > 0)
         add_rounding(findings, results);
     return findings;

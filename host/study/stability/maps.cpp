@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host/study/stability/atlas.h"
+
 namespace forceshade::study {
 namespace {
 
@@ -21,8 +23,9 @@ Fineness fineness_of(const LoopSurface& surface, bool quick) {
     return quick ? Fineness{16, 8, 200} : Fineness{32, 16, 400};
 }
 
-// With four digits: numbers that are chosen freely are chosen short.
-double between(double low, double high, int i, int count) {
+} // namespace
+
+double short_between(double low, double high, int i, int count) {
     const double value = low * std::pow(high / low, double(i) / (count - 1));
     const double unit = std::pow(10.0, std::floor(std::log10(value)) - 3);
     return std::round(value / unit) * unit;
@@ -34,17 +37,23 @@ LoopCell damped(LoopCell cell, double damping) {
     return cell;
 }
 
-// Runs the loops of a map a row at a time, each with its own number of steps.
+void run_row(Engine& engine, const LoopSurface& surface, const RestPlace& place, std::span<MapLoop> loops,
+             const LoopRun& run) {
+    std::vector<LoopCell> cells;
+    for (const MapLoop& loop : loops)
+        cells.push_back(loop.cell);
+    const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, place, cells, run);
+    for (std::size_t i = 0; i < loops.size(); ++i)
+        loops[i].outcome = outcomes[i];
+}
+
+namespace {
+
+// The loops of a map a row at a time, each with its own number of steps.
 void run_rows(Engine& engine, const LoopSurface& surface, const RestPlace& place, std::vector<MapLoop>& loops,
               std::size_t columns, const LoopRun& run) {
-    for (std::size_t first = 0; first < loops.size(); first += columns) {
-        std::vector<LoopCell> cells;
-        for (std::size_t i = first; i < first + columns; ++i)
-            cells.push_back(loops[i].cell);
-        const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, place, cells, run);
-        for (std::size_t i = 0; i < columns; ++i)
-            loops[first + i].outcome = outcomes[i];
-    }
+    for (std::size_t first = 0; first < loops.size(); first += columns)
+        run_row(engine, surface, place, std::span(loops).subspan(first, columns), run);
 }
 
 std::optional<double> limit_at(const LeastLimit& least, const LoopCell& cell) {
@@ -121,10 +130,10 @@ std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, con
     const double high = std::max(wall, surface.stiffness) * 10;
     std::vector<MapLoop> loops;
     for (int j = 0; j < fine.rows; ++j) {
-        LoopCell row = damped(least.cell, between(0.2 * damping, 20 * damping, j, fine.rows));
+        LoopCell row = damped(least.cell, short_between(0.2 * damping, 20 * damping, j, fine.rows));
         const std::optional<double> limit = limit_at(least, row);
         for (int i = 0; i < fine.columns; ++i) {
-            row.stiffness = between(low, high, i, fine.columns);
+            row.stiffness = short_between(low, high, i, fine.columns);
             loops.push_back({"damping", surface.name, row, {}, !limit || row.stiffness < *limit});
         }
     }
@@ -144,8 +153,8 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
     std::vector<MapLoop> loops;
     for (int j = 0; j < fine.rows; ++j)
         for (int i = 0; i < fine.columns; ++i) {
-            cell.hand.quantisation = between(0.1 * quantum, 30 * quantum, i, fine.columns);
-            cell.hand.coulomb = between(0.02 * friction, 20 * friction, j, fine.rows);
+            cell.hand.quantisation = short_between(0.1 * quantum, 30 * quantum, i, fine.columns);
+            cell.hand.coulomb = short_between(0.02 * friction, 20 * friction, j, fine.rows);
             const double still = 2 * cell.hand.coulomb / cell.hand.quantisation; // N/m (Abbott & Okamura)
             loops.push_back({"rounding", surface.name, cell, {}, cell.stiffness <= std::min(passive, still)});
         }
@@ -165,7 +174,7 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
                 continue;
             last = damping_of(loop.cell.hand);
             if (const std::optional<double> limit = limit_of(loop.cell); limit && *limit > 0)
-                points.push_back({"damping", curve, *limit, *last, kNone, kNone});
+                points.push_back({"damping", curve, *limit, *last, kNone, kNone, kNone});
         }
     };
     add_over_damping("K_crit", [](const LoopCell& cell) { return std::optional(wall_limit(cell.hand, cell.rate)); });
@@ -183,7 +192,21 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
             continue;
         last = quantum;
         if (friction >= low && friction <= high)
-            points.push_back({"rounding", "f_c = K quantum / 2", kNone, kNone, quantum, friction});
+            points.push_back({"rounding", "f_c = K quantum / 2", kNone, kNone, quantum, friction, kNone});
+    }
+    double lowest = std::numeric_limits<double>::infinity(), highest = 0; // m: kicks
+    for (const MapLoop& loop : loops)
+        if (loop.map == "basin") {
+            lowest = std::min(lowest, loop.kick);
+            highest = std::max(highest, loop.kick);
+        }
+    for (const MapLoop& loop : loops) {
+        if (loop.map != "basin" || loop.kick != lowest)
+            continue;
+        const double basin =
+            friction_basin(loop.cell.hand.mass, loop.cell.hand.coulomb, loop.cell.stiffness, 1 / loop.cell.rate);
+        if (basin >= lowest && basin <= highest)
+            points.push_back({"basin", "8 f_c / (pi K T w)", loop.cell.stiffness, kNone, kNone, kNone, basin});
     }
     return points;
 }

@@ -2,6 +2,8 @@
 // stiffness and damping at the lowest limit of a surface, and over the step of the measured position and friction.
 #pragma once
 
+#include <span>
+
 #include "host/study/stability/loops.h"
 
 namespace forceshade::study {
@@ -23,12 +25,24 @@ std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, c
 
 /// A loop of a map.
 struct MapLoop {
-    std::string map, surface; /* "damping", "rounding" */
+    std::string map, surface; /* "damping", "rounding", "basin" */
     LoopCell cell;
     LoopOutcome outcome;
     bool foreseen = false; /* to come to rest: by the linearised loop; with rounding by
                               K <= min(2 b / T, 2 f_c / quantum), which is enough on a wall */
+    double kick = 0;       /* m: where kicks are varied */
 };
+
+/// Loops of a map at once, all with as many steps.
+void run_row(Engine& engine, const LoopSurface& surface, const RestPlace& place, std::span<MapLoop> loops,
+             const LoopRun& run);
+
+/// Value number i of `count` in even ratios from `low` to `high`, with four digits: what is chosen freely is chosen
+/// short.
+double short_between(double low, double high, int i, int count);
+
+/// The loop with this damping, N s/m, of device and hand together.
+LoopCell damped(LoopCell cell, double damping);
 
 /// Over stiffness and damping at a limit's place; its hold must be one that paths have: down or on all sides.
 std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick);
@@ -38,11 +52,12 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
 
 /// A point of a line over a map.
 struct MapCurvePoint {
-    std::string map, curve;                       /* "K_crit" */
-    double stiffness, damping, quantum, friction; /* SI; NaN: does not apply */
+    std::string map, curve;                             /* "K_crit" */
+    double stiffness, damping, quantum, friction, kick; /* SI; NaN: does not apply */
 };
 
-/// K_crit and the linearised loop over damping, f_c = K quantum / 2 over quantum: within the maps.
+/// K_crit and the linearised loop over damping, f_c = K quantum / 2 over quantum, friction_basin over stiffness: within
+/// the maps.
 std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least);
 
 } // namespace forceshade::study

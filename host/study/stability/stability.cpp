@@ -46,6 +46,7 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
             one.simulated = simulated_limit(surface, one);
             one.kick = largest_kick(surface, one);
         }
+    std::ranges::move(atlas_of(surface, results.limits, quick), std::back_inserter(results.atlas));
     std::ranges::move(edge_swings(engine, surface, places), std::back_inserter(results.swings));
     for (const auto& [x, z] : direction_profile(surface))
         results.profile.push_back({surface.name, x, z});
@@ -65,6 +66,9 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
     results.maps = damping_map(engine, *surface, held, quick);
     std::ranges::move(rounding_map(engine, results.surfaces.front(), flat->place, quick),
                       std::back_inserter(results.maps));
+    const LoopSurface& first = results.surfaces.front();
+    if (const LeastLimit* deep = results.worst(first.name, first.deepest, PlaceKind::flat); deep && !first.is_mesh())
+        std::ranges::move(basin_map(engine, first, deep->place, quick), std::back_inserter(results.maps));
     results.curves = curves_over(results.maps, held);
 }
 

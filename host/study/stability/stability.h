@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/study/run/study_run.h"
-#include "host/study/stability/maps.h"
+#include "host/study/stability/atlas.h"
 
 namespace forceshade::study {
 
@@ -19,22 +19,24 @@ std::vector<LoopSurface> own_surfaces();
 struct LoopResults {
     std::vector<LoopSurface> surfaces;
     std::vector<LeastLimit> limits;
+    std::vector<AtlasPoint> atlas;
     std::vector<EdgeSwing> swings;
     std::vector<MapLoop> maps;
     std::vector<MapCurvePoint> curves;
     std::string map_kind; /* of the place of the map over damping */
     std::vector<ProfilePoint> profile;
 
-    /// The row with the least limit of those with the hand's own damping, rate and delay; of all surfaces where
-    /// `surface` is empty, of all depths (m) and kinds without one. Null: none.
+    /// worst_of(limits).
     const LeastLimit* worst(const std::string& surface = {}, std::optional<double> depth = {},
-                            std::optional<PlaceKind> kind = {}) const;
+                            std::optional<PlaceKind> kind = {}) const {
+        return worst_of(limits, surface, depth, kind);
+    }
 };
 
 /// Adds tables, figures and notes of the loops.
 void add_loops(StudyData& data, const LoopResults& results);
 
-/// Their findings: at most four.
+/// Their findings: at most five.
 std::vector<Finding> loop_findings(const LoopResults& results);
 
 /// \throws what StudyRun::run throws, UsageError for a

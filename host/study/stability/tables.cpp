@@ -30,6 +30,10 @@ std::vector<ColumnOf<Row>> place_columns(std::vector<ColumnOf<Row>> first, std::
     return first;
 }
 
+std::string series_of(const AtlasPoint& point) {
+    return fmt::format("{}, {}", point.least.surface, name_of(point.least.place.kind));
+}
+
 Table limit_table(const LoopResults& results) {
     using R = LeastLimit;
     return table_of<R>(
@@ -64,6 +68,31 @@ Table limit_table(const LoopResults& results) {
               [](const R& r) { return 1e6 * r.kick.value_or(NAN); }},
              {"places", "1", "examined", &R::places}}),
         results.limits);
+}
+
+Table atlas_table(const LoopResults& results) {
+    using R = AtlasPoint;
+    return table_of<R>(
+        "loop_atlas", "The limit over one quantity of hand and loop at a time",
+        {{"surface", "", "pressed by the hand", [](const R& r) { return r.least.surface; }},
+         {"kind", "", "of place, the worst of its kind with the hand's own",
+          [](const R& r) { return name_of(r.least.place.kind); }},
+         {"series", "", "surface and kind", [](const R& r) { return series_of(r); }},
+         {"depth_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.least.place.depth; }},
+         {"varied", "", "quantity that is varied; all else is the hand's own", &R::quantity},
+         {"value", "SI", "of that quantity: kg, N/m, N s/m, Hz or samples", &R::value},
+         {"b_T_over_m_1", "1", "damping times sample over mass", &R::mass_group},
+         {"kg_T_over_b_1", "1", "the grip's stiffness times sample over damping", &R::grip_group},
+         {"delay_samples", "1", "from measurement to force",
+          [](const R& r) { return r.least.cell.hand.delay_samples; }},
+         {"limit_N_per_m", "N/m", "as in loop_limits, at that place", [](const R& r) { return r.least.limit; }},
+         {"K_T_over_b_1", "1", "the limit times sample over damping; 2 is passive without delay", &R::limit_group},
+         {"of_wall_1", "1", "of K_crit of a wall with this hand, rate and delay",
+          [](const R& r) { return r.least.limit.value_or(NAN) / r.least.wall; }},
+         {"simulated_N_per_m", "N/m",
+          "the limit of the loop stepped through the surface's own force, where that was done",
+          [](const R& r) { return r.least.simulated; }}},
+        results.atlas);
 }
 
 Table swing_table(const LoopResults& results) {
@@ -102,7 +131,7 @@ Table map_table(const LoopResults& results) {
         "loop_map", "States of sampled loops",
         {{"map", "",
           "damping: over stiffness and damping at the surface's lowest limit; rounding: over the step of the measured "
-          "position and friction",
+          "position and friction; basin: over stiffness and kick, without damping",
           &R::map},
          {"surface", "", "pressed by the hand", &R::surface},
          {"stiffness_N_per_m", "N/m", "K of the surface", [](const R& r) { return r.cell.stiffness; }},
@@ -111,15 +140,19 @@ Table map_table(const LoopResults& results) {
          {"quantum_um", "um", "step of the measured position",
           [](const R& r) { return 1e6 * r.cell.hand.quantisation; }},
          {"friction_N", "N", "Coulomb friction on each axis", [](const R& r) { return r.cell.hand.coulomb; }},
+         {"kick_um", "um", "how far too deep the probe begins, where that is varied",
+          [](const R& r) { return r.kick > 0 ? 1e6 * r.kick : NAN; }},
          {"state", "",
           "stable: decays or comes to rest; quantisation limit cycle: the measured position changes by one quantum at "
           "most; limit cycle: stays within the bound; unstable: leaves the bound",
           [](const R& r) { return word_of(r.outcome.state); }},
          {"foreseen", "",
-          "rests or grows, by the linearised loop; with rounding: rests where K <= min(2 b / T, 2 f_c / quantum)",
-          [](const R& r) { return r.foreseen           ? Cell("rests")
-                                  : r.map == "damping" ? Cell("grows")
-                                                       : Cell(); }}},
+          "rests or grows, by the linearised loop; with rounding: rests where K <= min(2 b / T, 2 f_c / quantum); "
+          "basin: "
+          "by describing functions",
+          [](const R& r) { return r.foreseen            ? Cell("rests")
+                                  : r.map == "rounding" ? Cell()
+                                                        : Cell("grows"); }}},
         results.maps);
 }
 
@@ -132,7 +165,8 @@ Table curve_table(const LoopResults& results) {
          {"stiffness_N_per_m", "N/m", "K of the surface", &R::stiffness},
          {"damping_N_s_per_m", "N s/m", "b", &R::damping},
          {"quantum_um", "um", "step of the measured position", [](const R& r) { return 1e6 * r.quantum; }},
-         {"friction_N", "N", "Coulomb friction", &R::friction}},
+         {"friction_N", "N", "Coulomb friction", &R::friction},
+         {"kick_um", "um", "how far too deep the probe begins", [](const R& r) { return 1e6 * r.kick; }}},
         results.curves);
 }
 
@@ -197,11 +231,20 @@ Figure map_figure(const LoopResults& results, const std::string& map, const std:
     figure.value = "state";
     figure.value_label = "the loop";
     figure.value_words = {"stable", "quantisation limit cycle", "limit cycle", "unstable"};
-    for (const std::string curve : {"K_crit", "linearised", "f_c = K quantum / 2"})
+    for (const std::string curve : {"K_crit", "linearised", "f_c = K quantum / 2", "8 f_c / (pi K T w)"})
         if (const Where where{{"map", map}, {"curve", curve}}; std::ranges::any_of(
                 results.curves, [&](const MapCurvePoint& one) { return one.map == map && one.curve == curve; }))
             figure.curves.push_back({"loop_curves", where, x.column, y.column,
                                      curve == "linearised" ? "linearised there" : curve, curve == "K_crit"});
+    return figure;
+}
+
+// Limits over a quantity in groups without units.
+Figure atlas_figure(const std::string& quantity, const std::string& title, const std::string& caption,
+                    const FigureAxis& x) {
+    Figure figure = make_figure("loop-atlas-" + quantity, title, caption, FigureKind::scatter, "loop_atlas",
+                                {{"varied", quantity}}, x, {"K_T_over_b_1", "limit K T / b", true}, "series");
+    figure.joined = true;
     return figure;
 }
 
@@ -237,6 +280,22 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                                                  results.map_kind.empty() ? "" : ", " + results.map_kind),
                                      {"stiffness_N_per_m", "stiffness / (N/m)", true},
                                      {"damping_N_s_per_m", "damping / (N s/m)", true}));
+    if (!results.atlas.empty()) {
+        const std::string places =
+            "At the worst place of each kind with the hand's own; T is a sample, b the damping of "
+            "device and hand. 2 is what is passive without delay.";
+        figures.push_back(atlas_figure("mass", "The limit over the hand's mass, 1 g to 10 kg", places,
+                                       {"b_T_over_m_1", "b T / m", true}));
+        figures.push_back(atlas_figure("grip", "The limit over the grip's stiffness, 20 to 5000 N/m", places,
+                                       {"kg_T_over_b_1", "k_g T / b", true}));
+        figures.push_back(
+            atlas_figure("delay", "The limit over the delay", places, {"delay_samples", "delay / samples"}));
+    }
+    if (const auto loop = any("basin"); loop != results.maps.end())
+        figures.push_back(map_figure(results, "basin",
+                                     fmt::format("Kicks of a device without damping: {}, {:.3g} N of friction",
+                                                 loop->surface, loop->cell.hand.coulomb),
+                                     {"stiffness_N_per_m", "stiffness / (N/m)", true}, {"kick_um", "kick / um", true}));
     if (const auto loop = any("rounding"); loop != results.maps.end())
         figures.push_back(map_figure(
             results, "rounding",
@@ -247,20 +306,9 @@ std::vector<Figure> figures_of(const LoopResults& results) {
 
 } // namespace
 
-const LeastLimit* LoopResults::worst(const std::string& surface, std::optional<double> depth,
-                                     std::optional<PlaceKind> kind) const {
-    const LeastLimit* least = nullptr;
-    for (const LeastLimit& one : limits)
-        if (one.own && one.limit && (surface.empty() || one.surface == surface) &&
-            (!depth || one.place.depth == *depth) && (!kind || one.place.kind == *kind) &&
-            (!least || *one.limit < *least->limit))
-            least = &one;
-    return least;
-}
-
 void add_loops(StudyData& data, const LoopResults& results) {
-    data.tables = {kind_table(results),    limit_table(results), swing_table(results), worst_table(results),
-                   profile_table(results), map_table(results),   curve_table(results)};
+    data.tables = {kind_table(results),  limit_table(results),   atlas_table(results), swing_table(results),
+                   worst_table(results), profile_table(results), map_table(results),   curve_table(results)};
     data.figures = figures_of(results);
     data.notes = {
         fmt::format("The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's "
@@ -278,7 +326,8 @@ void add_loops(StudyData& data, const LoopResults& results) {
         "A loop of a map begins a tenth of its depth too deep and a little aside, half of it with rounding and "
         "friction. It is unstable if it moves further than three depths from its place, stable if it decays or its "
         "measured position does not change any more; with rounding, the hand presses to a depth midway between two "
-        "quanta, the worst case."};
+        "quanta, the worst case. Without damping, friction alone brings it to rest: a kick dies out if friction takes "
+        "more in a cycle than the held force feeds."};
 }
 
 } // namespace forceshade::study
