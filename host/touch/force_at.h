@@ -55,6 +55,12 @@ public:
 
     std::vector<glm::dvec3> input(const TouchPlace& place) const { return descent(place, scale_); }
     reference::Vector<T> force(std::span<const glm::dvec3> approach) noexcept { return force_after(probe_, approach); }
+    /// Of update `i` of an approach alone: they come in order.
+    reference::Vector<T> update(std::span<const glm::dvec3> approach, std::size_t i) noexcept {
+        if (i == 0)
+            probe_.begin_path();
+        return probe_.at(approach[i]).contact.force;
+    }
 
 private:
     TouchScale scale_;

@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/study/error_time/error_time.h"
+#include "host/clock.h"
+#include "host/study/error_time/as_met.h"
 #include "host/study/error_time/runs.h"
 #include "host/study/error_time/sections.h"
 #include "host/study/error_time/volume.h"
@@ -323,6 +324,60 @@ TEST(LoopRuns, ErrByTheirPeriodAndNotWhereTheyRest) {
         EXPECT_LT(run.force_error, 5e-3) << run.rate;
         EXPECT_GT(run.seconds, 0);
     }
+}
+
+// Of waits: ranks, each method its own, with the numbers in order; and what a loop sleeps through is no method's time.
+TEST(AsMetTimes, AreOfSingleEvaluationsInTurns) {
+    std::vector<Method> methods(2);
+    std::vector<std::size_t> numbers;
+    methods[0].once = [&](std::size_t number) {
+        numbers.push_back(number);
+        return number == 7 ? 9e-6 : 1e-6;
+    };
+    methods[1].once = [](std::size_t) { return 5e-6; };
+    const Clock::time_point start = Clock::now();
+    const std::vector<AsMet> met = measure_as_met(methods, {0, 1}, 20, 3);
+    EXPECT_GT(seconds_since(start), 3 * 20 / kLoopRate - 2e-3) << "three take turns, a tick each";
+    ASSERT_EQ(met.size(), 3U);
+    EXPECT_EQ(met[0].method, AsMet::kControl);
+    EXPECT_NEAR(met[1].loop.median, 1e-6, 1e-12);
+    EXPECT_NEAR(met[1].loop.worst, 9e-6, 1e-12);
+    EXPECT_NEAR(met[1].cold.worst, 1e-6, 1e-12) << "number 7 is not among them";
+    EXPECT_NEAR(met[2].loop.median, 5e-6, 1e-12);
+    EXPECT_EQ(numbers.size(), 1U + 20 + 3);
+    EXPECT_EQ(numbers[20], 19U);
+}
+
+TEST(AsMetTimes, SayNothingWhereTheControlWaits) {
+    AsMet control{AsMet::kControl, {0.1e-6, 2e-6, 5e-6}, {}, 1000, 10};
+    EXPECT_FALSE(was_busy({control}));
+    control.loop.p999 = 2e-4;
+    EXPECT_TRUE(was_busy({control}));
+    control.loop = {2e-6, 3e-6, 4e-6};
+    EXPECT_TRUE(was_busy({control}));
+}
+
+TEST(AsMetTimes, AreOfEachLawsFinestVolume) {
+    EngineOptions options;
+    options.cpu = true;
+    options.threads = 1;
+    const auto engine = make_engine(options);
+    Extents extents = few();
+    extents.cells = {16};
+    const std::vector<Subject> subjects = own_subjects(extents);
+    std::vector<Method> methods;
+    for (const Subject& subject : subjects)
+        add_methods(methods, subject, extents, *engine, *engine);
+    std::size_t volumes = 0, proxies = 0;
+    for (const std::size_t i : met_methods(methods)) {
+        EXPECT_TRUE(!methods[i].spacing || *methods[i].spacing == 0.4e-3) << methods[i].name;
+        EXPECT_NE(methods[i].variant->shading, "none");
+        volumes += methods[i].spacing.has_value();
+        proxies += methods[i].family == "god-object";
+        EXPECT_GT(methods[i].once(0), 0);
+    }
+    EXPECT_EQ(volumes, 4U + 3) << "of a bump also of depth and direction";
+    EXPECT_EQ(proxies, 2U);
 }
 
 // A whole run on a scene whose smooth shape is not known.

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host/study/error_time/as_met.h"
 #include "host/study/error_time/runs.h"
 #include "host/touch/angle.h"
 
@@ -203,6 +204,9 @@ StudyData study_error_time(StudyRun& run) {
     parts.push_back({"compiling", [&] { measure_round(methods, 0); }}); // and making volumes: not within a round
     for (std::size_t round = 1; round <= extents.rounds; ++round)
         parts.push_back({"times", [&, round] { rounds.push_back(measure_round(methods, round)); }});
+    std::vector<AsMet> met;
+    parts.push_back({"forces waited for",
+                     [&] { met = measure_as_met(methods, met_methods(methods), extents.ticks, extents.colds); }});
     run.run(parts);
     // The unit of time: the first subject's thorough law, shaded, in double.
     std::size_t unit = 0;
@@ -218,6 +222,8 @@ StudyData study_error_time(StudyRun& run) {
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);
     std::ranges::move(run_tables(measured, fields, loops), std::back_inserter(data.tables));
+    data.tables.push_back(met_table(measured, met));
+    std::ranges::move(met_findings(measured, met), std::back_inserter(data.findings));
     std::ranges::move(run_figures(fields, loops), std::back_inserter(data.figures));
     std::ranges::move(run_findings(measured, fields, loops), std::back_inserter(data.findings));
     return data;

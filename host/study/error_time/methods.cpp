@@ -18,6 +18,7 @@ namespace forceshade::study::error_time {
 namespace {
 
 constexpr std::size_t kTimedPlaces = 2048;
+constexpr std::size_t kStride = 617;      // from one place evaluated alone to the next: no neighbour
 constexpr std::size_t kGridPlaces = 2000; // of a grid, at which it is compared with the truth
 constexpr double kShortest = 1e-3;        // s: of a measurement
 
@@ -243,6 +244,21 @@ private:
             }
             return sum;
         });
+        method.once = [loop, updates](std::size_t number) {
+            auto& [law, inputs] = loop();
+            const auto& input = inputs[number / updates * kStride % inputs.size()];
+            const auto evaluate = [&law, &input, i = number % updates] {
+                if constexpr (requires { law->update(input, i); })
+                    return law->update(input, i);
+                else
+                    return law->force(input);
+            };
+            const Clock::time_point start = Clock::now();
+            const auto force = evaluate();
+            volatile double kept = static_cast<double>(force.x) + static_cast<double>(force.z);
+            static_cast<void>(kept);
+            return seconds_since(start);
+        };
         return method;
     }
 

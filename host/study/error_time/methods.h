@@ -35,6 +35,9 @@ struct Method {
     std::function<std::vector<TouchPlace>()> places;
     /// s of an evaluation, measured now.
     std::function<double()> seconds;
+    /// s of one evaluation alone, the clock's own included, at the places in turn (of a
+    /// god-object's approach to one, the next update); empty: it has none alone.
+    std::function<double(std::size_t number)> once;
 };
 
 /// All methods of all laws of a subject, in a fixed order, volumes and kernels' grids at random offsets. `subject` and

@@ -23,6 +23,8 @@ struct Extents {
     std::size_t rounds = 0;         /* of timing; each measures everything once */
     std::size_t offsets = 0;        /* random ones of each volume's grid */
     std::size_t runs = 0;           /* of whole fields and loops */
+    std::size_t ticks = 0;          /* of a loop that waits, for each method */
+    std::size_t colds = 0;          /* evaluations with empty caches, of each method */
 };
 
 Extents extents_of(bool quick);
