@@ -42,6 +42,8 @@ constexpr std::array<KnownStudy, 5> kStudies{{
      "strokes and oracle are in double precision", true},
 }};
 
+constexpr const char* kAll = "all";
+
 struct StudyArguments {
     std::string name, scene, out;
     bool quick = false, fresh = false;
@@ -51,6 +53,7 @@ std::vector<std::string> study_names() {
     std::vector<std::string> names;
     for (const KnownStudy& one : kStudies)
         names.push_back(one.name);
+    names.push_back(kAll);
     return names;
 }
 
@@ -110,9 +113,7 @@ std::string lost_by(const std::optional<study::StudyData>& before, const study::
     return "";
 }
 
-int run(const StudyArguments& arguments, const CommonOptions& common) {
-    const LongRun long_run(common.quiet);
-    const KnownStudy& known = known_study(arguments.name);
+int run_one(const KnownStudy& known, const StudyArguments& arguments, const CommonOptions& common) {
     if (arguments.out.empty())
         throw UsageError("--out is empty: name a folder, \".\" for the current one");
     const std::filesystem::path out = arguments.out;
@@ -147,18 +148,34 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     return show(data, arguments, common, "in " + clock_text(data.seconds));
 }
 
+// One study after the other; a later run goes on with those that are not there yet.
+int run(const StudyArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
+    if (arguments.name != kAll)
+        return run_one(known_study(arguments.name), arguments, common);
+    if (common.json)
+        throw UsageError("--json is of one study: name it, or read study.json in each one's folder");
+    if (!common.precision.empty())
+        throw UsageError("--precision is of a study that measures in the scene's own: name error-time, stability or "
+                         "omission");
+    for (const KnownStudy& one : kStudies)
+        run_one(one, arguments, common);
+    return 0;
+}
+
 void describe(Options& options, StudyArguments& arguments) {
     std::string names = "which study:";
     for (const KnownStudy& one : kStudies)
         names += fmt::format(" {} ({});", one.name, one.about);
-    names.back() = '.';
+    names += " all (one after the other, for a page that compares the shadings).";
     options.required("STUDY", arguments.name, names).one_of(study_names());
     options.optional("SCENE", arguments.scene,
                      "scene file (TOML) to study, for perception also one of many scenes; without it the study's own");
     options.required("--out DIR", arguments.out, "folder of the results; each study has a folder of its name in it");
-    options.flag("--quick", arguments.quick, "coarse, within a minute");
+    options.flag("--quick", arguments.quick, "coarse, within a minute each");
     options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
-    options.example("study error-time --quick --out results", "within a minute")
+    options.example("study all --quick --out results", "which shading? in some two minutes")
+        .example("study error-time --quick --out results", "within a minute")
         .example("study energy bump.toml --quick -o results", "of a scene of your own");
 }
 

@@ -87,10 +87,27 @@ struct Cells {
         return colour_at(both_signs ? ColourMap::diverging : ColourMap::sequential,
                          Range{low, high, logarithmic}.fraction(logarithmic ? std::max(value, low) : value));
     }
-    Rgb8 of(const std::string& word) const {
-        // By its place in the list of all words, so that figures with some of them agree.
+    // By its place in the list of all words, so that figures with some of them agree.
+    std::size_t number_of(const std::string& word) const {
         const auto& all = chart.words.empty() ? words : chart.words;
-        return lighter(series_colour(static_cast<std::size_t>(std::ranges::find(all, word) - all.begin())));
+        return static_cast<std::size_t>(std::ranges::find(all, word) - all.begin());
+    }
+    Rgb8 of(const std::string& word) const { return lighter(series_colour(number_of(word))); }
+
+    // Tells words apart without colours: nothing, a dot, a stroke, a cross.
+    void mark(Canvas& canvas, const std::string& word, const Box& box) const {
+        constexpr double kLeastBox = 5; // pixels
+        const double reach = std::min({box.width, box.height, 14.0}) / 4;
+        if (4 * reach < kLeastBox)
+            return;
+        const Point at{box.x + box.width / 2, box.y + box.height / 2};
+        const std::size_t number = number_of(word) % 4;
+        if (number == 1)
+            canvas.disc(at, reach / 2, kInk);
+        if (number >= 2)
+            canvas.polyline(std::array{Point{at.x - reach, at.y + reach}, Point{at.x + reach, at.y - reach}}, {});
+        if (number == 3)
+            canvas.polyline(std::array{Point{at.x - reach, at.y - reach}, Point{at.x + reach, at.y + reach}}, {});
     }
 
     // Where a value lies among those of the cells, 0 to 1.
@@ -115,7 +132,8 @@ struct Cells {
 
     void add_to(std::vector<LegendItem>& legend) const {
         for (const std::string& word : words)
-            legend.push_back(swatch_item(word, of(word)));
+            legend.push_back(
+                swatch_item(word, of(word), [this, word](Canvas& canvas, const Box& box) { mark(canvas, word, box); }));
         if (words.empty())
             legend.push_back(
                 {fmt::format("{} to {}: {}", cell_number(low), cell_number(high), chart.value_label), 120,
@@ -324,6 +342,8 @@ private:
             const Point middle = place(cell.x, cell.y);
             canvas.fill({middle.x - width / 2, middle.y - height / 2, width + 0.5, height + 0.5},
                         cell.word.empty() ? cells_.of(cell.value) : cells_.of(cell.word));
+            if (!cell.word.empty())
+                cells_.mark(canvas, cell.word, {middle.x - width / 2, middle.y - height / 2, width, height});
         }
     }
 

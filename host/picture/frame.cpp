@@ -254,10 +254,12 @@ void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upp
     }
 }
 
-LegendItem swatch_item(std::string text, Rgb8 colour) {
-    return {std::move(text), kSwatch, [colour](Canvas& canvas, Point left, Point) {
+LegendItem swatch_item(std::string text, Rgb8 colour, std::function<void(Canvas&, const Box&)> more) {
+    return {std::move(text), kSwatch, [colour, more = std::move(more)](Canvas& canvas, Point left, Point) {
                 const Box box{left.x, left.y - kSwatch / 2, kSwatch, kSwatch};
                 canvas.fill(box, colour);
+                if (more)
+                    more(canvas, box);
                 canvas.outline(box, {});
             }};
 }

@@ -77,7 +77,8 @@ struct LegendItem {
 double legend_height(const std::vector<LegendItem>& items, double width);
 void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width);
 
-LegendItem swatch_item(std::string text, Rgb8 colour);
+/// `more` is drawn upon it.
+LegendItem swatch_item(std::string text, Rgb8 colour, std::function<void(Canvas&, const Box&)> more = {});
 /// Of values that are not finite.
 LegendItem checker_item(std::string text);
 

@@ -70,16 +70,30 @@ std::string sentence_of(const Contents& contents, const char* study, const char*
     return otherwise;
 }
 
-// The benefit and the cost of shading, and the terms that the page assumes.
+// The benefit and the cost of shading.
 std::string opening(const Contents& contents) {
     const std::string buys =
         sentence_of(contents, "error-time", "shading", "Edges are felt less, at some more time for each evaluation.");
     const std::string costs = sentence_of(contents, "stability", "loop_shading",
                                           "Such a force has no potential: a round can give the hand energy, and a "
                                           "loop may come to rest only at lower stiffness.");
+    return fmt::format("<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
+                       "facet to facet, towards that on the smooth shape. {} {}</p>\n",
+                       escaped(buys), escaped(costs));
+}
+
+// The terms that the page assumes.
+std::string words_section() {
     std::string words;
     for (const auto& [word, meaning] :
-         {std::pair("reference", "shading of the bump: the direction of the cylinder that its facets stand for"),
+         {std::pair("rim", "where the smooth shape itself has an edge: the foot of the bump"),
+          {"RMS", "root mean square: the square root of the mean of the squares"},
+          {"god-object",
+           "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed in, and "
+           "the force pulls the probe to it"},
+          {"look-up volume", "forces computed beforehand on a grid, between which a loop interpolates"},
+          {"kernel", "a program that a Vulkan device runs for many voxels or paths at a time"},
+          {"reference", "shading of the bump: the direction of the cylinder that its facets stand for"},
           {"none", "no shading: the direction is the facet's normal"},
           {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
                          "of corners; the size of the force stays"},
@@ -88,10 +102,8 @@ std::string opening(const Contents& contents) {
           {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
           {"gain, effort", "the energy that a round gives the hand, and the integral of |F dl| along it"}})
         words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);
-    return fmt::format("<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
-                       "facet to facet, towards that on the smooth shape. {} {}</p>\n",
-                       escaped(buys), escaped(costs)) +
-           folded("Words", "<dl class=\"meanings\">\n" + words + "</dl>\n");
+    return "<section id=\"words\">\n" + folded("Words", "<dl class=\"meanings\">\n" + words + "</dl>\n", true) +
+           "</section>\n";
 }
 
 // Of several studies the first finding of each, next to its figure, which the page draws.
@@ -134,8 +146,9 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
         (no_results.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
-        troubles_section(contents.troubles) + no_results + verdict_section(contents) + glance(contents.studies) +
-        studies + sweeps + viewer + device + "</main>\n";
+        troubles_section(contents.troubles) + no_results + verdict_section(contents) +
+        (contents.studies.empty() ? "" : words_section()) + glance(contents.studies) + studies + sweeps +
+        (contents.studies.empty() && no_results.empty() ? words_section() : "") + viewer + device + "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 

@@ -15,8 +15,11 @@ std::string page_script(bool in_space);
 /// A page around `body`, markup, with styles, the script, and a policy that lets no other code run or load.
 std::string page(const std::string& title, const std::string& body, const std::string& script);
 
+/// What the studies press, cut across: unshaded and shaded.
+std::string surfaces_drawing();
+
 /// A heading that unfolds `body`, both markup.
-std::string folded(const std::string& heading, const std::string& body);
+std::string folded(const std::string& heading, const std::string& body, bool open = false);
 
 /// The findings of a study or a sweep: a sentence each, with the place, the condition and the interval.
 std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings);

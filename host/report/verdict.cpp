@@ -146,7 +146,8 @@ std::string verdict_section(const Contents& contents) {
     }
     if (rows.empty())
         return "";
-    return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" "
+    return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n" + surfaces_drawing() +
+           "<div class=\"wide\" tabindex=\"0\" role=\"region\" "
            "aria-label=\"Which shading?\"><table>\n<thead><tr><th scope=\"col\">scheme</th><th scope=\"col\">take it "
            "when</th><th scope=\"col\" class=\"n\">error of the direction <small>deg RMS</small></th><th "
            "scope=\"col\" class=\"n\">error of the force <small>% of it, median (95 %)</small></th><th scope=\"col\" "

@@ -210,6 +210,15 @@ function placeLabels(frame, labels, marks) {
   }
 }
 
+// Tells words apart without colours: nothing, a dot, a stroke, a cross.
+function markWord(body, number, x, y, reach) {
+  if (number === 0 || 4 * reach < 5)
+    return;
+  const path = number === 1 ? `M${x - reach / 2},${y}a${reach / 2},${reach / 2} 0 1,0 ${reach},0a${reach / 2},${reach / 2} 0 1,0 ${-reach},0z`
+    : `M${x - reach},${y + reach}L${x + reach},${y - reach}` + (number === 3 ? `M${x - reach},${y - reach}L${x + reach},${y + reach}` : "");
+  body.append("path").attr("class", "word-mark").attr("d", path);
+}
+
 function drawMap(element, study, figure) {
   const whole = (where) => rowsOf(study, figure.table, where).filter((row) => row[figure.x.column] !== null && row[figure.y.column] !== null);
   const rows = whole(figure.where), spanned = figure.span ? whole(figure.span) : rows;
@@ -232,11 +241,15 @@ function drawMap(element, study, figure) {
     frame.svg.selectAll(".tick").filter(function () { return this.getAttribute("text-anchor") === "middle"; }).attr("text-anchor", "end")
       .attr("transform", function () { return `rotate(-30 ${this.getAttribute("x")} ${frame.bottom + 12})`; });
   const values = spanned.map((row) => row[figure.value]).filter((value) => value !== null);
-  let colour;
+  let colour, marked = null;
   if (values.some((value) => typeof value === "string")) {
     const words = figure.value_words.length ? figure.value_words : [...new Set(values)];
     colour = (value) => "var(--plot-s" + words.indexOf(value) % SERIES_COLOURS + ")";
-    words.forEach((word) => frame.addLegend(word, (key) => key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12).attr("fill", colour(word))));
+    marked = (body, word, left, top, width, height) => markWord(body, words.indexOf(word) % 4, left + width / 2, top + height / 2, Math.min(width, height, 14) / 4);
+    words.forEach((word) => frame.addLegend(word, (key) => {
+      key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12).attr("fill", colour(word));
+      marked(key, word, -11, -6, 22, 12);
+    }));
   } else {
     const limit = figure.value_limit || d3.max(values, Math.abs) || 1, both = values.some((value) => value < 0);
     const low = figure.value_logarithmic ? Math.max(d3.min(values.filter((value) => value > 0)) || limit / 10, limit * 1e-12) : both ? -limit : 0;
@@ -253,6 +266,9 @@ function drawMap(element, study, figure) {
     frame.body.append("rect").attr("class", "mark").attr("x", x(row[figure.x.column])).attr("y", y(row[figure.y.column])).attr("width", x.bandwidth() + 0.3)
       .attr("height", y.bandwidth() + 0.3).attr("fill", colour(row[figure.value])).datum(() => ({ study, figure, row }))
       .append("title").text(rowText(study, figure.table, row, [figure.value, figure.x.column, figure.y.column]));
+  if (marked)
+    for (const row of rows.filter((one) => one[figure.value] !== null))
+      marked(frame.body, row[figure.value], x(row[figure.x.column]), y(row[figure.y.column]), x.bandwidth(), y.bandwidth());
   // Curves lie between the middles of cells.
   const along = (band, sorted) => d3.scaleLinear().domain(sorted).range(sorted.map((value) => band(value) + band.bandwidth() / 2));
   frame.body.node().place = { x: along(x, xs), y: along(y, ys), columns: [figure.x.column, figure.y.column] };
