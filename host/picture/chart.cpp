@@ -184,7 +184,8 @@ public:
         plot_ = {box.x, box.y + title, (box.width - (count - 1) * kPanelGap) / count, box.height};
         for (double beyond = 0; plot_.width > 100; plot_.width -= beyond) {
             x_axis_ = fit_axis(plot_.width, false, [&](std::size_t most) {
-                return map() ? Cells::axis(chart_.x, cells_.xs, most) : chart_axis(chart_.x, x_, most);
+                return map() ? Cells::axis(chart_.x, cells_.xs, most)
+                             : chart_axis(chart_.x, x_, most_of(counted_[0], x_, most));
             });
             const AxisTick& last = x_axis_.ticks.back();
             beyond = plot_.x + (count - 1) * (plot_.width + kPanelGap) + last.fraction * plot_.width +
@@ -268,12 +269,24 @@ private:
         }
         x_ = chart_.x.range ? *chart_.x.range : range_of(chart_.x, xs);
         y_ = chart_.y.range ? *chart_.y.range : range_of(chart_.y, ys);
+        const auto counted = [](const ChartAxis& axis, const std::vector<double>& values) {
+            return !axis.logarithmic && !values.empty() &&
+                   std::ranges::all_of(values, [](double value) { return value == std::floor(value); });
+        };
+        counted_ = {counted(chart_.x, xs), counted(chart_.y, ys)};
+    }
+
+    // Nothing lies between what is counted: then no more ticks than whole numbers.
+    static std::size_t most_of(bool counted, const Range& range, std::size_t most) {
+        const double whole = std::max(2.0, std::floor(range.high) - std::ceil(range.low) + 1);
+        return counted && whole < static_cast<double>(most) ? static_cast<std::size_t>(whole) : most;
     }
 
     Axis make_y_axis(double height) const {
         if (!bars())
             return fit_axis(height, true, [&](std::size_t most) {
-                return map() ? Cells::axis(chart_.y, cells_.ys, most) : chart_axis(chart_.y, y_, most);
+                return map() ? Cells::axis(chart_.y, cells_.ys, most)
+                             : chart_axis(chart_.y, y_, most_of(counted_[1], y_, most));
             });
         Axis axis{chart_.y.label, {}};
         const auto count = static_cast<double>(chart_.groups.size());
@@ -461,6 +474,7 @@ private:
     Cells cells_;
     std::vector<std::size_t> numbers_; // of the series, for colour and mark
     Range x_, y_;
+    std::array<bool, 2> counted_{}; // whether x, y are whole numbers
     Axis x_axis_, y_axis_;
     Box plot_;
     std::size_t left_out_ = 0; // points

@@ -158,10 +158,11 @@ std::string touch_finding(const Sweep& sweep) {
         return fmt::format("Where a hand touches, the force's direction is {} deg (RMS) from that of {}, and the force "
                            "{} % (median).",
                            range_text(angles, 1), against, range_text(errors, 100));
-    return fmt::format("Where a hand touches, shading takes the error of the force's direction from {} deg to {} deg "
-                       "(RMS, by case), and that of the whole force from {} % to {} % (median): against {}.",
-                       range_text(plain_angles, 1), range_text(shaded_angles, 1), range_text(plain_errors, 100),
-                       range_text(shaded_errors, 100), against);
+    return fmt::format(
+        "Where a hand touches, the force's direction is {} deg from that of {} without shading and {} deg "
+        "with it (RMS, by case); the whole force errs by {} % and by {} % (median).",
+        range_text(plain_angles, 1), against, range_text(shaded_angles, 1), range_text(plain_errors, 100),
+        range_text(shaded_errors, 100));
 }
 
 } // namespace forceshade::report

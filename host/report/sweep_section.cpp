@@ -64,8 +64,8 @@ std::string cost(const std::vector<const CaseRecord*>& cases) {
                      &cheapest = **std::ranges::min_element(cases, {}, kernel);
     if (kernel(&dearest) <= 0)
         return "";
-    std::string text = fmt::format("The dearest case took {} ms in the kernel, {}",
-                                   number_text(1e3 * kernel(&dearest), 3), dearest.name);
+    std::string text =
+        fmt::format("The dearest case took {} ms to compute, {}", number_text(1e3 * kernel(&dearest), 3), dearest.name);
     if (cases.size() > 1 && kernel(&cheapest) > 0)
         text += fmt::format("; that is {} times the cheapest, {}", number_text(kernel(&dearest) / kernel(&cheapest), 2),
                             cheapest.name);

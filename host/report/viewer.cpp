@@ -127,6 +127,7 @@ constexpr std::uint64_t kLeastSamples = 512;
 struct Wanted {
     std::string name, path; /* path below the report's folder */
     std::string paths{};    /* the same for the file of its paths; may be empty */
+    Json touch_deg{};       /* RMS error of the direction where a hand touches; null: not known */
 };
 
 struct Packed {
@@ -149,10 +150,10 @@ bool is_file(const std::filesystem::path& path) {
 }
 
 void add_volume(std::vector<Wanted>& all, const std::filesystem::path& root, const std::string& name,
-                const std::string& path) {
+                const std::string& path, const std::optional<TouchRecord>& touch = {}) {
     const std::string paths = path.substr(0, path.size() - 4) + ".paths.exr";
     if (is_file(root / path))
-        all.push_back({name, path, is_file(root / paths) ? paths : ""});
+        all.push_back({name, path, is_file(root / paths) ? paths : "", touch ? Json(touch->direction_rms) : Json()});
 }
 
 std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Contents& contents) {
@@ -160,7 +161,8 @@ std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Cont
     for (const Sweep& sweep : contents.sweeps)
         for (const CaseRecord& record : sweep.cases)
             if (record.voxels > 0 && !volume_name(record).empty())
-                add_volume(all, root, below(sweep.folder, record.name), below(sweep.folder, volume_name(record)));
+                add_volume(all, root, below(sweep.folder, record.name), below(sweep.folder, volume_name(record)),
+                           record.touch);
     for (const StudyPart& part : contents.studies)
         for (const FileRecord& file : part.data.volumes)
             if (is_plain_name(file.name) && file.name.ends_with(".exr"))
@@ -176,11 +178,12 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
     packed.data = base64(force.bytes);
     packed.surface = surface_data(volume);
     packed.thinned = volume.stride[0] > 1 || volume.stride[2] > 1 || (volume.stride[1] > 1 && !volume.alike_in_y);
-    packed.about = {{"name", wanted.name},         {"address", address(wanted.path)},
-                    {"full", volume.full},         {"stride", volume.stride},
-                    {"size", volume.size},         {"origin_m", volume.origin},
-                    {"spacing_m", volume.spacing}, {"alike_in_y", volume.alike_in_y},
-                    {"scale_N", force.scale},      {"loop", loop_data(volume.scene)}};
+    packed.about = {{"name", wanted.name},          {"address", address(wanted.path)},
+                    {"full", volume.full},          {"stride", volume.stride},
+                    {"size", volume.size},          {"origin_m", volume.origin},
+                    {"spacing_m", volume.spacing},  {"alike_in_y", volume.alike_in_y},
+                    {"scale_N", force.scale},       {"loop", loop_data(volume.scene)},
+                    {"touch_deg", wanted.touch_deg}};
     return packed;
 }
 

@@ -77,6 +77,28 @@ TEST_F(Page, FocusIsSeenAndReachesEverything) {
         EXPECT_NE(reached.find(id), std::string::npos) << id << "in " << reached;
 }
 
+TEST_F(Page, BeginsWithThePairThatDiffersMostWhereAHandTouches) {
+    open();
+    const auto first = [&](const std::string& errors) {
+        return browser_->text(
+            "Viewer.prototype.firstPair.call({ cases: [['a', 'none'], ['a', 'reference'], ['b', 'none'], ['b', "
+            "'reference']].map(([name, shading], i) => ({ name: name + '_shading-' + shading, touch_deg: " +
+            errors + "[i] })) }).join()");
+    };
+    EXPECT_EQ(first("[1, 0, 5, 0]"), "2,3");
+    EXPECT_EQ(first("[5, 0, 1, 0]"), "0,1");
+    EXPECT_EQ(first("[null, null, null, null]"), "0,1") << "of volumes that no sweep measured";
+}
+
+TEST_F(Page, CountsHaveNoTicksBetweenThem) {
+    open();
+    const auto ticks = [&](const std::string& values) {
+        return browser_->text("ticksOf(d3.scaleLinear().domain([0.8, 3.2]), {}, 12, " + values + ").join()");
+    };
+    EXPECT_EQ(ticks("[1, 2, 3]"), "1,2,3");
+    EXPECT_NE(ticks("[1, 2.5, 3]"), "1,2,3");
+}
+
 TEST_F(Page, TheStrokesEndsCanBeDragged) {
     open();
     const std::string profile = browser_->text(kProfile);

@@ -196,13 +196,14 @@ TEST(SweepFindings, FollowTheData) {
     expect("agreement", "3 differ, 1 of them by more than rounding allows");
     expect("largest_error", "5×10⁻⁷ of the case's largest force (10⁻⁶ N), in a.");
     expect("largest_force", "3 N, in b");
-    expect("dearest_case", "kernel, a; that is 2 times");
+    expect("dearest_case", "1000 ms to compute, a; that is 2 times");
     expect("evaluated", "Only 1\u00a0010 of 2\u00a0000 voxels");
     sweep.cases[0].parameters = {{"facets", "2"}, {"shading", "none"}};
     sweep.cases[1].parameters = {{"facets", "2"}, {"shading", "reference"}};
     sweep.cases[0].touch = {"the smooth shape", 200, 2e-3, 7.9, 0.47, 1};
     sweep.cases[1].touch = {"the smooth shape", 200, 2e-3, 1e-15, 0.049, 1};
-    expect("touch", "from 7.9 deg to 0 deg (RMS, by case), and that of the whole force from 47 % to 4.9 %");
+    expect("touch", "7.9 deg from that of the smooth shape without shading and 0 deg with it");
+    expect("touch", "the whole force errs by 47 % and by 4.9 %");
     study::StudyData data;
     add_touch_figures(sweep, data);
     EXPECT_TRUE(data.figures.empty()) << "no number varies";

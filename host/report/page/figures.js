@@ -50,9 +50,11 @@ function scaleOf(axis, values, range) {
 }
 
 // Ticks with a number: of a logarithmic axis the powers of ten, and 2 and 5 times these where the range is short.
-function ticksOf(scale, axis, most) {
-  if (!axis.logarithmic)
-    return scale.ticks(Math.max(2, Math.floor(most)));
+function ticksOf(scale, axis, most, values = []) {
+  if (!axis.logarithmic) {
+    const all = scale.ticks(Math.max(2, Math.floor(most))), whole = values.length > 0 && values.every(Number.isInteger);
+    return whole ? all.filter(Number.isInteger) : all; // nothing lies between what is counted
+  }
   const [low, high] = scale.domain(), decades = Math.log10(high / low), all = [];
   const every = Math.max(1, Math.ceil(decades / most));
   for (let power = Math.ceil(Math.log10(low) - 1); power <= Math.log10(high); power += 1)
@@ -145,7 +147,8 @@ function drawScatter(element, study, figure) {
     [PLOT.left, frame.right]);
   const y = scaleOf(figure.y, [...spanned.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
     [frame.bottom, PLOT.top]);
-  frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90), ticksOf(y, figure.y, 7));
+  const valuesOf = (axis) => spanned.map((row) => row[axis.column]);
+  frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90, valuesOf(figure.x)), ticksOf(y, figure.y, 7, valuesOf(figure.y)));
   const names = d3.set(rows, (row) => row[figure.series] === undefined || row[figure.series] === null ? "" : row[figure.series]).values();
   // A curve of a series' name, or of that and more, is that series' own; others differ by their dashes.
   let plain = 0;

@@ -31,14 +31,22 @@ class Viewer {
     this.listen();
   }
 
-  // One shape without shading and with, if possible; else two cases that differ in shading alone.
+  // One shape without shading and with, if possible; else two cases that differ in shading alone. Of several pairs that
+  // whose directions differ most where a hand touches.
   firstPair() {
     const plain = (one) => one.name.replace(/_?shading-[^_]*/, ""), bare = (one) => /shading-none/.test(one.name);
-    for (const wanted of [(a, b) => bare(a) && !bare(b), () => true])
+    const apart = (a, b) => Math.abs((a.touch_deg || 0) - (b.touch_deg || 0));
+    for (const wanted of [(a, b) => bare(a) && !bare(b), () => true]) {
+      let best = null, most = -1;
       for (let i = 0; i < this.cases.length; ++i)
-        for (let k = 0; k < this.cases.length; ++k)
-          if (i !== k && plain(this.cases[i]) === plain(this.cases[k]) && wanted(this.cases[i], this.cases[k]))
-            return [i, k];
+        for (let k = 0; k < this.cases.length; ++k) {
+          const [a, b] = [this.cases[i], this.cases[k]];
+          if (i !== k && plain(a) === plain(b) && wanted(a, b) && apart(a, b) > most)
+            [best, most] = [[i, k], apart(a, b)];
+        }
+      if (best)
+        return best;
+    }
     return [0, Math.min(1, this.cases.length - 1)];
   }
 
