@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "device/loop/live_loop.h"
-#include "device/report/report.h"
+#include "device/run_report/report.h"
 #include "host/field/prepared_case.h"
 
 namespace forceshade::device {

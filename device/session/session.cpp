@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "device/backends/devices.h"
-#include "device/report/status_line.h"
+#include "device/run_report/status_line.h"
 #include "device/session/live_log.h"
 #include "device/session/scene_changes.h"
 #include "device/session/signals.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "device/loop/live_loop.h"
-#include "device/report/report.h"
+#include "device/run_report/report.h"
 #include "device/session/udp_sender.h"
 #include "host/field/prepared_case.h"
 #include "host/limits/limits.h"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "device/loop/sample.h"
-#include "device/report/status_line.h"
-#include "host/page/page_server.h"
+#include "device/run_report/status_line.h"
+#include "host/server/page_server.h"
 
 namespace forceshade::device {
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "device/report/report.h"
+#include "device/run_report/report.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
 #include "host/cli/device_options.h"

@@ -16,9 +16,9 @@
 #include "experiment_pages.h"
 #include "host/clock.h"
 #include "host/error.h"
-#include "host/page/page_server.h"
 #include "host/program.h"
 #include "host/quiet_signals.h"
+#include "host/server/page_server.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::experiment {

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/page/page_server.h"
+#include "host/server/page_server.h"
 
 namespace forceshade {
 namespace {

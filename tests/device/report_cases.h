@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "device/report/report.h"
+#include "device/run_report/report.h"
 
 namespace forceshade::device::test {
 

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "device/report/status_line.h"
-#include "device/report/text.h"
+#include "device/run_report/status_line.h"
+#include "device/run_report/text.h"
 
 namespace forceshade::device {
 namespace {

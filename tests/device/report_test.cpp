@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "device/report/report.h"
-#include "device/report/text.h"
+#include "device/run_report/report.h"
+#include "device/run_report/text.h"
 #include "host/error.h"
 #include "host/program.h"
 #include "tests/device/report_cases.h"

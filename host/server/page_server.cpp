@@ -1,4 +1,4 @@
-#include "host/page/page_server.h"
+#include "host/server/page_server.h"
 
 #include <algorithm>
 #include <atomic>

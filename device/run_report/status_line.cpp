@@ -1,4 +1,4 @@
-#include "device/report/status_line.h"
+#include "device/run_report/status_line.h"
 
 #include <utility>
 
@@ -6,7 +6,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "device/report/text.h"
+#include "device/run_report/text.h"
 #include "host/picture/canvas.h"
 
 namespace forceshade::device {

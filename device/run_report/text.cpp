@@ -1,4 +1,4 @@
-#include "device/report/text.h"
+#include "device/run_report/text.h"
 
 #include <algorithm>
 #include <charconv>

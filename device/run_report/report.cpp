@@ -1,4 +1,4 @@
-#include "device/report/report.h"
+#include "device/run_report/report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "device/report/text.h"
+#include "device/run_report/text.h"
 #include "host/output/files.h"
 #include "host/picture/canvas.h"
 #include "host/program.h"
