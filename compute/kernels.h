@@ -42,9 +42,9 @@ struct FieldKernelOptions {
     bool in_parts = false;      /* below */
 };
 
-// In parts: the same work in dispatches of two fifths of a layer (of the paths, of their steps), whose buffers hold a
-// number that no law gives before they run. So whoever compares sees a first sample or a stride that is taken for
-// another, and a result that is not written.
+// In parts: the same work in dispatches of two fifths of a layer (of the paths, and a sixteenth of their steps), whose
+// buffers hold no numbers before they run, and must not be written behind their ends. So whoever compares sees a first
+// sample or a stride that is taken for another, and a result that is not written.
 
 /// Fields of analytic surfaces.
 class FieldKernel {
