@@ -45,7 +45,7 @@ public:
     static constexpr layout::uint kNoStatus = 0xFFFFFFFFu;
     static constexpr layout::uint kPoison = 0xFFFA5A5Au; /* as real, of both precisions, no number; no facet's id */
     static_assert((kPoison & 0x7FF80000u) == 0x7FF80000u && (kPoison & 0x0007FFFFu) != 0); /* NaN, quiet, of both */
-    static constexpr std::size_t kPoisonBehind = 4096;   /* bytes behind results */
+    static constexpr std::size_t kPoisonBehind = 4096;                                     /* bytes behind results */
 
     struct Shape {
         layout::uint bindings = 0;

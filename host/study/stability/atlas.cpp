@@ -9,17 +9,12 @@ namespace {
 constexpr std::size_t kMostSteps = 30000; // of a simulated loop
 
 const Quantity kQuantities[] = {
-    {"mass", "kg", 1e-3, 10, [](LoopCell& cell, double value) { cell.hand.mass = value; },
-     [](const LoopCell& cell) { return cell.hand.mass; }},
-    {"grip", "N/m", 20, 5000, [](LoopCell& cell, double value) { cell.hand.grip_stiffness = value; },
-     [](const LoopCell& cell) { return cell.hand.grip_stiffness; }},
-    {"damping", "N s/m", 0.03, 100, [](LoopCell& cell, double value) { cell = damped(cell, value); },
-     [](const LoopCell& cell) { return damping_of(cell.hand); }},
-    {"rate", "Hz", 1e2, 1e5, [](LoopCell& cell, double value) { cell.rate = value; },
-     [](const LoopCell& cell) { return cell.rate; }},
+    {"mass", "kg", 1e-3, 10, [](LoopCell& cell, double value) { cell.hand.mass = value; }},
+    {"grip", "N/m", 20, 5000, [](LoopCell& cell, double value) { cell.hand.grip_stiffness = value; }},
+    {"damping", "N s/m", 0.03, 100, [](LoopCell& cell, double value) { cell = damped(cell, value); }},
+    {"rate", "Hz", 1e2, 1e5, [](LoopCell& cell, double value) { cell.rate = value; }},
     {"delay", "samples", 0, 8,
-     [](LoopCell& cell, double value) { cell.hand.delay_samples = static_cast<std::uint64_t>(value); },
-     [](const LoopCell& cell) { return static_cast<double>(cell.hand.delay_samples); }}};
+     [](LoopCell& cell, double value) { cell.hand.delay_samples = static_cast<std::uint64_t>(value); }}};
 
 std::vector<double> values_of(const Quantity& quantity, bool quick) {
     if (quantity.low == 0)

@@ -26,7 +26,6 @@ struct Quantity {
     const char *name, *unit;
     double low, high; /* SI */
     void (*set)(LoopCell&, double);
-    double (*of)(const LoopCell&);
 };
 std::span<const Quantity> quantities();
 
