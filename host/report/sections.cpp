@@ -87,7 +87,7 @@ std::string troubles_section(const std::vector<std::string>& troubles) {
 }
 
 std::string folded(const std::string& heading, const std::string& body, bool open) {
-    return fmt::format("<details{}><summary>{}</summary>\n{}</details>\n", open ? " open" : "", heading, body);
+    return fmt::format("<details{}><summary>{}</summary>\n{}</details>\n", open ? " open=\"\"" : "", heading, body);
 }
 
 std::string file_link(const std::filesystem::path& root, const std::string& folder, const std::string& name,

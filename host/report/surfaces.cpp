@@ -63,10 +63,11 @@ std::string panel(const std::string& words, const Direction& direction) {
             const double tilt = direction(x, left, right), size = std::hypot(1, tilt);
             forces += arrow(shown(x, z), tilt / size, 1 / size);
         }
+    // Readers of HTML know the attribute by its small letters, too.
     return fmt::format(
-        "<figure class=\"surface\"><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"><path class=\"smooth\" "
-        "d=\"{}\"/><path class=\"facets\" d=\"{}\"/><path class=\"forces\" d=\"{}\"/></svg><figcaption>{}"
-        "</figcaption></figure>\n",
+        "<figure class=\"surface\"><svg viewbox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"><path class=\"smooth\" "
+        "d=\"{}\"></path><path class=\"facets\" d=\"{}\"></path><path class=\"forces\" d=\"{}\"></path></svg>"
+        "<figcaption>{}</figcaption></figure>\n",
         kWidth, kHeight, words, smooth, facets, forces, words);
 }
 
