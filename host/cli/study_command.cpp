@@ -51,9 +51,10 @@ struct StudyArguments {
 
 std::vector<std::string> study_names() {
     std::vector<std::string> names;
+    names.reserve(kStudies.size() + 1);
     for (const KnownStudy& one : kStudies)
-        names.push_back(one.name);
-    names.push_back(kAll);
+        names.emplace_back(one.name);
+    names.emplace_back(kAll);
     return names;
 }
 

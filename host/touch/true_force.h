@@ -1,6 +1,7 @@
 // What the force where a hand touches should be.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

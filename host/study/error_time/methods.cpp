@@ -245,7 +245,8 @@ private:
             return sum;
         });
         method.once = [loop, updates](std::size_t number) {
-            auto& [law, inputs] = loop();
+            auto& law = loop().first;
+            const auto& inputs = loop().second;
             const auto& input = inputs[number / updates * kStride % inputs.size()];
             const auto evaluate = [&law, &input, i = number % updates] {
                 if constexpr (requires { law->update(input, i); })

@@ -7,6 +7,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
+#include "host/reference/elementary.h"
 #include "host/touch/true_force.h"
 
 namespace forceshade::study::error_time {

@@ -21,6 +21,7 @@ std::vector<double> values_of(const Quantity& quantity, bool quick) {
         return quick ? std::vector{0.0, 1.0, 4.0} : std::vector{0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0};
     const int count = quick ? 5 : 13;
     std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i)
         values.push_back(short_between(quantity.low, quantity.high, i, count));
     return values;
