@@ -94,7 +94,7 @@ struct Cells {
     }
     Rgb8 of(const std::string& word) const { return lighter(series_colour(number_of(word))); }
 
-    // Tells words apart without colours: nothing, a dot, a stroke, a cross.
+    // What distinguishes words in print without colours: nothing, a dot, a stroke, a cross.
     void mark(Canvas& canvas, const std::string& word, const Box& box) const {
         constexpr double kLeastBox = 5; // pixels
         const double reach = std::min({box.width, box.height, 14.0}) / 4;

@@ -213,7 +213,7 @@ function placeLabels(frame, labels, marks) {
   }
 }
 
-// Tells words apart without colours: nothing, a dot, a stroke, a cross.
+// What distinguishes words in print without colours: nothing, a dot, a stroke, a cross.
 function markWord(body, number, x, y, reach) {
   if (number === 0 || 4 * reach < 5)
     return;

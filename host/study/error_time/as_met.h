@@ -1,5 +1,5 @@
 // What a force costs where a hand waits for it: one evaluation at a time, in a loop that sleeps until its next sample,
-// and with empty caches; beside what it costs in a warm loop over many places.
+// and with empty caches; and in a warm loop over many places.
 #pragma once
 
 #include <vector>
@@ -38,7 +38,7 @@ std::vector<AsMet> measure_as_met(const std::vector<Method>& methods, const std:
 bool was_busy(const std::vector<AsMet>& met);
 
 Table met_table(const Measured& measured, const std::vector<AsMet>& met);
-/// How much longer than warm; none where the machine was busy.
+/// How much longer than warm at least; none where the machine was busy, or that is less than twice.
 std::vector<Finding> met_findings(const Measured& measured, const std::vector<AsMet>& met);
 
 } // namespace forceshade::study::error_time
