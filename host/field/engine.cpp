@@ -239,7 +239,12 @@ private:
 
     void in_parts(const std::function<void()>& work) {
         set_in_parts(true);
-        work();
+        try {
+            work();
+        } catch (...) {
+            set_in_parts(false);
+            throw;
+        }
         set_in_parts(false);
     }
     void set_in_parts(bool on) {
