@@ -165,6 +165,7 @@ template <typename T> std::size_t Batch<T>::finish_updates(const FinishUpdates<T
         }
         real(layout::kWalkRealReach, path) = update.reach;
         word(layout::kWalkWordContact, path) = update.triangle;
+        word(layout::kWalkWordTrail, path) = update.trail;
         word(layout::kWalkWordConstraints, path) = update.count | (update.cornered ? layout::kConstraintCornered : 0) |
                                                    (update.touching ? layout::kContactTouching : 0) |
                                                    (update.back ? layout::kContactBack : 0) |

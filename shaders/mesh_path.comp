@@ -130,6 +130,13 @@ real3 to_mesh(real3 place) {
     return divided(difference(place, real3(mesh.centre_x, mesh.centre_y, mesh.centre_z)), mesh.scale);
 }
 
+// Hash of the walk, and of the triangles that hold the proxy.
+uint trail_of(Rest rest) {
+    uint trail = walk_trail;
+    trail = rest.count > 0u ? hashed(trail, rest.triangles.x) : trail;
+    return rest.count > 1u ? hashed(trail, rest.triangles.y) : trail;
+}
+
 // Whether a step begins with what the host takes.
 bool begins_left(uint constraints, real3 probe) {
     return (constraints & kConstraintCornered) != 0u || !is_finite(probe);
@@ -202,7 +209,8 @@ void main() {
             if (left)
                 ++state.step;
             else
-                take_step(state, unit, hand, motion, taken, here, next, (constraints & kContactUnfinished) == 0u, steps);
+                take_step(state, unit, hand, motion, taken, here, next, (constraints & kContactUnfinished) == 0u,
+                          found ? walk_word(path, kWalkWordTrail) : trail_of(rest), steps);
             here = next;
             if (state.step < steps)
                 left = leaves(state, hand, here);

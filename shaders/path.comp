@@ -147,7 +147,7 @@ void main() {
         real3 next = target_at(motion, path, state.step + 1u, steps);
         PathSample taken = sample_at(probe_at(state, hand, here), hand);
         store(at, taken);
-        take_step(state, unit, hand, motion, taken, here, next, true, steps);
+        take_step(state, unit, hand, motion, taken, here, next, true, 0u, steps);
         here = next;
         at += chunk.paths;
     }

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 
@@ -48,6 +50,19 @@ template <typename T> T largest_coordinate(const Vector<T>& v) noexcept {
 
 template <typename T> bool is_finite(const Vector<T>& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Goes on with a hash (FNV-1a, by words): as shaders/laws/elementary.glsl.
+inline std::uint32_t hashed(std::uint32_t hash, std::uint32_t word) noexcept {
+    return (hash ^ word) * 16777619u;
+}
+
+template <typename T> std::uint32_t hashed(std::uint32_t hash, const Vector<T>& v) noexcept {
+    for (int i = 0; i < 3; ++i)
+        for (const std::uint32_t word :
+             std::bit_cast<std::array<std::uint32_t, sizeof(T) / sizeof(std::uint32_t)>>(v[i]))
+            hash = hashed(hash, word);
+    return hash;
 }
 
 /// sqrt(v . v), rounded as the kernels do it: overflows where v . v does.

@@ -264,6 +264,9 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
     else if (rest.cornered && !contact.touching)
         reach_open_probe(mesh, neighbourhood, probe, trace, rest);
     contact.substeps = walk.substeps();
+    contact.trail = walk.trail();
+    for (layout::uint i = 0; i < contact.count; ++i)
+        contact.trail = hashed(contact.trail, contact.triangles[i]);
     state.proxy = rest.proxy;
     state.cornered = rest.cornered;
     state.count = rest.cornered ? rest.count : contact.count;
@@ -339,7 +342,7 @@ template <typename T>
 LawContact<T> follow(const layout::Law<T>& law, GodObject<T>& proxy, Neighbourhood<T>& around, const Vector<T>& probe,
                      const Vector<T>& local) noexcept {
     const GodObjectContact<T> rest = update(law.mesh, proxy, around, local);
-    LawContact<T> followed{mesh_contact(law, rest, local), rest.finished};
+    LawContact<T> followed{mesh_contact(law, rest, local), rest.finished, rest.trail};
     if (followed.contact.facet == layout::kNoFacet)
         followed.contact.proxy = probe; // not there and back through the mesh's frame
     return followed;
@@ -374,6 +377,7 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     one.cornered = state.cornered;
     one.touching = contact.touching;
     one.finished = contact.finished;
+    one.trail = contact.trail;
     one.triangle = contact.touching ? contact.triangles[0] : 0;
     one.reach =
         contact.touching || !(largest_coordinate(state.proxy) <= T(kRegion)) ? T(0) : free_reach(mesh, state.proxy);

@@ -324,6 +324,7 @@ PathSampled<T> take_step(const layout::PathInput<T>& input, const layout::HandPa
     sampled.force = closed ? commanded(hand, evaluated.contact.force) : evaluated.contact.force;
     add_sample(state.metrics, sampled.contact, sampled.force);
     state.metrics.unfinished += evaluated.finished ? 0 : 1;
+    state.metrics.trail = hashed(state.metrics.trail, evaluated.trail);
     add_turn_at(state, sampled, T(input.stretch));
     const T work = closed ? advance_probe(state, hand, sampled, target, next, steps) : add_between(state, sampled);
     if (completes_round(input.features, motion, state.step))

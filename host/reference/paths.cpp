@@ -119,7 +119,7 @@ private:
 
     LawContact<T> evaluate_at(std::size_t path, const Vector<T>& probe, Neighbourhood<T>& neighbourhood) {
         if (!on_mesh())
-            return {evaluate(input_.law, probe), true};
+            return {evaluate(input_.law, probe)};
         return follow(input_.law, proxies_[path], neighbourhood, probe, to_mesh_frame(input_.law.mesh.params, probe));
     }
 

@@ -18,7 +18,8 @@ template <typename T> struct Contact {
 /// A law's result for a sample of a path.
 template <typename T> struct LawContact {
     Contact<T> contact;
-    bool finished = true; /* the proxy came to rest */
+    bool finished = true;   /* the proxy came to rest */
+    layout::uint trail = 0; /* GodObjectContact's */
 };
 
 // G2 and L3: the bump of n flat facets inscribed in the reference cylinder, step for step as

@@ -23,6 +23,20 @@
 #define ZERO real(0.0LF)
 #define ONE real(1.0LF)
 
+// Goes on with a hash (FNV-1a, by words).
+uint hashed(uint hash, uint word) {
+    return (hash ^ word) * 16777619u;
+}
+
+uint hashed(uint hash, real value) {
+#ifdef FS_F64
+    uvec2 words = unpackDouble2x32(value);
+    return hashed(hashed(hash, words.x), words.y);
+#else
+    return hashed(hash, floatBitsToUint(value));
+#endif
+}
+
 // Writes a vector to three places of a buffer.
 #define STORE_VECTOR(buffer, at, value)                                                                                \
     {                                                                                                                  \

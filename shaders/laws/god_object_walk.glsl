@@ -24,6 +24,7 @@ real pool_tolerance; // shorter moves are none
 real3 walk_proxy;
 real3 walk_probe;
 uint walk_substeps;
+uint walk_trail; // hash of every place where it has been
 bool walk_rests; // what constrained the proxy last is what constrains it
 bool walk_corner; // halted where a line between two faces ended
 bool walk_runs; // has not ended
@@ -389,6 +390,7 @@ void finish_substep(Move move, uint released, uint edge) {
     bool arrives = !was_hit && !was_released;
     // No triangle in the way: without a plane to keep to, that is the probe itself.
     walk_proxy = arrives && resting.count == 0u ? walk_probe : place_at(move, arrives ? ONE : time);
+    walk_trail = hashed(hashed(hashed(walk_trail, walk_proxy.x), walk_proxy.y), walk_proxy.z);
     walk_rests = arrives && (resting.count == 0u || one_face);
     if (!arrives)
         take_in(was_hit, impact.triangle, was_released ? released : 0u, edge);
@@ -435,6 +437,7 @@ void walk_on() {
 void begin_walk(real3 probe) {
     walk_probe = probe;
     walk_substeps = 0u;
+    walk_trail = 0u;
     walk_corner = false;
     walk_rests = false;
     walk_runs = true;

@@ -296,12 +296,13 @@ real late_work(PathState state, MotionParams motion, PathSample taken, real work
 }
 
 // Takes a path that has not left one step on. `target` and `next` are the motion's places at this step and the next, m;
-// `unit` is the direction of the last force, and becomes that of this one. `finished`: the proxy came to rest.
+// `unit` is the direction of the last force, and becomes that of this one. `finished`: the proxy came to rest; `trail`: of its walk.
 void take_step(inout PathState state, inout real3 unit, HandParams hand, MotionParams motion, PathSample taken,
-               real3 target, real3 next, bool finished, uint steps) {
+               real3 target, real3 next, bool finished, uint trail, uint steps) {
     bool touches = taken.facet != kNoFacet;
     add_sample(state.metrics, taken.depth, touches, taken.force);
     state.metrics.unfinished += finished ? 0u : 1u;
+    state.metrics.trail = hashed(state.metrics.trail, trail);
     real3 direction = normalised(taken.force);
     bool forceful = product(direction, direction) > ZERO;
     add_turn(state, taken.position, unit, direction, touches && forceful);

@@ -389,7 +389,7 @@ FS_STRUCT PathMetrics {
     uint unstable_step; // at which the probe left its bound; kNever
     uint fell;          // 1: it left free of contact, the way the hand pushes
     uint unfinished;    // samples at which a proxy did not come to rest
-    uint zero;          // 0
+    uint trail;         // hash of every place that a mesh's proxy walked through, and of what held it there
 };
 
 // A path between two steps.
@@ -465,7 +465,8 @@ FS_CONSTANT kWalkWordSteps = 2u;       // of the path
 FS_CONSTANT kWalkWordConstraints = 3u; // triangles that constrained the proxy at the last update; and bits
 FS_CONSTANT kWalkWordTriangles = 4u;   // the three of them
 FS_CONSTANT kWalkWordContact = 7u;     // of a contact that the host found: the first triangle that constrains it
-FS_CONSTANT kWalkWordCount = 8u;
+FS_CONSTANT kWalkWordTrail = 8u;       // and the hash of its walk
+FS_CONSTANT kWalkWordCount = 9u;
 
 FS_CONSTANT kConstraintCount = 3u;
 FS_CONSTANT kConstraintCornered = 4u; // rested at a corner or an edge

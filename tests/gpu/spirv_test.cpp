@@ -94,7 +94,7 @@ template <typename real> std::vector<Expected> metrics_members() {
                       steepest_turn, steepest_distance, least_depth, largest_depth, depth, depth_rest, depth_square,
                       depth_square_rest, work, work_rest, effort, effort_rest, round_begin, round_begin_rest,
                       largest_round, least_round, early_speed, late_speed, contact_samples, rounds, unstable_step, fell,
-                      unfinished, zero);
+                      unfinished, trail);
 }
 
 template <typename real> std::vector<Expected> state_members() {
