@@ -45,13 +45,7 @@ void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene&
 AlsoFormats parse_also(const std::vector<std::string>& names) {
     AlsoFormats also;
     for (const std::string& name : names) {
-        if (name == "vti")
-            also.vti = true;
-        else if (name == "vtp")
-            also.vtp = true;
-        else if (name == "npy")
-            also.npy = true;
-        else if (!also.pictures.add(name))
+        if (!also.add(name))
             throw UsageError(
                 fmt::format("--also {}: there are vti, vtp, npy, png, svg and pdf, with commas between them", name));
     }
@@ -69,7 +63,7 @@ void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormat
     if (also.npy)
         for (const layout::uint channel : kFieldChannels)
             if ((channels | layout::kChannelForce) & channel)
-                names.push_back(fmt::format("{}.{}.npy", stem, name_of_channel(channel)));
+                names.push_back(stem + npy_kind(channel));
     if (also.vtp)
         names.push_back(stem + ".vtp");
     for (const char* kind : {".mosaic", ".arrows", ".stroke", ".shading"})
@@ -108,9 +102,7 @@ PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats als
     options.samples = volume.parent_path() / (stem + ".paths.exr");
     options.stem = volume.parent_path() / stem;
     options.label = ".paths";
-    options.npy = also.npy;
-    options.vtp = also.vtp;
-    options.pictures = also.pictures;
+    options.also = also;
     options.threads = threads;
     return options;
 }

@@ -5,19 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "host/cases/case_output.h"
 #include "host/cases/path_run.h"
 #include "host/field/prepared_case.h"
 #include "host/output/exr_volume.h"
 #include "host/output/record.h"
-#include "host/picture/picture.h"
 
 namespace forceshade {
-
-/// The files that a case leaves in addition to its EXR.
-struct AlsoFormats {
-    bool vti = false, vtp = false, npy = false;
-    picture::Endings pictures{};
-};
 
 /// \throws UsageError for a name that is none of vti, vtp, npy, png, svg, pdf.
 AlsoFormats parse_also(const std::vector<std::string>& names);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "host/cases/case_files.h"
 #include "host/cases/chunk_queue.h"
 #include "host/error.h"
 #include "host/long_run.h"

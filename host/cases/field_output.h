@@ -5,9 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "host/cases/case_files.h"
-#include "host/cases/sinks.h"
-#include "host/field/comparison.h"
+#include "host/cases/case_output.h"
 #include "host/picture/slice_collector.h"
 #include "host/referee/oracle_check.h"
 
@@ -37,18 +35,15 @@ private:
     void add_surface(CaseRecord& record);
     void add_pictures(CaseRecord& record);
 
-    const PreparedCase& prepared_;
-    std::filesystem::path volume_;
-    AlsoFormats also_;
-    PictureChoice pictures_;
+    CaseOutput<ChunkSink> output_; // the volume first
+    bool also_vtp_;
+    picture::SliceChoice slice_;
     int threads_;
     double checking_ = 0; /* s */
     std::size_t repeat_y_;
     std::uint64_t evaluated_;
-    Sinks<ChunkSink> sinks_; // the volume first
     std::unique_ptr<picture::SliceCollector> slices_;
     OracleCheck check_;
-    std::optional<Compared> compared_; // with [compare]
 };
 
 } // namespace forceshade

@@ -2,63 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "host/cases/case_files.h"
 #include "host/cases/path_comparison.h"
-#include "host/cases/sinks.h"
 #include "host/error.h"
-#include "host/field/comparison.h"
 #include "host/long_run.h"
-#include "host/output/exr_volume.h"
-#include "host/output/files.h"
 #include "host/output/rows.h"
-#include "host/paths/path_files.h"
 #include "host/paths/recorded.h"
 #include "host/paths/scene_paths.h"
 #include "host/picture/scene_picture.h"
 #include "host/program.h"
 
 namespace forceshade {
-
-namespace {
-
-constexpr layout::uint kAlways = layout::kChannelForce | layout::kChannelPosition;
-
-bool is_csv(const std::filesystem::path& path) {
-    return path.extension() == ".csv";
-}
-
-// What the files hold; `asked`: the scene's channels.
-layout::uint channels_for(const PathRunOptions& options, layout::uint asked) {
-    if (options.samples.empty())
-        return 0;
-    return is_csv(options.samples) ? kSampled | (asked & kComparedChannels)
-                                   : (asked & (kSampled | kComparedChannels)) | kAlways;
-}
-
-} // namespace
-
-std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
-    std::vector<std::string> names;
-    const std::string stem = options.stem.filename().string();
-    if (!options.samples.empty())
-        names.push_back(options.samples.filename().string());
-    names.push_back(stem + ".paths.csv");
-    if (options.npy)
-        for (const layout::uint channel : kPathChannels)
-            if (channels_for(options, channels) & channel)
-                names.push_back(fmt::format("{}{}.{}.npy", stem, options.label, name_of_channel(channel)));
-    if (options.vtp)
-        names.push_back(fmt::format("{}{}.vtp", stem, options.label));
-    std::ranges::move(picture::names_with(stem + ".paths", options.pictures), std::back_inserter(names));
-    return names;
-}
 
 namespace {
 
@@ -154,69 +113,23 @@ private:
         std::shared_ptr<const RecordedFile> file)
         : Base(prepared, file, channels_of(prepared, options, file != nullptr), engine.report().software,
                kComparedSamples),
-          engine_(engine), prepared_(prepared), origin_(scene_origin(prepared)), options_(options),
+          engine_(engine), stem_(options.stem.string()), origin_(scene_origin(prepared)), progress_(options.progress),
           file_(std::move(file)), rate_(rate_of(prepared.one.scene)),
-          written_(channels_for(options, written_channels(prepared.one.scene))),
           total_(file_ ? file_->samples() : std::uint64_t(input.paths) * input.steps),
-          gatherer_(source, [this](const PathRows<T>& rows) { receive(rows); }) {
+          gatherer_(source, [this](const PathRows<T>& rows) { receive(rows); }),
+          output_(prepared, options, written(prepared.one.scene)) {
         if (file_)
             times_.emplace(file_);
-        open_files();
     }
 
     // How long a recorded path was in contact is known from its samples alone. Polylines always tell the contact.
     static layout::uint channels_of(const PreparedCase& prepared, const PathRunOptions& options, bool recorded) {
-        layout::uint computed = channels_for(options, prepared.one.scene.output.channels) & kSampled;
+        layout::uint computed = path_channels(options, prepared.one.scene.output.channels) & kSampled;
         if (recorded)
             computed |= layout::kChannelFacet;
-        if (options.vtp)
+        if (options.also.vtp)
             computed |= layout::kChannelFacet | layout::kChannelDepth;
         return computed;
-    }
-
-    std::filesystem::path with_stem(const std::string& kind) const { return options_.stem.string() + kind; }
-
-    void open_files() {
-        const Scene& scene = prepared_.one.scene;
-        if (!options_.samples.empty())
-            sinks_.add(options_.samples, is_csv(options_.samples)
-                                             ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(
-                                                   options_.samples, labels(), origin_, scene.compare.has_value()))
-                                             : std::make_unique<PathVolumeWriter>(options_.samples, header()));
-        summary_.emplace(with_stem(".paths.csv"), scene.precision);
-        if (options_.npy)
-            for (const layout::uint channel : kPathChannels)
-                if (written_ & channel) {
-                    const std::filesystem::path file =
-                        with_stem(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
-                    sinks_.add(file, std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel,
-                                                                     scene.precision, origin_));
-                }
-        if (options_.vtp) {
-            const std::filesystem::path file = with_stem(options_.label + ".vtp");
-            sinks_.add(file, std::make_unique<PathVtpWriter>(
-                                 file,
-                                 PathVtpHeader{input.paths, total_, (written_ & layout::kChannelProxy) != 0,
-                                               scene.precision, scene.compare.has_value(), origin_},
-                                 labels()));
-        }
-        if (written_ & kComparedChannels)
-            compared_.emplace(prepared_, static_cast<unsigned>(options_.threads));
-        if (options_.pictures.any())
-            collector_.emplace(input.paths, input.steps, origin_);
-    }
-
-    PathVolumeHeader header() const {
-        const Scene& scene = prepared_.one.scene;
-        PathVolumeHeader header;
-        header.steps = input.steps;
-        header.paths = input.paths;
-        header.rate = file_ && input.features.loop == layout::kLoopOpen ? 0 : rate_;
-        header.channels = written_;
-        Scene of_paths = scene;
-        of_paths.field = false;
-        set_options(header, prepared_, of_paths, options_.threads);
-        return header;
     }
 
     std::uint64_t id_of(std::uint64_t path) const { return file_ ? file_->ids()[path] : path; }
@@ -224,9 +137,15 @@ private:
         return times_ ? times_->at(path, step) : double(step) / rate_;
     }
 
-    PathLabels labels() {
-        return {[this](std::uint64_t path) { return id_of(path); },
-                [this](std::uint64_t path, std::uint64_t step) { return time_of(path, step); }};
+    WrittenPaths written(const Scene& scene) {
+        const bool own_times = file_ && input.features.loop == layout::kLoopOpen;
+        return {input.paths,
+                input.steps,
+                total_,
+                own_times ? 0 : rate_,
+                {[this](std::uint64_t path) { return id_of(path); },
+                 [this](std::uint64_t path, std::uint64_t step) { return time_of(path, step); }},
+                file_ ? "recorded paths" : picture::paths_title(*scene.paths)};
     }
 
     void receive(const layout::PathChunk<T>& chunk) {
@@ -241,10 +160,7 @@ private:
             times_->add(rows);
         require_finite(rows);
         oracle.compare(rows);
-        const PathRows<T> written = compared_ ? compared_->paths(rows) : rows;
-        sinks_.write(written);
-        if (collector_)
-            collector_->add(rows);
+        output_.write(rows);
     }
 
     void require_finite(const PathRows<T>& rows) const {
@@ -267,7 +183,7 @@ private:
     [[noreturn]] void refuse(std::uint64_t path, const std::string& where) const {
         throw Error(ExitCode::failed,
                     fmt::format("{}: the force on path {}{} is no finite number of this precision; nothing was written",
-                                options_.stem.string(), id_of(path), where));
+                                stem_, id_of(path), where));
     }
 
     void receive(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
@@ -280,7 +196,7 @@ private:
                 figures_of(metrics[i], {source.lengths()[i], rate_, closed, inside, times_of(first + i, metrics[i])});
             if (!std::isfinite(figures.largest_force + figures.rms_force + figures.work + figures.steepest_turn))
                 refuse(first + i, "");
-            summary_->add(id_of(first + i), figures);
+            output_.add(id_of(first + i), figures);
             count(figures, metrics[i].contact_samples);
         }
         done_ += batch_samples();
@@ -318,8 +234,8 @@ private:
     // `done`: of the present batch.
     void progress(std::uint64_t done) {
         stage_.update((done_ + done) / kMillion);
-        if (options_.progress)
-            options_.progress(done_ + done, total_);
+        if (progress_)
+            progress_(done_ + done, total_);
     }
 
     void finish() {
@@ -328,51 +244,27 @@ private:
             file_->require_unchanged();
         record_.error = oracle.error();
         record_.warnings = paths.warnings();
-        if (compared_)
-            record_.deviation = compared_->record();
         if (record_.in_contact > 0) {
             const double samples = double(record_.in_contact);
             record_.mean_depth = depth_ / samples;
             record_.depth_deviation =
                 std::sqrt(std::max(depth_square_ / samples - record_.mean_depth * record_.mean_depth, 0.0));
         }
-        if (!options_.samples.empty())
-            sinks_.finish_first(record_);
-        add_file(record_, with_stem(".paths.csv").filename().string(), summary_->finish());
-        sinks_.finish_others(record_);
-        if (collector_)
-            add_picture();
-    }
-
-    void add_picture() {
-        const PathCollector::Reach reach = collector_->reach();
-        const double border = std::max(0.05 * (reach.to - reach.from), 1e-9);
-        picture::Look look = options_.look;
-        if (look.title.empty())
-            look.title = fmt::format("{}, {}", picture::title_of(prepared_.one),
-                                     file_ ? "recorded paths" : picture::paths_title(*prepared_.one.scene.paths));
-        const picture::Picture drawn =
-            collector_->draw(look, surface_lines(prepared_, {reach.from - border, reach.to + border, reach.y}));
-        std::ranges::move(picture::write_picture(with_stem(".paths"), options_.pictures, drawn),
-                          std::back_inserter(record_.files));
+        output_.finish(record_);
     }
 
     Engine& engine_;
-    const PreparedCase& prepared_;
-    const glm::dvec3 origin_; /* m, in the world: of the places of rows */
-    const PathRunOptions& options_;
+    std::string stem_;
+    glm::dvec3 origin_; /* m, in the world: of the places of rows */
+    std::function<void(std::uint64_t, std::uint64_t)> progress_;
     std::shared_ptr<const RecordedFile> file_; // null: the paths are generated
     double rate_;                              /* 1/s */
-    layout::uint written_;                     // channels
     std::uint64_t total_ = 0, done_ = 0;       // samples: in all, and of the batches before
     static constexpr std::uint64_t kMillion = 1000000;
     Stage stage_{"exploring paths", total_ / kMillion, "million samples"};
     RowGatherer<T> gatherer_;
     std::optional<RecordedTimes> times_;
-    Sinks<PathSink> sinks_; // the samples first, if they are asked for
-    std::optional<PathSummary> summary_;
-    std::optional<Compared> compared_; // with [compare]
-    std::optional<PathCollector> collector_;
+    PathOutput<T> output_;
     double depth_ = 0, depth_square_ = 0; // m, m^2: sums over the samples in contact
     PathRecord record_;
 };

@@ -1,35 +1,12 @@
 // The paths of a scene, or recorded ones, through an engine and into files.
 #pragma once
 
-#include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-#include <vector>
-
+#include "host/cases/path_output.h"
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
-#include "host/output/exr_volume.h"
 #include "host/output/record.h"
-#include "host/picture/picture.h"
 
 namespace forceshade {
-
-struct PathRunOptions {
-    std::filesystem::path samples;                 /* .exr or .csv; empty: metrics alone */
-    std::filesystem::path stem;                    /* STEM.paths.csv and what else is asked for */
-    std::string label;                             /* between stem and kind of further files: "" or ".paths" */
-    std::optional<std::filesystem::path> recorded; /* in place of the scene's paths */
-    bool npy = false;                              /* not with metrics alone, nor are VTP and pictures */
-    bool vtp = false;                              /* polylines for ParaView */
-    picture::Endings pictures;
-    picture::Look look; /* of the picture; without a title: the case in words */
-    int threads = 0;    /* that compress */
-    std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; may be empty */
-};
-
-/// The names of the files of a run, the samples first.
-std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels);
 
 /// Memory is bounded by RowGatherer, RecordedFile and the engine, whatever paths there are, but for the rows of
 /// an EXR. A recorded file that is not kept is read once to check it, once for the engine, once for its times, once for

@@ -192,19 +192,15 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     options.threads = static_cast<int>(most_threads());
     std::filesystem::path page;
     for (const std::string& name : arguments.also)
-        if (name == "npy")
-            options.npy = true;
-        else if (name == "vtp")
-            options.vtp = true;
-        else if (name == "html")
+        if (name == "html")
             page = options.stem.string() + ".html";
-        else if (!options.pictures.add(name))
+        else if (name == "vti" || !options.also.add(name))
             throw UsageError(fmt::format(
                 "--also {}: for paths there are vtp, npy, html, png, svg and pdf, with commas between them", name));
     options.look = arguments.look;
     if (!may_write(all_files(options, scene, page), common))
         return 0;
-    refuse_unused(options.pictures, arguments.look == picture::Look{});
+    refuse_unused(options.also.pictures, arguments.look == picture::Look{});
     clear_stale_temporaries(options.stem.parent_path());
     const PathRecord record = run_paths(*engine, prepared, options);
     if (!page.empty()) {

@@ -1,6 +1,7 @@
 // forceshade field.
 #include <fmt/format.h>
 
+#include "host/cases/case_files.h"
 #include "host/cases/case_pipeline.h"
 #include "host/cases/forecast.h"
 #include "host/cli/command.h"

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compute/device.h"
+#include "host/cases/case_files.h"
 #include "host/cases/case_pipeline.h"
 #include "host/cli/command.h"
 #include "host/error.h"

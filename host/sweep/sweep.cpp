@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include "host/cases/case_files.h"
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/output/files.h"

@@ -211,7 +211,7 @@ TEST_F(FarScene, IsWrittenInWorldCoordinates) {
     options.recorded = path("way.csv");
     options.samples = path("a.exr");
     options.stem = path("a");
-    options.npy = options.vtp = true;
+    options.also.npy = options.also.vtp = true;
     const PathRecord record = run_paths(*make_engine(engine), prepared, options);
     EXPECT_TRUE(record.error.passed());
 
