@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <future>
 #include <optional>
 #include <utility>
 
@@ -181,8 +182,14 @@ std::vector<std::filesystem::path> all_files(const PathRunOptions& options, cons
 
 int run_all(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
+    // While the device opens.
+    std::future<std::string> warning = std::async(std::launch::async, [&] {
+        return scene.paths && scene.paths->closed() ? scene_limits(prepared).warning() : std::string();
+    });
     const auto engine = make_engine(
         select_engine(common, scene.precision == Precision::f64, path_workload(scene, arguments.paths)), common);
+    if (const std::string limit = warning.get(); !limit.empty())
+        print_warnings({limit}, common);
     PathRunOptions options;
     options.stem = arguments.stem();
     if (!arguments.metrics_only)
@@ -254,9 +261,6 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
                                      arguments.scene));
     if (prepared.images.mesh)
         print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
-    if (scene.paths && scene.paths->closed())
-        if (const std::string warning = scene_limits(prepared).warning(); !warning.empty())
-            print_warnings({warning}, common);
     device_options(common, false); // refuses --gpu with --engine cpu
     if (is_streamed(arguments, common, scene, recorded))
         return stream(arguments, common, prepared, recorded);

@@ -103,7 +103,7 @@ public:
     void judge() {
         ++count_.samples;
         if (!path_.begun && surface_.closed())
-            begin();
+            path_.side = surface_.side_of_start(at_.probe, at_.tolerance, surface_.by_winding);
         if (surface_.closed())
             check_side();
         if (at_.touching() && depth_ > margin_)
@@ -120,13 +120,6 @@ public:
     }
 
 private:
-    // A path begins where its probe is; behind the surface, at the nearest place in front of it.
-    void begin() {
-        path_.side = surface_.side_by_tree(at_.probe, at_.tolerance);
-        if (path_.side)
-            *path_.side += surface_.behind(at_.probe, surface_.by_winding);
-    }
-
     void check_side() {
         Point place = at_.proxy, towards(0.0);
         double nearest = at_.tolerance;
@@ -159,6 +152,10 @@ private:
             doubtful_ = true;
             return;
         }
+        if (!path_.side && at_.touching() && surface_.facing(side) == 0 && !rests_on_one(towards)) {
+            doubtful_ = true;
+            return;
+        }
         path_.there = side;
         path_.place = place;
         if (!path_.side)
@@ -179,7 +176,39 @@ private:
     // facets there face both ways, or another one is near.
     bool is_in_pocket(const Point& place, const Point& towards) const {
         return surface_.face_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance) ||
-               surface_.meets(place, at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no;
+               surface_.meets(place, at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no ||
+               (surface_.facing(path_.side) == 0 && is_in_crossing(towards));
+    }
+
+    // Whether all facets at a proxy are square to the force: where others are, which sector it is in is not known.
+    bool rests_on_one(const Point& towards) const {
+        return std::ranges::all_of(surface_.triangles_at(at_.proxy, margin_, margin_), [&](std::uint32_t triangle) {
+            return std::abs(reference::dot(surface_.normal(triangle), towards)) > 1 - kSlant;
+        });
+    }
+
+    // Where facets cross, a force between two of them may point out of the narrow sector where its proxy is: whether a
+    // place on the other side of one or two of them is where the path is.
+    bool is_in_crossing(const Point& towards) const {
+        std::vector<std::uint32_t> here = surface_.triangles_at(at_.proxy, margin_, margin_);
+        here.resize(std::min<std::size_t>(here.size(), 8));
+        const auto mirrored = [&](const Point& direction, std::uint32_t triangle) {
+            const Point normal = surface_.normal(triangle);
+            return direction - 2 * reference::dot(normal, direction) * normal;
+        };
+        const auto is_side = [&](const Point& direction) {
+            // Of the one facet that it rests on, the other side is no sector of a crossing.
+            return reference::dot(direction, towards) > -1 + kSlant &&
+                   surface_.side_by_loops(at_.proxy + kFurther * at_.tolerance * direction, at_.tolerance / 2) ==
+                       path_.side;
+        };
+        for (const std::uint32_t one : here)
+            for (const std::uint32_t other : here) {
+                const Point once = mirrored(towards, one);
+                if (is_side(one == other ? once : mirrored(once, other)))
+                    return true;
+            }
+        return false;
     }
 
     void check_contact() {

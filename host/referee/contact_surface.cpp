@@ -210,13 +210,16 @@ std::optional<int> ContactSurface::side_by_loops(const glm::dvec3& place, double
                : std::nullopt;
 }
 
-int ContactSurface::behind(const glm::dvec3& place, bool by_winding) const {
+std::optional<int> ContactSurface::side_of_start(const glm::dvec3& probe, double nearest, bool by_winding) const {
     layout::Law<double> law = law_;
     law.features.inside = by_winding ? layout::kInsideWinding : layout::kInsidePseudonormal;
-    const auto found = reference::nearest(law.mesh, place);
-    if (!reference::is_inside(law, found, place))
-        return 0;
-    return reference::inside_by_pseudonormal(law.mesh, found) ? -1 : 1;
+    const auto found = reference::nearest(law.mesh, probe);
+    const std::optional<int> side = side_by_tree(probe, nearest);
+    if (!side || !reference::is_inside(law, found, probe))
+        return side;
+    if (front_) // through a solid's surface, however narrow it is beyond
+        return *side + (reference::inside_by_pseudonormal(law.mesh, found) ? -1 : 1);
+    return side_by_tree(probe + found.offset + 2 * nearest * reference::normalised(found.offset), nearest);
 }
 
 int ContactSurface::facing(std::optional<int> side) const {

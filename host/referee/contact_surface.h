@@ -49,8 +49,9 @@ public:
     /// The winding number; none nearer to the surface than `nearest`, or if it is not whole.
     std::optional<int> side_by_tree(const glm::dvec3& place, double nearest) const;
     std::optional<int> side_by_loops(const glm::dvec3& place, double nearest) const;
-    /// How the winding number changes at a place, which is behind the surface, if that is taken for the front.
-    int behind(const glm::dvec3& place, bool by_winding) const;
+    /// The winding number where a path begins: at its probe, or if that is behind the surface, beyond the nearest
+    /// place.
+    std::optional<int> side_of_start(const glm::dvec3& probe, double nearest, bool by_winding) const;
     /// 1 where a path with this winding number is in front of all facets, -1 where it is behind; 0: not known.
     int facing(std::optional<int> side) const;
 

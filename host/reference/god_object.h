@@ -288,8 +288,40 @@ GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state,
     return follow(mesh, state, neighbourhood, probe, trace);
 }
 
-/// Where the proxy is before the first step: at the probe, or a skin away from what it touches. A path that begins
-/// behind the surface begins at the nearest place of it, in front. `probe` is in the mesh's frame.
+template <typename T> bool is_behind(const layout::Law<T>& law, const Vector<T>& place) noexcept {
+    return is_inside(law, nearest(law.mesh, place), place);
+}
+
+/// Of a place on a corner or an edge, where in front of one triangle may be behind another: begins above the triangles
+/// there, off the corner, at the first of these places that is in front. False if none is.
+template <typename T>
+bool begin_aside(const layout::Law<T>& law, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
+                 const Vector<T>& place) noexcept {
+    constexpr layout::uint kMost = 64;
+    layout::uint triangles[kMost], count = 0;
+    Touch<T> touch{};
+    visit_near(law.mesh, neighbourhood, Move<T>{place, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+        begin_touch(law.mesh, index, touch);
+        update_touch(touch, place);
+        if (touch.distance < Skin<T>::kImpact && count < kMost)
+            triangles[count++] = index;
+    });
+    for (layout::uint i = 0; i < count; ++i) {
+        const Triangle<T> triangle = triangle_at(law.mesh, triangles[i]);
+        const Vector<T> middle = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / T(3);
+        GodObject<T> aside;
+        begin_path(law.mesh, aside, neighbourhood,
+                   place + kStride<T> * normalised(Vector<T>(middle - place)) + Skin<T>::kWidth * triangle.normal);
+        if (is_behind(law, aside.proxy))
+            continue;
+        state = aside;
+        return true;
+    }
+    return false;
+}
+
+/// Where the proxy is before the first step: at the probe, or a skin away from what it touches, in front. A path that
+/// begins behind the surface begins at the nearest place of it, in front. `probe` is in the mesh's frame.
 template <typename T>
 layout::ProxyStart<T> proxy_start(const layout::Law<T>& law, Neighbourhood<T>& neighbourhood,
                                   const Vector<T>& probe) noexcept {
@@ -307,6 +339,8 @@ layout::ProxyStart<T> proxy_start(const layout::Law<T>& law, Neighbourhood<T>& n
     }
     GodObject<T> state;
     begin_path(law.mesh, state, neighbourhood, place);
+    if (state.proxy != place && is_behind(law, state.proxy))
+        (void)begin_aside(law, state, neighbourhood, place);
     return {state.proxy.x, state.proxy.y, state.proxy.z, inside ? 1U : 0U};
 }
 

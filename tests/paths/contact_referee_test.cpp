@@ -158,6 +158,23 @@ TEST_F(ContactReferee, DoesNotGuessOnTheSurfaceNorInNarrowCorners) {
     EXPECT_EQ(open.wrong(), 0u);
 }
 
+// A wedge that stands through a box's top: next to it, within the box, the force on a proxy in the acute groove between
+// both points out of the groove.
+TEST_F(ContactReferee, TellsTheSectorsWhereSolidsCross) {
+    PolygonSoup wedge;
+    wedge.vertices = {{-7, -6, -2}, {-3, -6, -2}, {-5, -6, 3}, {-7, 6, -2}, {-3, 6, -2}, {-5, 6, 3}};
+    for (const auto& [a, b, c] : std::initializer_list<std::array<std::uint32_t, 3>>{{0, 1, 2}, {5, 4, 3}})
+        shapes::add_facet(wedge, {a, b, c});
+    for (const auto& [a, b, c, d] :
+         std::initializer_list<std::array<std::uint32_t, 4>>{{0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}})
+        shapes::add_facet(wedge, {a, b, c, d});
+    const PreparedCase one = prepared(shapes::merged(shapes::moved(shapes::cube(), {10, 8, 3}, {0, 0, -3}), wedge));
+    const Row start{{-6.55, 0, -1}, {-6.55 - 1.25 / 29, 0, -1 + 0.5 / 29}}; // in the wedge: goes on before it
+    const Row groove{{-2.94, 1, -0.92}, {-6.2, 1, 0}};
+    expect(one, {start, free_at({-8, 0, -1}), groove, groove, free_at({-8, 1, -1})}, {});
+    expect(one, {start, groove, free_at({-8, 1, 1})}, {.dropped = 1});
+}
+
 TEST_F(ContactReferee, SeesAProxyThatGoesAwayFromTheProbe) {
     for (const PolygonSoup& polygons : {shapes::cube(), shapes::open_cube()}) {
         const PreparedCase one = prepared(polygons);

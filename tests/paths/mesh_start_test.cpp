@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/mesh/mesh_file.h"
+#include "host/paths/recorded.h"
+#include "host/referee/mesh_referee.h"
 #include "tests/io/folder.h"
 #include "tests/paths/explored.h"
 
@@ -79,6 +82,42 @@ TEST_F(MeshStart, OnAnEdgeACornerOrTheTop) {
             for (const auto& force : result.force)
                 EXPECT_LT(std::sqrt(reference::dot(force, force)), 1e-4f) << where << loop;
         }
+}
+
+// Where facets face away from each other, in front of one is behind another.
+template <typename T> void expect_start_outside(const PreparedCase& prepared) {
+    ScenePaths<T> source(prepared, read_recorded<T>(prepared, prepared.one.scene.paths->path));
+    const brute::MeshReferee referee(prepared.images.mesh->mesh, {});
+    const MeshStructure& structure = prepared.images.mesh->structure;
+    const auto batch = source.batch(0, source.input().paths);
+    for (std::size_t path = 0; path < batch.count; ++path) {
+        const auto& start = batch.proxies[path];
+        const glm::dvec3 place = structure.centre + structure.scale * glm::dvec3(start.x, start.y, start.z);
+        EXPECT_NEAR(double(referee.winding_number(place)), 0, 1e-6) << path;
+    }
+}
+
+TEST_F(MeshStart, OutsideOfEveryCornerAndEdgeOfAStar) {
+    const PolygonSoup star = read_polygons(FORCESHADE_TEST_DATA "/../mutation/scenes/star.obj").polygons;
+    std::ofstream file(folder_ / "in.csv");
+    file << "path,t,x,y,z\n";
+    std::size_t path = 0;
+    const auto begin = [&](const glm::dvec3& at) {
+        file << fmt::format("{},0,{:.9g},{:.9g},{:.9g}\n", path++, 1e-3 * at.x, 1e-3 * at.y, 1e-3 * at.z);
+    };
+    for (const glm::dvec3& at : star.vertices)
+        begin(at);
+    for (std::size_t facet = 0; facet < star.facets(); ++facet)
+        for (int i = 0; i < 3; ++i)
+            begin(0.5 *
+                  (star.vertices[star.corners[3 * facet + i]] + star.vertices[star.corners[3 * facet + (i + 1) % 3]]));
+    file.close();
+    const PreparedCase prepared = prepared_scene(
+        "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_TEST_DATA
+        "/../mutation/scenes/star.obj\"\nunit = \"mm\"\n[paths]\nkind = \"recorded\"\nfile = \"in.csv\"\n",
+        folder_.path());
+    expect_start_outside<double>(prepared);
+    expect_start_outside<float>(prepared);
 }
 
 TEST_F(MeshStart, DepthsAndSpeedsBeyondReason) {
