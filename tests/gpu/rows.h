@@ -11,6 +11,8 @@
 #include <tuple>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "compute/kernels.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
@@ -80,6 +82,15 @@ inline std::ostream& operator<<(std::ostream& out, const Row& row) {
 Ground analytic(const Scene& scene, const SceneImages& images = {});
 Ground mesh_of(const PolygonSoup& polygons, Shading shading = Shading::none, const Maps& maps = {});
 
+inline constexpr layout::uint kLoops[] = {layout::kLoopOpen, layout::kLoopClosed};
+inline constexpr const char* kLoopNames[] = {"open", "closed"};
+inline constexpr const char* kMotionNames[] = {"strokes", "raster",      "circle",       "spiral",
+                                               "taps",    "random_walk", "minimum_jerk", "recorded"};
+/// "strokes_open"
+inline std::string name_of(layout::uint motion, layout::uint loop) {
+    return fmt::format("{}_{}", kMotionNames[motion], kLoopNames[loop]);
+}
+
 std::vector<Row> field_rows(); // of analytic surfaces
 std::vector<Row> mesh_field_rows();
 std::vector<Row> path_rows(); // over analytic surfaces
@@ -100,8 +111,10 @@ public:
     template <typename T> Held field(const Way& way, const FieldTables<T>& tables);
     template <typename T>
     Held mesh_field(const Way& way, const FieldTables<T>& tables, FreeSpace free = FreeSpace::skipped);
-    template <typename T, typename Length>
-    Held paths(const Way& way, const layout::PathInput<T>& input, const Length& length);
+    /// `length(path)`, steps.
+    template <typename T>
+    Held paths(const Way& way, const layout::PathInput<T>& input,
+               const std::function<std::size_t(std::size_t)>& length);
 
 private:
     template <typename Kernel> struct Kept {
