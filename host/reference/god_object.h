@@ -264,9 +264,6 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
     else if (rest.cornered && !contact.touching)
         reach_open_probe(mesh, neighbourhood, probe, trace, rest);
     contact.substeps = walk.substeps();
-    contact.trail = walk.trail();
-    for (layout::uint i = 0; i < contact.count; ++i)
-        contact.trail = hashed(contact.trail, contact.triangles[i]);
     state.proxy = rest.proxy;
     state.cornered = rest.cornered;
     state.count = rest.cornered ? rest.count : contact.count;
@@ -370,16 +367,43 @@ Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& re
     return contact;
 }
 
-/// A probe that moves, `probe`, m, from the scene's origin, in the mesh's frame `local`: its god-object comes after it.
-/// Out of contact the proxy is the probe.
+/// Keeps a hash of the places that the proxy walks through, and then of the triangles that hold it: a walk that goes
+/// another way to the same contact has another.
+struct Trail {
+    layout::uint& hash;
+    template <typename T> void operator()(const Vector<T>&, const Vector<T>& place) const noexcept {
+        hash = hashed(hash, place);
+    }
+};
+
+/// update() with the trail of its walk.
+template <typename T>
+GodObjectContact<T> update_with_trail(const layout::MeshView<T>& mesh, GodObject<T>& state,
+                                      Neighbourhood<T>& neighbourhood, const Vector<T>& probe,
+                                      layout::uint& trail) noexcept {
+    trail = 0;
+    const GodObjectContact<T> contact = update(mesh, state, neighbourhood, probe, Trail{trail});
+    for (layout::uint i = 0; i < contact.count; ++i)
+        trail = hashed(trail, contact.triangles[i]);
+    return contact;
+}
+
+/// What a probe feels of a god-object that was updated: `probe`, m, from the scene's origin, `local` in the mesh's
+/// frame. Out of contact the proxy is the probe.
+template <typename T>
+LawContact<T> law_contact(const layout::Law<T>& law, const GodObjectContact<T>& rest, const Vector<T>& probe,
+                          const Vector<T>& local) noexcept {
+    LawContact<T> found{mesh_contact(law, rest, local), rest.finished};
+    if (found.contact.facet == layout::kNoFacet)
+        found.contact.proxy = probe; // not there and back through the mesh's frame
+    return found;
+}
+
+/// A probe that moves: its god-object comes after it.
 template <typename T>
 LawContact<T> follow(const layout::Law<T>& law, GodObject<T>& proxy, Neighbourhood<T>& around, const Vector<T>& probe,
                      const Vector<T>& local) noexcept {
-    const GodObjectContact<T> rest = update(law.mesh, proxy, around, local);
-    LawContact<T> followed{mesh_contact(law, rest, local), rest.finished, rest.trail};
-    if (followed.contact.facet == layout::kNoFacet)
-        followed.contact.proxy = probe; // not there and back through the mesh's frame
-    return followed;
+    return law_contact(law, update(law.mesh, proxy, around, local), probe, local);
 }
 
 /// The radius of a ball around a place that no triangle enters: up to half the mesh's frame, and less what rounding and
@@ -401,7 +425,7 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     state.cornered = one.cornered;
     state.started = true;
     const GodObjectContact<T> contact =
-        update(mesh, state, neighbourhood, Vector<T>(one.probe[0], one.probe[1], one.probe[2]));
+        update_with_trail(mesh, state, neighbourhood, Vector<T>(one.probe[0], one.probe[1], one.probe[2]), one.trail);
     for (int i = 0; i < 3; ++i) {
         one.proxy[i] = state.proxy[i];
         one.rest[i] = contact.proxy[i];
@@ -411,7 +435,6 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     one.cornered = state.cornered;
     one.touching = contact.touching;
     one.finished = contact.finished;
-    one.trail = contact.trail;
     one.triangle = contact.touching ? contact.triangles[0] : 0;
     one.reach =
         contact.touching || !(largest_coordinate(state.proxy) <= T(kRegion)) ? T(0) : free_reach(mesh, state.proxy);
@@ -435,6 +458,8 @@ void finish_updates(const layout::MeshView<T>& mesh, std::span<layout::MeshUpdat
 #define FORCESHADE_GOD_OBJECT(SPECIFIER, T)                                                                            \
     SPECIFIER template GodObjectContact<T> update(const layout::MeshView<T>&, GodObject<T>&, Neighbourhood<T>&,        \
                                                   const Vector<T>&, const NoTrace&) noexcept;                          \
+    SPECIFIER template GodObjectContact<T> update(const layout::MeshView<T>&, GodObject<T>&, Neighbourhood<T>&,        \
+                                                  const Vector<T>&, const Trail&) noexcept;                            \
     SPECIFIER template layout::ProxyStart<T> proxy_start(const layout::Law<T>&, Neighbourhood<T>&,                     \
                                                          const Vector<T>&) noexcept;                                   \
     SPECIFIER template void finish_updates(const layout::MeshView<T>&, std::span<layout::MeshUpdate<T>>, unsigned);

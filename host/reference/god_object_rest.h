@@ -182,13 +182,12 @@ template <typename T> struct GodObjectContact {
     bool by_distance;          /* no planes define the contact: it is the place nearest to where the walk ended */
     bool finished;             /* false: ended before it converged; the proxy is on its side nevertheless */
     unsigned substeps;         /* straight pieces walked before the last, and looks taken */
-    layout::uint trail;        /* hash of the places that the walk went through, and of the triangles */
 };
 
 template <typename T> GodObjectContact<T> out_of_contact(const Vector<T>& probe) noexcept {
     GodObjectContact<T> contact; // no zeros beyond count: every update comes here
     contact.proxy = probe;
-    contact.count = contact.substeps = contact.trail = 0;
+    contact.count = contact.substeps = 0;
     contact.touching = contact.by_distance = false;
     contact.finished = true;
     return contact;

@@ -255,8 +255,6 @@ public:
     const Projection<T>& resting() const noexcept { return pool_.projection(); }
     const Touch<T>& touch(layout::uint i) const noexcept { return pool_[i]; }
     unsigned substeps() const noexcept { return substeps_; }
-    /// Hash of every place where it has been.
-    layout::uint trail() const noexcept { return trail_; }
     bool finished() const noexcept { return substeps_ < kSubsteps; }
 
     void remember(layout::uint triangle) noexcept { pool_.remember(triangle); }
@@ -351,7 +349,6 @@ private:
     void go_to(const Vector<T>& place) noexcept {
         trace_(proxy_, place);
         proxy_ = place;
-        trail_ = hashed(trail_, place);
     }
 
     /// Far out no triangle is in the way: flies straight to the region, or to the probe if the line does not cross it.
@@ -546,7 +543,6 @@ private:
     const Trace& trace_;
     TouchPool<T> pool_;
     unsigned substeps_ = 0;
-    layout::uint trail_ = 0;
     bool corner_ = false;
     bool solved_ = true;
     bool rests_ = false;

@@ -120,7 +120,12 @@ private:
     LawContact<T> evaluate_at(std::size_t path, const Vector<T>& probe, Neighbourhood<T>& neighbourhood) {
         if (!on_mesh())
             return {evaluate(input_.law, probe)};
-        return follow(input_.law, proxies_[path], neighbourhood, probe, to_mesh_frame(input_.law.mesh.params, probe));
+        const Vector<T> local = to_mesh_frame(input_.law.mesh.params, probe);
+        layout::uint trail;
+        const auto rest = update_with_trail(input_.law.mesh, proxies_[path], neighbourhood, local, trail);
+        LawContact<T> felt = law_contact(input_.law, rest, probe, local);
+        felt.trail = trail;
+        return felt;
     }
 
     const layout::PathInput<T>& input_;

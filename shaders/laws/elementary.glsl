@@ -23,18 +23,22 @@
 #define ZERO real(0.0LF)
 #define ONE real(1.0LF)
 
-// Goes on with a hash (FNV-1a, by words).
+// Goes on with a hash (FNV-1a, by words, a vector's being added up).
 uint hashed(uint hash, uint word) {
     return (hash ^ word) * 16777619u;
 }
 
-uint hashed(uint hash, real value) {
+uint word_of(real value) {
 #ifdef FS_F64
     uvec2 words = unpackDouble2x32(value);
-    return hashed(hashed(hash, words.x), words.y);
+    return words.x + 7u * words.y;
 #else
-    return hashed(hash, floatBitsToUint(value));
+    return floatBitsToUint(value);
 #endif
+}
+
+uint hashed(uint hash, real3 v) {
+    return hashed(hash, word_of(v.x) + 3u * word_of(v.y) + 5u * word_of(v.z));
 }
 
 // Writes a vector to three places of a buffer.

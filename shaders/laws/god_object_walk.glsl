@@ -390,7 +390,7 @@ void finish_substep(Move move, uint released, uint edge) {
     bool arrives = !was_hit && !was_released;
     // No triangle in the way: without a plane to keep to, that is the probe itself.
     walk_proxy = arrives && resting.count == 0u ? walk_probe : place_at(move, arrives ? ONE : time);
-    walk_trail = hashed(hashed(hashed(walk_trail, walk_proxy.x), walk_proxy.y), walk_proxy.z);
+    walk_trail = hashed(walk_trail, walk_proxy);
     walk_rests = arrives && (resting.count == 0u || one_face);
     if (!arrives)
         take_in(was_hit, impact.triangle, was_released ? released : 0u, edge);

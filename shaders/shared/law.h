@@ -176,7 +176,7 @@ template <typename real> struct MeshUpdate {
     bool touching;
     bool back; // touched from behind
     bool finished;
-    uint trail; // GodObjectContact's
+    uint trail; // hash of the walk and of the triangles
     real reach; // 1: out of contact, no triangle is nearer to the proxy than this
 };
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Recorded paths that aim at the corners, edges, diagonals and faces of a mesh: aim.py MESH.obj PATHS STEPS SEED > OUT.csv
+"""Recorded paths that aim at the corners, edges, diagonals and faces of a mesh: aim.py MESH.obj METRES PATHS STEPS SEED SNAP > OUT.csv
 
-From each place the next is another feature, or the same one, off it by 1e-7 to 10 mm in any direction, or by nothing. The mesh is in
-mm, the paths in m, a millisecond a step."""
+From each place the next is another feature, or the same one, off it by 1e-8 to 0.3 of the mesh's size in any direction, or by nothing.
+METRES is the mesh's unit. SNAP: of the places this share is taken to multiples of 1/64 unit, where heights above planes of such a mesh
+are exact, and moves to them may be along one axis alone. A millisecond a step."""
 import random
 import sys
 
@@ -33,18 +34,24 @@ def feature(draw, corners, facets):
     return place
 
 
-def main(mesh, paths, steps, seed):
+def main(mesh, metres, paths, steps, seed, snap):
     draw = random.Random(int(seed))
     corners, facets = read(mesh)
+    size = max(abs(at) for corner in corners for at in corner)
     print("path,t,x,y,z")
     for path in range(int(paths)):
-        aim = feature(draw, corners, facets)
+        aim = place = feature(draw, corners, facets)
         for step in range(int(steps)):
             if draw.random() < 0.5:
                 aim = blend(aim, feature(draw, corners, facets), draw.choice([1, 1, draw.random()]))
-            off = 0 if draw.random() < 0.1 else 10 ** draw.uniform(-7, 1)
-            place = [(at + off * draw.uniform(-1, 1)) * 1e-3 for at in aim]
-            print(f"{path},{step * 1e-3:.3f}," + ",".join(f"{at:.10g}" for at in place))
+            off = 0 if draw.random() < 0.1 else size * 10 ** draw.uniform(-8, -0.5)
+            last, place = place, [at + off * draw.uniform(-1, 1) for at in aim]
+            if draw.random() < float(snap):
+                place = [round(64 * at) / 64 for at in place]
+                if draw.random() < 0.3:
+                    axis = draw.randrange(3)
+                    place = [new if i == axis else round(64 * old) / 64 for i, (new, old) in enumerate(zip(place, last))]
+            print(f"{path},{step * 1e-3:.3f}," + ",".join(f"{at * float(metres):.10g}" for at in place))
 
 
 main(*sys.argv[1:])
