@@ -81,11 +81,11 @@ public:
     }
 
     /// Publishes the first file, which refuses what must not be published, and adds it to a CaseRecord or PathRecord.
-    template <typename Record> VolumeResult finish_first(Record& record) { return finish(sinks_.front(), record); }
+    template <typename Record> VolumeResult finish_first(Record& record) { return finish(sinks_.at(next_++), record); }
     /// Then the others; and what [compare] says.
     template <typename Record> void finish_others(Record& record) {
-        for (std::size_t i = 1; i < sinks_.size(); ++i)
-            finish(sinks_[i], record);
+        while (next_ < sinks_.size())
+            finish(sinks_[next_++], record);
         if (compared_)
             record.deviation = compared_->record();
     }
@@ -116,6 +116,7 @@ private:
     picture::Endings pictures_;
     picture::Look look_;
     std::vector<Named> sinks_;
+    std::size_t next_ = 0;             // to be published
     std::optional<Compared> compared_; // with [compare]
 };
 

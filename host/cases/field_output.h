@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "host/cases/case_output.h"
 #include "host/picture/slice_collector.h"

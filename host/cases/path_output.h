@@ -54,7 +54,7 @@ public:
 private:
     PathVolumeHeader header(layout::uint channels) const;
 
-    const PathRunOptions& options_;
+    PathRunOptions options_;
     WrittenPaths written_;
     glm::dvec3 origin_;           /* m, in the world: of the places of rows */
     CaseOutput<PathSink> output_; // the samples first, if they are asked for

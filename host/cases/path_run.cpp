@@ -93,6 +93,7 @@ template <typename T> class Run : EngineAndOracle<T> {
 public:
     Run(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options)
         : Run(engine, prepared, options, read_paths<T>(prepared, options)) {}
+    Run(const Run&) = delete; // others keep where it is
 
     PathRecord run() {
         record_.paths = input.paths;

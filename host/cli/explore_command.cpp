@@ -182,12 +182,14 @@ std::vector<std::filesystem::path> all_files(const PathRunOptions& options, cons
 
 int run_all(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
-    // While the device opens.
-    std::future<std::string> warning = std::async(std::launch::async, [&] {
-        return scene.paths && scene.paths->closed() ? scene_limits(prepared).warning() : std::string();
-    });
-    const auto engine = make_engine(
-        select_engine(common, scene.precision == Precision::f64, path_workload(scene, arguments.paths)), common);
+    const SelectedEngine selected =
+        select_engine(common, scene.precision == Precision::f64, path_workload(scene, arguments.paths));
+    const bool closed = scene.paths && scene.paths->closed();
+    // While a device opens.
+    std::future<std::string> warning =
+        std::async(closed && !selected.options.cpu ? std::launch::async : std::launch::deferred,
+                   [&] { return closed ? scene_limits(prepared).warning() : std::string(); });
+    const auto engine = make_engine(selected, common);
     if (const std::string limit = warning.get(); !limit.empty())
         print_warnings({limit}, common);
     PathRunOptions options;

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/mat3x3.hpp>
 
 #include "host/field/prepared_case.h"
 #include "host/norm.h"
@@ -152,12 +154,12 @@ private:
             doubtful_ = true;
             return;
         }
-        if (!path_.side && at_.touching() && surface_.facing(side) == 0 && !rests_on_one(towards)) {
+        path_.there = side;
+        path_.place = place;
+        if (!path_.side && at_.touching() && surface_.facing(side) == 0 && !is_square_to(towards)) {
             doubtful_ = true;
             return;
         }
-        path_.there = side;
-        path_.place = place;
         if (!path_.side)
             path_.side = side;
         if (*side == *path_.side)
@@ -174,41 +176,50 @@ private:
 
     // Whether a place next to a proxy in contact may be on another side than the proxy a skin off the surface is:
     // facets there face both ways, or another one is near.
-    bool is_in_pocket(const Point& place, const Point& towards) const {
+    bool is_in_pocket(const Point& place, const Point& towards) {
         return surface_.face_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance) ||
                surface_.meets(place, at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no ||
-               (surface_.facing(path_.side) == 0 && is_in_crossing(towards));
+               (surface_.facing(path_.side) == 0 && is_in_crossing());
     }
 
     // Whether all facets at a proxy are square to the force: where others are, which sector it is in is not known.
-    bool rests_on_one(const Point& towards) const {
-        return std::ranges::all_of(surface_.triangles_at(at_.proxy, margin_, margin_), [&](std::uint32_t triangle) {
+    bool is_square_to(const Point& towards) const {
+        const std::vector<std::uint32_t> here = surface_.triangles_at(at_.proxy, margin_, margin_);
+        return !here.empty() && std::ranges::all_of(here, [&](std::uint32_t triangle) {
             return std::abs(reference::dot(surface_.normal(triangle), towards)) > 1 - kSlant;
         });
     }
 
-    // Where facets cross, a force between two of them may point out of the narrow sector where its proxy is: whether a
-    // place on the other side of one or two of them is where the path is.
-    bool is_in_crossing(const Point& towards) const {
-        std::vector<std::uint32_t> here = surface_.triangles_at(at_.proxy, margin_, margin_);
-        here.resize(std::min<std::size_t>(here.size(), 8));
-        const auto mirrored = [&](const Point& direction, std::uint32_t triangle) {
-            const Point normal = surface_.normal(triangle);
-            return direction - 2 * reference::dot(normal, direction) * normal;
-        };
-        const auto is_side = [&](const Point& direction) {
-            // Of the one facet that it rests on, the other side is no sector of a crossing.
-            return reference::dot(direction, towards) > -1 + kSlant &&
-                   surface_.side_by_loops(at_.proxy + kFurther * at_.tolerance * direction, at_.tolerance / 2) ==
-                       path_.side;
-        };
-        for (const std::uint32_t one : here)
-            for (const std::uint32_t other : here) {
-                const Point once = mirrored(towards, one);
-                if (is_side(one == other ? once : mirrored(once, other)))
-                    return true;
-            }
+    // Where facets cross, a force between them may point out of the narrow sector where its proxy is. It says on which
+    // side of two or three facets the proxy is: whether a place between those is where the path is.
+    bool is_in_crossing() {
+        std::vector<std::uint32_t> here = surface_.crossing(surface_.triangles_at(at_.proxy, margin_, margin_));
+        here.resize(std::min<std::size_t>(here.size(), 6));
+        for (std::size_t i = 0; i < here.size(); ++i)
+            for (std::size_t j = i + 1; j < here.size(); ++j)
+                for (std::size_t k = j; k < here.size(); ++k) {
+                    const Point one = surface_.normal(here[i]), other = surface_.normal(here[j]);
+                    const bool two = k == j;
+                    if (is_in_sector({one, other, two ? reference::cross(one, other) : surface_.normal(here[k])}, two))
+                        return true;
+                }
         return false;
+    }
+
+    // The place is equally far from the facets of these normals; `two`: the third is along the line of the others.
+    bool is_in_sector(const glm::dmat3& normals, bool two) {
+        if (!(std::abs(glm::determinant(normals)) > 1e-6))
+            return false;
+        const glm::dmat3 dual = glm::inverse(normals);
+        const Point shares = dual * pull_;
+        if (two && std::abs(shares.z) * norm(normals[2]) > margin_ + kSlant * depth_)
+            return false;
+        const Point off = -glm::sign(Point(shares.x, shares.y, two ? 0.0 : shares.z)) * dual;
+        const Point place = at_.proxy + kFurther / 2 * at_.tolerance * off;
+        if (surface_.side_by_tree(place, at_.tolerance) != path_.side)
+            return false;
+        ++count_.brute;
+        return surface_.side_by_loops(place, at_.tolerance) == path_.side;
     }
 
     void check_contact() {
@@ -278,8 +289,8 @@ private:
 
     // A proxy without a balanced force that sees the probe, from some place around it where the surface leaves room.
     bool check_sight(const std::vector<std::uint32_t>& here) {
-        if (surface_.distance(at_.probe) <= 2 * margin_)
-            return false;
+        if (surface_.distance(at_.probe) <= 2 * margin_ || (surface_.closed() && !surface_.crossing(here).empty()))
+            return false; // of several sectors with the path's winding number it may be in another
         std::vector<Point> off{-pull_ / depth_};
         for (std::size_t i = 0; i < std::min<std::size_t>(here.size(), 8); ++i)
             for (const double way : {1.0, -1.0})

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -228,6 +229,14 @@ int ContactSurface::facing(std::optional<int> side) const {
     return *side == *front_ ? 1 : *side == *front_ + 1 ? -1 : 0;
 }
 
+std::vector<std::uint32_t> ContactSurface::crossing(std::span<const std::uint32_t> triangles) const {
+    std::vector<std::uint32_t> found;
+    std::ranges::copy_if(triangles, std::back_inserter(found), [&](std::uint32_t one) {
+        return std::ranges::any_of(triangles, [&](std::uint32_t other) { return !share_a_corner(one, other); });
+    });
+    return found;
+}
+
 bool ContactSurface::face_both_ways(const glm::dvec3& place, const glm::dvec3& towards, double reach) const {
     bool ahead = false, back = false;
     for (const std::uint32_t triangle : triangles_at(place, reach, reach)) {
@@ -280,10 +289,8 @@ std::vector<std::uint32_t> ContactSurface::triangles_at(const glm::dvec3& place,
 }
 
 bool ContactSurface::share_a_corner(std::uint32_t one, std::uint32_t other) const {
-    const layout::uint* const first = &law_.mesh.triangle_corners[3 * std::size_t(one)];
-    const layout::uint* const second = &law_.mesh.triangle_corners[3 * std::size_t(other)];
-    return std::any_of(first, first + 3,
-                       [&](layout::uint v) { return std::find(second, second + 3, v) != second + 3; });
+    const auto first = corners(one), second = corners(other); // by place: files may give a corner to each facet
+    return std::ranges::any_of(first, [&](const glm::dvec3& v) { return std::ranges::count(second, v) > 0; });
 }
 
 // Whether two triangles are behind each other's planes, and not in them.

@@ -50,13 +50,16 @@ public:
     std::optional<int> side_by_tree(const glm::dvec3& place, double nearest) const;
     std::optional<int> side_by_loops(const glm::dvec3& place, double nearest) const;
     /// The winding number where a path begins: at its probe, or if that is behind the surface, beyond the nearest
-    /// place.
+    /// place; none if one of these is nearer to the surface than `nearest`.
     std::optional<int> side_of_start(const glm::dvec3& probe, double nearest, bool by_winding) const;
     /// 1 where a path with this winding number is in front of all facets, -1 where it is behind; 0: not known.
     int facing(std::optional<int> side) const;
 
     /// Whether facets around a place face both ways along a direction, by more than one part in 8.
     bool face_both_ways(const glm::dvec3& place, const glm::dvec3& towards, double reach) const;
+
+    /// Those of the triangles at a place that meet another of them there without a common corner.
+    std::vector<std::uint32_t> crossing(std::span<const std::uint32_t> triangles) const;
 
     /// The triangle of a facet whose face holds a place, further than `margin` from its edges and no further off it.
     std::optional<std::uint32_t> face_at(std::uint32_t facet, const glm::dvec3& place, double margin) const;

@@ -52,17 +52,17 @@ template <typename T> bool is_finite(const Vector<T>& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// Goes on with a hash (FNV-1a, by words, a vector's being added up), as shaders/laws/elementary.glsl does.
+/// Goes on with a hash, word by word, as shaders/laws/elementary.glsl does.
 inline std::uint32_t hashed(std::uint32_t hash, std::uint32_t word) noexcept {
-    return (hash ^ word) * 16777619u;
+    return std::rotl(hash ^ word, 13) * 16777619u;
 }
 
 template <typename T> std::uint32_t hashed(std::uint32_t hash, const Vector<T>& v) noexcept {
-    const auto word = [](T value) {
-        const auto words = std::bit_cast<std::array<std::uint32_t, sizeof(T) / sizeof(std::uint32_t)>>(value);
-        return words.front() + (words.size() > 1 ? 7 * words.back() : 0);
-    };
-    return hashed(hash, word(v.x) + 3 * word(v.y) + 5 * word(v.z));
+    static_assert(sizeof(T) == 4 || sizeof(T) == 8);
+    for (int i = 0; i < 3; ++i)
+        for (const std::uint32_t word : std::bit_cast<std::array<std::uint32_t, sizeof(T) / 4>>(v[i]))
+            hash = hashed(hash, word);
+    return hash;
 }
 
 /// sqrt(v . v), rounded as the kernels do it: overflows where v . v does.

@@ -290,9 +290,9 @@ template <typename T> bool is_behind(const layout::Law<T>& law, const Vector<T>&
 }
 
 /// Of a place on a corner or an edge, where in front of one triangle may be behind another: begins above the triangles
-/// there, off the corner, at the first of these places that is in front. False if none is.
+/// there, off the corner, at the first of these places that is in front, if one is.
 template <typename T>
-bool begin_aside(const layout::Law<T>& law, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
+void begin_aside(const layout::Law<T>& law, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
                  const Vector<T>& place) noexcept {
     constexpr layout::uint kMost = 64;
     layout::uint triangles[kMost], count = 0;
@@ -306,15 +306,15 @@ bool begin_aside(const layout::Law<T>& law, GodObject<T>& state, Neighbourhood<T
     for (layout::uint i = 0; i < count; ++i) {
         const Triangle<T> triangle = triangle_at(law.mesh, triangles[i]);
         const Vector<T> middle = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / T(3);
+        const Vector<T> off = middle - place;
+        const T share = std::min(T(1), kStride<T> / length(off));
         GodObject<T> aside;
-        begin_path(law.mesh, aside, neighbourhood,
-                   place + kStride<T> * normalised(Vector<T>(middle - place)) + Skin<T>::kWidth * triangle.normal);
-        if (is_behind(law, aside.proxy))
-            continue;
-        state = aside;
-        return true;
+        begin_path(law.mesh, aside, neighbourhood, place + share * off + Skin<T>::kWidth * triangle.normal);
+        if (!is_behind(law, aside.proxy)) {
+            state = aside;
+            return;
+        }
     }
-    return false;
 }
 
 /// Where the proxy is before the first step: at the probe, or a skin away from what it touches, in front. A path that
@@ -337,7 +337,7 @@ layout::ProxyStart<T> proxy_start(const layout::Law<T>& law, Neighbourhood<T>& n
     GodObject<T> state;
     begin_path(law.mesh, state, neighbourhood, place);
     if (state.proxy != place && is_behind(law, state.proxy))
-        (void)begin_aside(law, state, neighbourhood, place);
+        begin_aside(law, state, neighbourhood, place);
     return {state.proxy.x, state.proxy.y, state.proxy.z, inside ? 1U : 0U};
 }
 
@@ -376,24 +376,28 @@ struct Trail {
     }
 };
 
+template <typename T> struct TrailedContact {
+    GodObjectContact<T> contact;
+    layout::uint trail;
+};
+
 /// update() with the trail of its walk.
 template <typename T>
-GodObjectContact<T> update_with_trail(const layout::MeshView<T>& mesh, GodObject<T>& state,
-                                      Neighbourhood<T>& neighbourhood, const Vector<T>& probe,
-                                      layout::uint& trail) noexcept {
-    trail = 0;
+TrailedContact<T> update_with_trail(const layout::MeshView<T>& mesh, GodObject<T>& state,
+                                    Neighbourhood<T>& neighbourhood, const Vector<T>& probe) noexcept {
+    layout::uint trail = 0;
     const GodObjectContact<T> contact = update(mesh, state, neighbourhood, probe, Trail{trail});
     for (layout::uint i = 0; i < contact.count; ++i)
         trail = hashed(trail, contact.triangles[i]);
-    return contact;
+    return {contact, trail};
 }
 
 /// What a probe feels of a god-object that was updated: `probe`, m, from the scene's origin, `local` in the mesh's
 /// frame. Out of contact the proxy is the probe.
 template <typename T>
 LawContact<T> law_contact(const layout::Law<T>& law, const GodObjectContact<T>& rest, const Vector<T>& probe,
-                          const Vector<T>& local) noexcept {
-    LawContact<T> found{mesh_contact(law, rest, local), rest.finished};
+                          const Vector<T>& local, layout::uint trail = 0) noexcept {
+    LawContact<T> found{mesh_contact(law, rest, local), rest.finished, trail};
     if (found.contact.facet == layout::kNoFacet)
         found.contact.proxy = probe; // not there and back through the mesh's frame
     return found;
@@ -424,8 +428,8 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     state.count = one.count;
     state.cornered = one.cornered;
     state.started = true;
-    const GodObjectContact<T> contact =
-        update_with_trail(mesh, state, neighbourhood, Vector<T>(one.probe[0], one.probe[1], one.probe[2]), one.trail);
+    const auto [contact, trail] =
+        update_with_trail(mesh, state, neighbourhood, Vector<T>(one.probe[0], one.probe[1], one.probe[2]));
     for (int i = 0; i < 3; ++i) {
         one.proxy[i] = state.proxy[i];
         one.rest[i] = contact.proxy[i];
@@ -435,6 +439,7 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     one.cornered = state.cornered;
     one.touching = contact.touching;
     one.finished = contact.finished;
+    one.trail = trail;
     one.triangle = contact.touching ? contact.triangles[0] : 0;
     one.reach =
         contact.touching || !(largest_coordinate(state.proxy) <= T(kRegion)) ? T(0) : free_reach(mesh, state.proxy);

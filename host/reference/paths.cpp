@@ -121,11 +121,8 @@ private:
         if (!on_mesh())
             return {evaluate(input_.law, probe)};
         const Vector<T> local = to_mesh_frame(input_.law.mesh.params, probe);
-        layout::uint trail;
-        const auto rest = update_with_trail(input_.law.mesh, proxies_[path], neighbourhood, local, trail);
-        LawContact<T> felt = law_contact(input_.law, rest, probe, local);
-        felt.trail = trail;
-        return felt;
+        const auto [rest, trail] = update_with_trail(input_.law.mesh, proxies_[path], neighbourhood, local);
+        return law_contact(input_.law, rest, probe, local, trail);
     }
 
     const layout::PathInput<T>& input_;

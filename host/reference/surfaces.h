@@ -19,7 +19,7 @@ template <typename T> struct Contact {
 template <typename T> struct LawContact {
     Contact<T> contact;
     bool finished = true;   /* the proxy came to rest */
-    layout::uint trail = 0; /* update_with_trail() */
+    layout::uint trail = 0; /* hash of its walk; 0 where none is kept */
 };
 
 // G2 and L3: the bump of n flat facets inscribed in the reference cylinder, step for step as

@@ -23,22 +23,23 @@
 #define ZERO real(0.0LF)
 #define ONE real(1.0LF)
 
-// Goes on with a hash (FNV-1a, by words, a vector's being added up).
+// Goes on with a hash, word by word.
 uint hashed(uint hash, uint word) {
-    return (hash ^ word) * 16777619u;
+    uint mixed = hash ^ word;
+    return (mixed << 13 | mixed >> 19) * 16777619u;
 }
 
-uint word_of(real value) {
+uint hashed(uint hash, real value) {
 #ifdef FS_F64
     uvec2 words = unpackDouble2x32(value);
-    return words.x + 7u * words.y;
+    return hashed(hashed(hash, words.x), words.y);
 #else
-    return floatBitsToUint(value);
+    return hashed(hash, floatBitsToUint(value));
 #endif
 }
 
 uint hashed(uint hash, real3 v) {
-    return hashed(hash, word_of(v.x) + 3u * word_of(v.y) + 5u * word_of(v.z));
+    return hashed(hashed(hashed(hash, v.x), v.y), v.z);
 }
 
 // Writes a vector to three places of a buffer.

@@ -296,7 +296,8 @@ real late_work(PathState state, MotionParams motion, PathSample taken, real work
 }
 
 // Takes a path that has not left one step on. `target` and `next` are the motion's places at this step and the next, m;
-// `unit` is the direction of the last force, and becomes that of this one. `finished`: the proxy came to rest; `trail`: of its walk.
+// `unit` is the direction of the last force, and becomes that of this one. `finished`: the proxy came to rest; `trail`:
+// hash of its walk.
 void take_step(inout PathState state, inout real3 unit, HandParams hand, MotionParams motion, PathSample taken,
                real3 target, real3 next, bool finished, uint trail, uint steps) {
     bool touches = taken.facet != kNoFacet;

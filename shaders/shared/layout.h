@@ -389,7 +389,7 @@ FS_STRUCT PathMetrics {
     uint unstable_step; // at which the probe left its bound; kNever
     uint fell;          // 1: it left free of contact, the way the hand pushes
     uint unfinished;    // samples at which a proxy did not come to rest
-    uint trail;         // hash of every place that a mesh's proxy walked through, and of what held it there
+    uint trail;         // hash of every place a mesh's proxy walked through, and of what held it there; else 0
 };
 
 // A path between two steps.

@@ -1,5 +1,5 @@
 // The rows of analytic surfaces.
-#include <numbers>
+#include <cctype>
 
 #include "host/output/height_image.h"
 #include "tests/gpu/rows.h"

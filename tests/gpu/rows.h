@@ -2,9 +2,11 @@
 // grid or paths, and the ways in which dispatches are cut. tests/gpu/table_test.cpp holds every row in both precisions.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <ostream>
 #include <string>

@@ -173,6 +173,10 @@ TEST_F(ContactReferee, TellsTheSectorsWhereSolidsCross) {
     const Row groove{{-2.94, 1, -0.92}, {-6.2, 1, 0}};
     expect(one, {start, free_at({-8, 0, -1}), groove, groove, free_at({-8, 1, -1})}, {});
     expect(one, {start, groove, free_at({-8, 1, 1})}, {.dropped = 1});
+    // Of solids that do not cross the side is known: one that holds its proxy from within, at an edge.
+    const PreparedCase apart =
+        prepared(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {5, 0, 0})));
+    expect(apart, {free_at({0, 0, 2}), {{1.5, 0, 1.5}, {1, 0, 1}}}, {.phantoms = 1, .other = 1});
 }
 
 TEST_F(ContactReferee, SeesAProxyThatGoesAwayFromTheProbe) {
