@@ -74,6 +74,9 @@ public:
     /// Displays a force, N, finite, until the next one; false: this force is not displayed.
     virtual bool write(const glm::dvec3& force) noexcept = 0;
 
+    /// Whether the device's motors give less than the force written last. By the loop's thread.
+    virtual bool saturated() const noexcept { return false; }
+
     /// Why a connected device displays no force (not calibrated, switched off by the user); null: it displays forces.
     /// Lives as long as the program; from any thread.
     virtual const char* withheld() const noexcept { return nullptr; }

@@ -156,6 +156,7 @@ public:
             throw DeviceAbsent(fmt::format("{} does not report its status: {}", facts_.name, library_.error()));
         check_position();
         set_watchdog();
+        prepare_gripper();
     }
     ~Dhd() override {
         halt();
@@ -165,6 +166,7 @@ public:
     const DeviceFacts& facts() const noexcept override { return facts_; }
     const char* withheld() const noexcept override { return withheld_.load(); }
     const char* error_text() const noexcept override { return error_text_.load(); }
+    bool saturated() const noexcept override { return saturated_; }
 
     Reading read() noexcept override {
         if (!door_.enter())
@@ -213,7 +215,7 @@ public:
         halted_ = true;
         if (!door_.enter_within(kDoorPatience))
             return;
-        library_.set_force(0, 0, 0, id_);
+        send(glm::dvec3(0));
         library_.stop(id_);
         door_.leave();
     }
@@ -222,7 +224,7 @@ public:
     void rest() noexcept override {
         if (!door_.enter())
             return;
-        library_.set_force(0, 0, 0, id_);
+        send(glm::dvec3(0));
         door_.leave();
     }
 
@@ -279,13 +281,32 @@ private:
             facts_.remark = facts_.name + " refuses its watchdog: the last force of a process that is killed stays on";
     }
 
+    // A gripper that is closed is button 1.
+    void prepare_gripper() {
+        const bool gripper = library_.has_active_gripper && library_.has_active_gripper(id_);
+        const bool wrist = library_.has_active_wrist && library_.has_active_wrist(id_);
+        actuated_ = (gripper || wrist) && library_.set_force_and_torque;
+        if (gripper && !(library_.emulate_button && library_.emulate_button(1, id_) >= 0) && facts_.remark.empty())
+            facts_.remark = facts_.name + " does not report its gripper as a button";
+    }
+
     bool done(int answer) noexcept {
         if (answer < 0)
             error_text_ = library_.error_get_last_str();
         return answer >= 0;
     }
 
-    bool display(const glm::dvec3& force) noexcept { return done(library_.set_force(-force.y, force.x, force.z, id_)); }
+    // A wrist and a gripper with motors get none of it.
+    int send(const glm::dvec3& force) noexcept {
+        return actuated_ ? library_.set_force_and_torque(-force.y, force.x, force.z, 0, 0, 0, 0, id_)
+                         : library_.set_force(-force.y, force.x, force.z, id_);
+    }
+
+    bool display(const glm::dvec3& force) noexcept {
+        const int answer = send(force);
+        saturated_ = answer == DhdLibrary::kMotorSaturated;
+        return done(answer);
+    }
 
     // False: the status is due and was not reported. It stays due.
     bool ask_when_due(Clock::time_point now) noexcept {
@@ -335,6 +356,8 @@ private:
     bool on_ = false;             // forces are, by that status
     bool enable_ = false;         // they are off, and we must switch them on
     bool begun_ = false;          // they were on when we wrote one
+    bool actuated_ = false;       // the wrist or the gripper is, too
+    bool saturated_ = false;      // the motors give less than was written last
     Door door_;
     std::atomic<const char*> withheld_ = nullptr;
     std::atomic<bool> halted_ = false;

@@ -15,7 +15,8 @@ namespace forceshade::device {
 /// Calls that return an int return a negative one on an error; dhdErrorGetLastStr describes it. A device is
 /// named by the number that opening it returned. \throws DeviceAbsent: the library is missing or is a different one.
 struct DhdLibrary : SharedLibrary {
-    static constexpr int kTimeGuard = 1; // dhdGetPosition: called too soon, this is the previous position
+    static constexpr int kTimeGuard = 1;      // dhdGetPosition: called too soon, this is the previous position
+    static constexpr int kMotorSaturated = 2; // dhdSetForce...: taken, but the motors give less
 
     /// Entries of dhdGetStatus by index, 1 or 0 except for the cause. Versions of the SDK have 15 to 17 of them.
     struct Status {
@@ -51,6 +52,12 @@ struct DhdLibrary : SharedLibrary {
     int (*get_serial_number)(unsigned short* number, char id) = optional("dhdGetSerialNumber");
     double (*get_max_force)(char id) = optional("dhdGetMaxForce");       // negative: no limit is set
     unsigned (*get_button_mask)(char id) = optional("dhdGetButtonMask"); // one bit each, pressed: 1
+    // Devices with an actuated wrist or gripper keep what these were given last; N, N m, N.
+    bool (*has_active_wrist)(char id) = optional("dhdHasActiveWrist");
+    bool (*has_active_gripper)(char id) = optional("dhdHasActiveGripper");
+    int (*set_force_and_torque)(double x, double y, double z, double about_x, double about_y, double about_z,
+                                double gripper, char id) = optional("dhdSetForceAndTorqueAndGripperForce");
+    int (*emulate_button)(unsigned char on, char id) = optional("dhdEmulateButton"); // button 1: the gripper closed
     int (*enable_expert_mode)() = optional("dhdEnableExpertMode");
     int (*disable_expert_mode)() = optional("dhdDisableExpertMode");
     int (*set_watchdog)(unsigned char time, char id) = optional("dhdSetWatchdog"); // in 125 us; expert

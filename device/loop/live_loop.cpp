@@ -254,6 +254,7 @@ void LiveLoop::display_force(Turn& turn) noexcept {
     turn.end = written_ = now();
     sample.commanded = accepted_ ? settings_.mapping.force_to_scene(force) : glm::dvec3(0);
     sample.flags |= accepted_ ? 0u : kFailed;
+    sample.flags |= back_end_.saturated() ? kSaturated : 0u;
     const bool late = is_late(turn.end);
     sample.flags |= late ? kTooLate : 0u; // the watchdog has let the device rest meanwhile
     if (!accepted_ || late)

@@ -113,12 +113,14 @@ enum SampleFlag : std::uint32_t {
     kDeadMan = 1u << 17,    // the dead-man switch was released: no force was displayed
     kClutched = 1u << 18,   // the clutch was held: no force was displayed, and the probe stayed in place
     kUnstable = 1u << 19,   // the force drove an oscillation: it fades out until the probe has left the surface
+    kSaturated = 1u << 20,  // the device's motors give less than the force displayed
 };
 
-inline constexpr std::array<std::string_view, 20> kSampleFlagNames{
+inline constexpr std::array<std::string_view, 21> kSampleFlagNames{
     "clamped",  "slewed",   "ramping",  "damped",   "no_number",  "bad_position", "stale",
     "outside",  "too_fast", "too_late", "failed",   "unfinished", "overrun",      "own_overrun",
-    "withheld", "lasting",  "new_path", "dead_man", "clutched",   "unstable"};
+    "withheld", "lasting",  "new_path", "dead_man", "clutched",   "unstable",
+    "saturated"};
 
 /// Flags with which no force is displayed.
 inline constexpr std::uint32_t kZeroForceFlags =

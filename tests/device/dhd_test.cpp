@@ -171,6 +171,35 @@ TEST_F(Dhd, TellsAnOldPositionFromANewOne) {
     EXPECT_TRUE(device->write({0, 0, 1})) << "the motors' limit is no failure";
 }
 
+TEST_F(Dhd, SaysWhenItsMotorsGiveLess) {
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_FALSE(device->saturated());
+    stub_.fail("saturation", 1, 1);
+    EXPECT_TRUE(device->write({0, 0, 8}));
+    EXPECT_TRUE(device->saturated());
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_FALSE(device->saturated());
+}
+
+TEST_F(Dhd, GivesNoTorqueToAWristOrAGripperWithMotors) {
+    for (const char* part : {"has a wrist", "has a gripper"}) {
+        stub_.call<void()>("stub_reset")();
+        stub_.fail(part);
+        const auto device = open_dhd("");
+        EXPECT_EQ(stub_.order(), part == std::string_view("has a gripper") ? "emulate 1;" : "");
+        EXPECT_TRUE(device->write({0, 0, 1}));
+        EXPECT_EQ(stub_.order(), "no torque;force 0 0 0;enable 1;no torque;force 0 0 1;") << part;
+        device->halt();
+        EXPECT_EQ(stub_.order(), "no torque;force 0 0 0;") << part;
+        EXPECT_EQ(device->facts().remark, "");
+    }
+    stub_.call<void()>("stub_reset")();
+    stub_.fail("has a gripper");
+    stub_.fail("dhdEmulateButton");
+    expect_words(open_dhd("")->facts().remark, {"gripper", "button"});
+}
+
 // After a hang the device may still hold the force of before it.
 TEST_F(Dhd, WritesZeroBeforeItEnablesForces) {
     const auto device = open_dhd("");

@@ -123,6 +123,18 @@ int dhdGetPosition(double* x, double* y, double* z, char) {
     }
     return stub::fails("time guard") ? 1 : 0;
 }
+#ifndef STUB_OLD
+bool dhdHasActiveWrist(char) {
+    return stub::fails("has a wrist");
+}
+bool dhdHasActiveGripper(char) {
+    return stub::fails("has a gripper");
+}
+int dhdEmulateButton(unsigned char on, char) {
+    stub::note(on ? "emulate 1" : "emulate 0");
+    return answer("dhdEmulateButton");
+}
+#endif
 #ifndef STUB_WITHOUT_FORCE
 int dhdSetForce(double x, double y, double z, char) {
     if (answer("dhdSetForce") < 0)
@@ -143,6 +155,13 @@ int dhdSetForce(double x, double y, double z, char) {
     stub::display(x, y, z);
     return stub::fails("saturation") ? 2 : 0;
 }
+#ifndef STUB_OLD
+int dhdSetForceAndTorqueAndGripperForce(double x, double y, double z, double about_x, double about_y, double about_z,
+                                        double gripper, char id) {
+    stub::note(about_x == 0 && about_y == 0 && about_z == 0 && gripper == 0 ? "no torque" : "torque");
+    return dhdSetForce(x, y, z, id);
+}
+#endif
 #endif
 const char* dhdErrorGetLastStr() {
     return last_error;
