@@ -156,7 +156,8 @@ private:
         }
         path_.there = side;
         path_.place = place;
-        if (!path_.side && at_.touching() && surface_.facing(side) == 0 && !is_square_to(towards)) {
+        if (!path_.side && at_.touching() && surface_.facing(side) == 0 &&
+            (!is_square_to(towards) || is_in_pocket(towards))) {
             doubtful_ = true;
             return;
         }
@@ -164,7 +165,7 @@ private:
             path_.side = side;
         if (*side == *path_.side)
             return;
-        if (at_.touching() && !path_.other && (!looks || is_in_pocket(place, towards))) {
+        if (at_.touching() && !path_.other && (!looks || is_in_pocket(towards))) {
             doubtful_ = true;
             return;
         }
@@ -176,9 +177,10 @@ private:
 
     // Whether a place next to a proxy in contact may be on another side than the proxy a skin off the surface is:
     // facets there face both ways, or another one is near.
-    bool is_in_pocket(const Point& place, const Point& towards) {
+    bool is_in_pocket(const Point& towards) {
         return surface_.face_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance) ||
-               surface_.meets(place, at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no ||
+               surface_.meets(at_.proxy + at_.tolerance * towards,
+                              at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no ||
                (surface_.facing(path_.side) == 0 && is_in_crossing());
     }
 

@@ -220,7 +220,8 @@ std::optional<int> ContactSurface::side_of_start(const glm::dvec3& probe, double
         return side;
     if (front_) // through a solid's surface, however narrow it is beyond
         return *side + (reference::inside_by_pseudonormal(law.mesh, found) ? -1 : 1);
-    return side_by_tree(probe + found.offset + 2 * nearest * reference::normalised(found.offset), nearest);
+    // Unless another surface is as near beyond it.
+    return side_by_tree(probe + found.offset + 2 * nearest * reference::normalised(found.offset), 1.9 * nearest);
 }
 
 int ContactSurface::facing(std::optional<int> side) const {

@@ -157,7 +157,7 @@ TEST_F(GrammarTest, gives_examples_that_work) {
     for (const auto& command : commands())
         for (const std::string& example : examples(command)) {
             // Seconds to minutes, tried by hand; a person; a second device.
-            const auto slow = {"--only",       "study e", "experiment",    "device check",
+            const auto slow = {"--only",       "study e", "study all",     "experiment", "device check",
                                "--device sim", "doctor",  "results/paper", "report"};
             if (std::ranges::any_of(slow, [&](const char* word) { return example.find(word) != std::string::npos; }))
                 continue;
