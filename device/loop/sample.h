@@ -119,8 +119,7 @@ enum SampleFlag : std::uint32_t {
 inline constexpr std::array<std::string_view, 21> kSampleFlagNames{
     "clamped",  "slewed",   "ramping",  "damped",   "no_number",  "bad_position", "stale",
     "outside",  "too_fast", "too_late", "failed",   "unfinished", "overrun",      "own_overrun",
-    "withheld", "lasting",  "new_path", "dead_man", "clutched",   "unstable",
-    "saturated"};
+    "withheld", "lasting",  "new_path", "dead_man", "clutched",   "unstable",     "saturated"};
 
 /// Flags with which no force is displayed.
 inline constexpr std::uint32_t kZeroForceFlags =

@@ -29,7 +29,8 @@ VolumeHeader volume_header(const PreparedCase& prepared, int threads) {
 
 // m: the middle sample, rounded down.
 double middle_y(const GridSpec& grid) {
-    return grid.origin[1] + grid.spacing[1] * static_cast<double>((grid.size[1] - 1) / 2);
+    const std::size_t middle = (grid.size[1] - 1) / 2;
+    return grid.origin[1] + grid.spacing[1] * static_cast<double>(middle);
 }
 
 bool stands_for_all_y(const Scene& scene) {

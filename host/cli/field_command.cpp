@@ -25,6 +25,7 @@ struct FieldArguments {
 std::vector<std::filesystem::path> in_folder(const std::filesystem::path& volume,
                                              const std::vector<std::string>& names) {
     std::vector<std::filesystem::path> files;
+    files.reserve(names.size());
     for (const std::string& name : names)
         files.push_back(volume.parent_path() / name);
     return files;

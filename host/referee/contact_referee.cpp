@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include <fmt/format.h>
@@ -374,7 +373,7 @@ template <typename T> void ContactReferee<T>::check(const PathRows<T>& rows) {
             const T* const position = &rows.position[3 * at];
             const T* const proxy = &rows.proxy[3 * at];
             Path& state = paths_[path];
-            const bool stands = step > 0 && std::memcmp(position, state.last, 3 * sizeof(T)) == 0;
+            const bool stands = step > 0 && std::equal(position, position + 3, state.last);
             std::copy_n(position, 3, state.last);
             Sample sample{rows.path_first + path,
                           step,
