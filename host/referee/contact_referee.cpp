@@ -5,7 +5,6 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <glm/common.hpp>
 #include <glm/mat3x3.hpp>
 
 #include "host/field/prepared_case.h"
@@ -207,7 +206,8 @@ private:
         return false;
     }
 
-    // The place is equally far from the facets of these normals; `two`: the third is along the line of the others.
+    // The place is equally far from the facets of these normals; `two`: the third is along the line of the others. A
+    // facet that takes no share of the force may hold the proxy from either side.
     bool is_in_sector(const glm::dmat3& normals, bool two) {
         if (!(std::abs(glm::determinant(normals)) > 1e-6))
             return false;
@@ -215,12 +215,22 @@ private:
         const Point shares = dual * pull_;
         if (two && std::abs(shares.z) * norm(normals[2]) > margin_ + kSlant * depth_)
             return false;
-        const Point off = -glm::sign(Point(shares.x, shares.y, two ? 0.0 : shares.z)) * dual;
-        const Point place = at_.proxy + kFurther / 2 * at_.tolerance * off;
-        if (surface_.side_by_tree(place, at_.tolerance) != path_.side)
-            return false;
-        ++count_.brute;
-        return surface_.side_by_loops(place, at_.tolerance) == path_.side;
+        for (unsigned turned = 0; turned < 8; ++turned) {
+            Point inwards(0);
+            bool possible = true;
+            for (int i = 0; i < (two ? 2 : 3); ++i) {
+                const bool turn = (turned >> i & 1u) != 0;
+                possible = possible && (!turn || std::abs(shares[i]) <= margin_);
+                inwards[i] = (shares[i] > 0) != turn ? -1 : 1;
+            }
+            const Point place = at_.proxy + kFurther / 2 * at_.tolerance * (inwards * dual);
+            if (!possible || (two && turned >= 4) || surface_.side_by_tree(place, at_.tolerance) != path_.side)
+                continue;
+            ++count_.brute;
+            if (surface_.side_by_loops(place, at_.tolerance) == path_.side)
+                return true;
+        }
+        return false;
     }
 
     void check_contact() {
