@@ -215,16 +215,17 @@ private:
         const Point shares = dual * pull_;
         if (two && std::abs(shares.z) * norm(normals[2]) > margin_ + kSlant * depth_)
             return false;
-        for (unsigned turned = 0; turned < 8; ++turned) {
+        const int facets = two ? 2 : 3;
+        for (unsigned turned = 0; turned < 1u << facets; ++turned) {
             Point inwards(0);
             bool possible = true;
-            for (int i = 0; i < (two ? 2 : 3); ++i) {
+            for (int i = 0; i < facets; ++i) {
                 const bool turn = (turned >> i & 1u) != 0;
                 possible = possible && (!turn || std::abs(shares[i]) <= margin_);
                 inwards[i] = (shares[i] > 0) != turn ? -1 : 1;
             }
             const Point place = at_.proxy + kFurther / 2 * at_.tolerance * (inwards * dual);
-            if (!possible || (two && turned >= 4) || surface_.side_by_tree(place, at_.tolerance) != path_.side)
+            if (!possible || surface_.side_by_tree(place, at_.tolerance) != path_.side)
                 continue;
             ++count_.brute;
             if (surface_.side_by_loops(place, at_.tolerance) == path_.side)

@@ -44,9 +44,10 @@ struct ContactCount {
 /// not wrong. A proxy out of contact is the probe. A proxy in contact is written on the surface, where the side is
 /// not defined; but it pulls the probe to its own side, so that a place 8 tolerances from it along the force's line is
 /// on that side, unless facets around face both ways or another one lies within 64 tolerances on that line; where
-/// facets cross, unless a place beyond one or two of them is where the path is. A path that begins on the surface is on
-/// the side of its first place that is certain: free, or on facets square to its force. The winding number is not
-/// computed anew where a straight line from the last place for which it is known certainly meets no facet.
+/// facets cross, unless the sector between them that the force holds the proxy in is where the path is. A path that
+/// begins on the surface is on the side of its first place that is certain: free, or on facets square to its force. The
+/// winding number is not computed anew where a straight line from the last place for which it is known certainly meets
+/// no facet.
 template <typename T> class ContactReferee {
 public:
     /// The case must outlive this. `samples`: of all its paths. `closed_loop`: probes that stand still have left.

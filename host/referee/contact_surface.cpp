@@ -220,7 +220,7 @@ std::optional<int> ContactSurface::side_of_start(const glm::dvec3& probe, double
         return side;
     if (front_) // through a solid's surface, however narrow it is beyond
         return *side + (reference::inside_by_pseudonormal(law.mesh, found) ? -1 : 1);
-    // Unless another surface is as near beyond it.
+    // None where another surface is as near beyond that one.
     return side_by_tree(probe + found.offset + 2 * nearest * reference::normalised(found.offset), 1.9 * nearest);
 }
 
