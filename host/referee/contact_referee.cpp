@@ -154,8 +154,7 @@ private:
         }
         path_.there = side;
         path_.place = place;
-        if (!path_.side && at_.touching() && surface_.facing(side) == 0 &&
-            (!is_square_to(towards) || is_in_pocket(towards))) {
+        if (!path_.side && at_.touching() && (!is_square_to(towards) || is_in_pocket(towards))) {
             doubtful_ = true;
             return;
         }

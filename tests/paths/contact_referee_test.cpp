@@ -8,6 +8,7 @@
 
 #include "host/cases/path_comparison.h"
 #include "host/field/prepared_case.h"
+#include "host/mesh/mesh_file.h"
 #include "host/referee/contact_surface.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
@@ -177,6 +178,18 @@ TEST_F(ContactReferee, TellsTheSectorsWhereSolidsCross) {
     const PreparedCase apart =
         prepared(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {5, 0, 0})));
     expect(apart, {free_at({0, 0, 2}), {{1.5, 0, 1.5}, {1, 0, 1}}}, {.phantoms = 1, .other = 1});
+}
+
+// A path that begins nearer to the surface than single precision can tell, and is then held at a corner whose facets
+// face away from each other: off that corner, along the force, is inside of the solid.
+TEST_F(ContactReferee, DoesNotGuessTheSideWhereAPathBeginsOnTheSurface) {
+    const PreparedCase crags = prepared(read_polygons(FORCESHADE_TEST_DATA "/../mutation/scenes/crags.obj").polygons);
+    const ContactCount count =
+        count_of<float>(crags, {free_at({-1.08045751, 3.757253062, -1.953447213}),
+                                {{-0.6775809059, 2.778047212, -5.349276368}, {-0.59428293, 4.58441023, -3.3751202}},
+                                free_at({-1.0804527, 3.7572603, -1.9534428}),
+                                free_at({-1, 4, 2})});
+    EXPECT_EQ(count.wrong(), 0u) << count.first;
 }
 
 TEST_F(ContactReferee, SeesAProxyThatGoesAwayFromTheProbe) {
