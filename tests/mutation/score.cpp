@@ -27,7 +27,7 @@ struct Arguments {
     std::vector<std::string> scene_names, only;
     std::size_t sample = 200;
     std::uint64_t seed = 1;
-    unsigned jobs = 1, seconds = 8;
+    unsigned jobs = 1, seconds = 20;
     bool verbose = false, coverage = false;
 };
 
