@@ -208,9 +208,9 @@ Constants constants_of(std::uint32_t group, const layout::Features& law, FacetLo
 }
 
 template <typename T> Constants constants_of(std::uint32_t group, const layout::PathInput<T>& input, FacetLoops loops) {
-    const auto some_hand = [&](T layout::HandParams<T>::*has) {
+    const auto some_hand = [&](const auto& of) {
         return input.features.loop == layout::kLoopClosed &&
-               std::ranges::any_of(input.hands, [&](const auto& hand) { return hand.*has > T(0); });
+               std::ranges::any_of(input.hands, [&](const auto& hand) { return of(hand) > T(0); });
     };
     Constants values = constants_of(group, input.law.features, loops);
     values[layout::kSpecChannels] = input.features.channels;
@@ -218,8 +218,9 @@ template <typename T> Constants constants_of(std::uint32_t group, const layout::
     values[layout::kSpecLoop] = input.features.loop;
     values[layout::kSpecFollow] = input.features.follow;
     values[layout::kSpecHarmonics] = input.features.harmonics;
-    values[layout::kSpecFriction] = some_hand(&layout::HandParams<T>::coulomb);
-    values[layout::kSpecQuantised] = some_hand(&layout::HandParams<T>::quantum);
+    values[layout::kSpecFriction] = some_hand([](const auto& hand) { return hand.coulomb; });
+    values[layout::kSpecQuantised] = some_hand([](const auto& hand) { return hand.quantum; });
+    values[layout::kSpecCoupled] = some_hand([](const auto& hand) { return hand.coupling.depth; });
     return values;
 }
 

@@ -17,6 +17,7 @@ layout(constant_id = kSpecLoop) const uint LOOP = kLoopOpen;
 layout(constant_id = kSpecHarmonics) const uint HARMONICS = 0u;
 layout(constant_id = kSpecFriction) const uint FRICTION = 0u;
 layout(constant_id = kSpecQuantised) const uint QUANTISED = 0u;
+layout(constant_id = kSpecCoupled) const uint COUPLED = 0u;
 layout(constant_id = kSpecUnroll) const uint UNROLL = 1u;
 
 layout(std430, set = 0, binding = kMeshPathBindMapGradients) readonly buffer MapBuffer { real map_gradients[]; };
@@ -142,9 +143,9 @@ bool begins_left(uint constraints, real3 probe) {
     return (constraints & kConstraintCornered) != 0u || !is_finite(probe);
 }
 
-PathSample sample_of(Rest rest, HandParams hand, real3 position, real3 probe) {
+PathSample sample_of(inout PathState state, Rest rest, HandParams hand, real3 position, real3 probe) {
     Contact contact = force_of(rest, probe);
-    real3 force = LOOP == kLoopClosed ? commanded(hand, contact.force) : contact.force;
+    real3 force = displayed(state, hand, contact.force, contact.depth);
     bool free = contact.facet == kNoFacet; // not there and back through the mesh's frame
     real3 proxy = real3(free ? position.x : contact.proxy.x, free ? position.y : contact.proxy.y,
                         free ? position.z : contact.proxy.z);
@@ -201,7 +202,7 @@ void main() {
             complete = walk_rests && !is_left;
         }
         if (complete) {
-            PathSample taken = sample_of(rest, hand, position, probe);
+            PathSample taken = sample_of(state, rest, hand, position, probe);
             if (left)
                 taken = left_sample(state);
             store(path, state.step, taken);

@@ -94,6 +94,7 @@ void LiveLoop::ask_for_permissions() noexcept {
 
 void LiveLoop::run() noexcept {
     ask_for_permissions();
+    laws_.present().couple(settings_.mapping.scale, period_);
     start_ = first_due_ = woken_ = now();
     computed_ = computed_so_far();
     for (; !is_over(); ++tick_) {
@@ -157,6 +158,7 @@ void LiveLoop::begin_path(Turn& turn) noexcept {
 // False: there has been no position yet.
 bool LiveLoop::read_position(Turn& turn) noexcept {
     if (laws_.update()) {
+        laws_.present().couple(settings_.mapping.scale, period_);
         laws_.present().begin_path();
         begin_path(turn);
         status_.law_path.store(path_, std::memory_order_relaxed);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/output/files.h"
+#include "host/reference/path_step.h"
 
 namespace forceshade {
 
@@ -75,17 +76,44 @@ namespace {
 
 template <typename T> class InPrecision final : public ProbeLaw {
 public:
-    explicit InPrecision(const PreparedCase& prepared) : probe_(prepared) { probe_.law().find_obstacles(); }
+    explicit InPrecision(const PreparedCase& prepared)
+        : probe_(prepared), hand_(prepared.one.scene.hand), stiffness_(prepared.one.scene.force.stiffness) {
+        probe_.law().find_obstacles();
+    }
 
     bool reaches(const glm::dvec3& probe) const noexcept override { return probe_.law().reaches(probe); }
-    void begin_path() noexcept override { probe_.begin_path(); }
-    ProbeContact at(const glm::dvec3& probe) noexcept override { return probe_.law().widened(probe_.at(probe)); }
+    void begin_path() noexcept override {
+        probe_.begin_path();
+        lag_ = 0;
+    }
+    void couple(double scale, double period) noexcept override {
+        coupling_ = coupling_of<T>(hand_, scale * stiffness_, period);
+    }
+    ProbeContact at(const glm::dvec3& probe) noexcept override {
+        PathContact<T> found = probe_.at(probe);
+        found.contact.force = reference::through_coupling(coupling_, found.contact.force, found.contact.depth, lag_);
+        return probe_.law().widened(found);
+    }
 
 private:
     CaseProbe<T> probe_;
+    HandSpec hand_;
+    double stiffness_; /* N/m */
+    layout::Coupling<T> coupling_{};
+    T lag_ = 0; /* m: of the coupling */
 };
 
 } // namespace
+
+template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, double stiffness, double period) noexcept {
+    if (!hand.coupled())
+        return {};
+    const double damper = hand.coupling_damping / period, both = hand.coupling_stiffness + damper; /* N/m */
+    return {T(both / (stiffness + both)), T(damper / (stiffness + both)), T(damper / both)};
+}
+
+template layout::Coupling<float> coupling_of<float>(const HandSpec&, double, double) noexcept;
+template layout::Coupling<double> coupling_of<double>(const HandSpec&, double, double) noexcept;
 
 std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared) {
     std::unique_ptr<ProbeLaw> law;

@@ -105,6 +105,9 @@ private:
     reference::Neighbourhood<T> around_;
 };
 
+/// The hand's virtual coupling in a scene of `stiffness`, N/m, each `period`, s.
+template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, double stiffness, double period) noexcept;
+
 /// A law in the precision of its scene, and its probe. Neither allocates, locks, throws nor logs.
 class ProbeLaw {
 public:
@@ -116,6 +119,9 @@ public:
     /// As CaseLaw's and CaseProbe's: the numbers of `explore`, bit for bit.
     virtual bool reaches(const glm::dvec3& probe) const noexcept = 0;
     virtual void begin_path() noexcept = 0;
+    /// From now on forces come through the virtual coupling of the scene's hand, if it has one, each `period`, s; of a
+    /// metre of the hand `scale` are the scene's.
+    virtual void couple(double /*scale*/, double /*period*/) noexcept {}
     virtual ProbeContact at(const glm::dvec3& probe) noexcept = 0;
 };
 

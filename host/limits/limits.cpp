@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/field/case_law.h"
+#include "host/reference/path_step.h"
 #include "host/touch/angle.h"
 
 namespace forceshade {
@@ -33,10 +35,15 @@ public:
         glm::dvec3 at = disturbance, speed(0);
         std::vector<glm::dvec3> late(least_.cell.hand.delay_samples + 1, glm::dvec3(0));
         const double quick = stiffness / least_.cell.hand.mass; // 1 / s^2
+        const HandSpec& hand = least_.cell.hand;
+        const auto coupling = coupling_of<double>(hand, stiffness, 1 / least_.cell.rate);
+        const double share = coupled_share(hand, stiffness);
+        double lag = (1 - share) * reference::length(least_.place.force); /* m */
         double early = 0, last = 0;
         for (std::size_t step = 0; step < steps_; ++step) {
-            late[step % late.size()] =
-                stiffness * glm::transpose(axes_) * (force_(place_, axes_ * at) - least_.place.force);
+            const glm::dvec3 force = force_(place_, axes_ * at); /* m: for each N/m */
+            const glm::dvec3 felt = reference::through_coupling(coupling, force, reference::length(force), lag);
+            late[step % late.size()] = stiffness * glm::transpose(axes_) * (felt - share * least_.place.force);
             const glm::dvec3 delayed = late[(step + 1) % late.size()];
             for (int i = 0; i < 3; ++i) {
                 const auto& map = maps_[static_cast<std::size_t>(i)];
@@ -69,9 +76,9 @@ private:
 // The lower of a limit at a hold and the least so far; only where that is not stable up to the least so far.
 void take_lower(std::optional<HoldLimit>& least, const LoopCell& cell, const RestPlace& place, const Hold& hold,
                 double share = 0.9999) {
-    if (least && !grows(cell.hand, cell.rate, hold, place.slope, share * least->limit))
+    if (least && !grows(cell.hand, cell.rate, hold, place.force_around(), share * least->limit))
         return;
-    const auto limit = linear_limit(cell.hand, cell.rate, hold, place.slope);
+    const auto limit = linear_limit(cell.hand, cell.rate, hold, place.force_around());
     if (limit && (!least || *limit < least->limit))
         least = HoldLimit{*limit, hold, place};
 }
@@ -153,6 +160,10 @@ std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLim
     Simulation simulation(surface, least);
     return least_growing(kFrom * *least.limit, kTo * *least.limit, kClose,
                          [&](double stiffness) { return !(simulation.growth(stiffness) < 0); });
+}
+
+bool decays(const LoopSurface& surface, const LeastLimit& there) {
+    return Simulation(surface, there).growth(there.cell.stiffness) < 0;
 }
 
 std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least) {

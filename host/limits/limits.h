@@ -44,6 +44,10 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
 /// through the surface's own force, from 0.3 of the linearised limit on; empty: none up to three times that.
 std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least);
 
+/// Whether a disturbance of a millionth of the depth decays there when the loop of its cell is stepped through the
+/// surface's own force.
+bool decays(const LoopSurface& surface, const LeastLimit& there);
+
 /// m: of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that decays at half the linearised limit, as all smaller
 /// ones do; 0 if none does.
 std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least);
@@ -56,13 +60,17 @@ std::size_t settling_steps(const LoopCell& cell, double patience);
 /// Whether a scene's stiffness is stable with its [hand].
 struct SceneLimits {
     double stiffness = 0;            /* N/m: the scene's, as the hand feels it */
-    double wall = 0;                 /* N/m: K_crit of a wall; 0 without damping */
-    std::optional<LeastLimit> least; /* the lowest on the scene's surface; none where nothing is touched */
+    double wall = 0;                 /* N/m: K_crit of a wall without coupling; 0 without damping */
+    std::optional<LeastLimit> least; /* the lowest on the scene's surface without coupling; none where nothing is
+                                        touched */
     std::string hand;                /* hand_text */
+    std::optional<double> coupling;  /* N/m: of the hand's virtual coupling */
+    bool coupled_rests = false;      // with it, everywhere
+    std::optional<double> safe;      /* N/m: CouplingLimits::safe, where the loop is unstable */
 
     /// N/m: the lower of both.
     double limit() const { return least && least->limit ? std::min(*least->limit, wall) : wall; }
-    bool stable() const { return stiffness < limit(); }
+    bool stable() const { return coupling ? coupled_rests : stiffness < limit(); }
     /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)".
     std::string text() const;
     /// What is wrong and what would hold; empty if it is stable.

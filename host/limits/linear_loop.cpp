@@ -1,25 +1,61 @@
 #include "host/limits/linear_loop.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "host/field/case_law.h"
 #include "host/touch/angle.h"
 
 namespace forceshade {
 namespace {
 
-// The loop's map of (place, speed times the sample, the forces under way in units of mass / sample^2).
-Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness) {
+// What a sample's force and the lag of a virtual coupling become, by the place and the lag before, in a hand's axes;
+// forces in units of mass / sample^2.
+struct LoopForce {
+    glm::dmat3 of_place; /* columns: places */
+    glm::dvec3 of_lag{0}, lag_of_place{0};
+    double lag_of_lag = 0;
+};
+
+// Through a coupling the tool follows the depth, and the force keeps the direction that the law gives at the probe.
+LoopForce force_of(const HandSpec& hand, double period, const glm::dmat3& axes, const ForceAround& force,
+                   double stiffness, double unit) {
+    const glm::dmat3 depths = -(glm::transpose(axes) * force.slope * axes); // for 1 N/m, of places
+    if (!hand.coupled())
+        return {stiffness / unit * depths};
+    const layout::Coupling<double> coupling = coupling_of<double>(hand, stiffness, period);
+    const glm::dvec3 along = glm::normalize(glm::transpose(axes) * force.direction);
+    const glm::dvec3 depth = along * depths; // what a place adds to the depth
+    const double at_rest = coupled_share(hand, stiffness);
+    LoopForce found;
+    found.of_place =
+        stiffness / unit * (at_rest * depths + (coupling.depth - at_rest) * glm::outerProduct(along, depth));
+    found.of_lag = -stiffness / unit * coupling.lag * along;
+    found.lag_of_place = (1 - coupling.depth) * depth;
+    found.lag_of_lag = coupling.lag;
+    return found;
+}
+
+// The loop's map of (place, speed times the sample, the forces under way in units of mass / sample^2, the lag of a
+// virtual coupling).
+Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force,
+                       double stiffness) {
     const glm::dmat3 axes = axes_of(hold);
     const std::array<Axis, 3> held = axes_of(hold, hand);
-    const double period = 1 / rate, unit = hand.mass * rate * rate;                      /* s, N/m */
-    const glm::dmat3 answer = -stiffness / unit * (glm::transpose(axes) * slope * axes); // columns: places
+    const double period = 1 / rate, unit = hand.mass * rate * rate; /* s, N/m */
+    const LoopForce answer = force_of(hand, period, axes, force, stiffness, unit);
     const auto delay = static_cast<Eigen::Index>(hand.delay_samples);
-    Eigen::MatrixXd map = Eigen::MatrixXd::Zero(6 + 3 * delay, 6 + 3 * delay);
+    const Eigen::Index forces = 6, lag = forces + 3 * delay, size = lag + (hand.coupled() ? 1 : 0);
+    Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, size);
+    for (int j = 0; j < 3 && hand.coupled(); ++j)
+        map(lag, j) = answer.lag_of_place[j];
+    if (hand.coupled())
+        map(lag, lag) = answer.lag_of_lag;
     for (int i = 0; i < 3; ++i) {
         const auto axis = axis_map(held[static_cast<std::size_t>(i)], period);
         const double place_force = unit * axis.x_force, speed_force = period * unit * axis.v_force;
@@ -28,17 +64,24 @@ Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, cons
         map(3 + i, i) = axis.v_error * period;
         map(3 + i, 3 + i) = axis.v_speed;
         for (int j = 0; j < 3 && delay == 0; ++j) {
-            map(i, j) += place_force * answer[j][i];
-            map(3 + i, j) += speed_force * answer[j][i];
+            map(i, j) += place_force * answer.of_place[j][i];
+            map(3 + i, j) += speed_force * answer.of_place[j][i];
+        }
+        if (hand.coupled() && delay == 0) {
+            map(i, lag) = place_force * answer.of_lag[i];
+            map(3 + i, lag) = speed_force * answer.of_lag[i];
         }
         if (delay == 0)
             continue;
-        map(i, 6 + i) = place_force; // the oldest
-        map(3 + i, 6 + i) = speed_force;
+        map(i, forces + i) = place_force; // the oldest
+        map(3 + i, forces + i) = speed_force;
         for (Eigen::Index age = 0; age + 1 < delay; ++age)
-            map(6 + 3 * age + i, 6 + 3 * (age + 1) + i) = 1;
+            map(forces + 3 * age + i, forces + 3 * (age + 1) + i) = 1;
+        const Eigen::Index newest = forces + 3 * (delay - 1) + i;
         for (int j = 0; j < 3; ++j)
-            map(6 + 3 * (delay - 1) + i, j) = answer[j][i];
+            map(newest, j) = answer.of_place[j][i];
+        if (hand.coupled())
+            map(newest, lag) = answer.of_lag[i];
     }
     return map;
 }
@@ -93,17 +136,28 @@ std::vector<Hold> all_presses(const glm::dvec3& force, const glm::dmat3& slope) 
     return holds;
 }
 
-bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness) {
+bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness) {
     constexpr double kNone = 1e-12; // rounding error of a constant mode
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(map_of(hand, rate, hold, slope, stiffness), false);
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(map_of(hand, rate, hold, force, stiffness), false);
     return !(solver.eigenvalues().cwiseAbs().maxCoeff() <= 1 + kNone);
 }
 
-std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope) {
-    constexpr double kClose = 1.0001;
+std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force) {
+    constexpr double kClose = 1.0001, kStep = 1.1, kStiffest = 1e9, kLongStep = 2;
     const double passive = passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples);
-    const auto at = [&](double stiffness) { return grows(hand, rate, hold, slope, stiffness); };
-    return at(1e-4 * passive) ? 0.0 : least_growing(1e-4 * passive, 8 * passive, kClose, at);
+    const auto at = [&](double stiffness) { return grows(hand, rate, hold, force, stiffness); };
+    if (at(1e-4 * passive))
+        return 0.0;
+    const auto limit = least_growing(1e-4 * passive, 8 * passive, kClose, at, kStep);
+    return limit || !hand.coupled() ? limit : least_growing(8 * passive, kStiffest, kClose, at, kLongStep);
+}
+
+double wall_limit(const HandSpec& hand, double rate) {
+    if (!hand.coupled())
+        return critical_stiffness(hand.mass, damping_of(hand), 1 / rate, hand.delay_samples);
+    const glm::dvec3 up(0, 0, 1);
+    return linear_limit(hand, rate, pressed_along(up), {glm::outerProduct(up, up), up})
+        .value_or(std::numeric_limits<double>::infinity());
 }
 
 } // namespace forceshade

@@ -48,22 +48,45 @@ struct LoopCell {
     double stiffness = 1; /* N/m */
 };
 
+/// The hand with a virtual coupling, N/m and N s/m.
+inline HandSpec coupled(HandSpec hand, double stiffness, double damping) {
+    hand.coupling_stiffness = stiffness;
+    hand.coupling_damping = damping;
+    return hand;
+}
+
+/// N/m: of a scene and a coupling in line.
+inline double felt_stiffness(double scene, double coupling) {
+    return scene * coupling / (scene + coupling);
+}
+
+/// Of the law's force at rest in a scene of `stiffness`, N/m, what is left through the hand's virtual coupling.
+inline double coupled_share(const HandSpec& hand, double stiffness) {
+    return hand.coupled() ? hand.coupling_stiffness / (stiffness + hand.coupling_stiffness) : 1;
+}
+
 /// N s/m: of the device and of the hand that grips it.
 inline double damping_of(const HandSpec& hand) {
     return hand.damping + hand.grip_damping;
 }
 
-/// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m. `slope`, 1: -dF/dp for 1 N/m, columns first.
-bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness);
+/// The force around a place of rest, for a stiffness of 1 N/m.
+struct ForceAround {
+    glm::dmat3 slope;              /* 1: -dF/dp, columns first */
+    glm::dvec3 direction{0, 0, 1}; /* unit: of the force there, along which a virtual coupling is pressed */
+};
 
-/// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps of a tenth, then between
+/// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m.
+bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness);
+
+/// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps, then between
 /// two whose ratio is `close`; empty: it does not grow.
 template <typename Grows>
-std::optional<double> least_growing(double from, double to, double close, const Grows& grows) {
+std::optional<double> least_growing(double from, double to, double close, const Grows& grows, double step = 1.1) {
     double below = from, above = from;
     while (!grows(above)) {
         below = above;
-        above *= 1.1;
+        above *= step;
         if (above > to)
             return std::nullopt;
     }
@@ -75,12 +98,11 @@ std::optional<double> least_growing(double from, double to, double close, const 
 }
 
 /// The least stiffness, N/m, at which it grows, to a hundredth of a percent: 0 if it grows at a ten-thousandth of the
-/// largest passive stiffness already, empty if it does not at eight times that.
-std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope);
+/// largest passive stiffness already, empty if it does not at eight times that; through a virtual coupling, up to
+/// 1e9 N/m.
+std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force);
 
-/// K_crit of a wall with this hand, N/m.
-inline double wall_limit(const HandSpec& hand, double rate) {
-    return critical_stiffness(hand.mass, hand.damping + hand.grip_damping, 1 / rate, hand.delay_samples);
-}
+/// K_crit of a wall with this hand, N/m; infinite where a virtual coupling makes every wall stable.
+double wall_limit(const HandSpec& hand, double rate);
 
 } // namespace forceshade

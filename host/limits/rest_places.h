@@ -9,6 +9,7 @@
 
 #include <glm/mat3x3.hpp>
 
+#include "host/limits/linear_loop.h"
 #include "host/touch/force_at.h"
 
 namespace forceshade {
@@ -28,7 +29,7 @@ struct LoopSurface {
     bool is_mesh() const { return prepared.images.mesh != nullptr; }
 };
 
-/// The user's scene with its own hand. \throws UsageError for one that permits no loop.
+/// The user's scene with its own hand, without its virtual coupling. \throws UsageError for one that permits no loop.
 LoopSurface scene_surface(const PreparedCase& scene);
 
 /// "hand of 0.2 kg, 3 N s/m, grip 300 N/m, 1000 Hz", and its delay.
@@ -55,6 +56,8 @@ struct RestPlace {
     glm::dvec3 force{0};                 /* m: for each N/m of stiffness; at a jump the mean of both sides */
     glm::dmat3 slope{0};                 /* 1: -dF/dp for a stiffness of 1 N/m, columns first; not at a jump */
     double jump = 0;                     /* rad: between the directions of both sides */
+
+    ForceAround force_around() const { return {slope, force / reference::length(force)}; }
 };
 
 /// `count` points anywhere on the surface, at each of its depths; and those of its edges that were found from there, a

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/limits/limits.h"
+#include "host/limits/coupling_limits.h"
 
 namespace forceshade {
 
@@ -15,7 +15,10 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
     found.stiffness = scale * scene.force.stiffness;
     if (!(damping_of(scene.hand) > 0 && found.stiffness > 0))
         return found;
-    found.wall = wall_limit(scene.hand, rate);
+    const HandSpec bare = coupled(scene.hand, 0, 0);
+    found.wall = wall_limit(bare, rate);
+    if (scene.hand.coupled())
+        found.coupling = scene.hand.coupling_stiffness;
     LoopSurface surface;
     surface.hand = scene.hand;
     surface.rate = rate;
@@ -25,9 +28,14 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
         surface.rate = rate;
         surface.deepest = std::min(surface.deepest, most / scene.force.stiffness);
         const auto places = rest_places(surface, surface.is_mesh() ? kPointsOfMesh : kPoints);
-        for (const LeastLimit& one : least_limits(surface, places, {{scene.hand, rate, 1}}))
+        for (const LeastLimit& one : least_limits(surface, places, {{bare, rate, 1}}))
             if (one.limit && (!found.least || *one.limit < *found.least->limit))
                 found.least = one;
+        found.coupled_rests = RestTrials(rate, found.stiffness, places).all_rest(scene.hand);
+        if (!found.stable())
+            if (const auto couplings = coupling_limits(bare, rate, found.stiffness, places))
+                if (couplings->safe)
+                    found.safe = couplings->safe->stiffness;
     } catch (const UsageError&) { // nothing to touch in the scene's box
     }
     return found;
@@ -46,15 +54,25 @@ std::string SceneLimits::text() const {
     if (least && least->limit && *least->limit < 0.99 * wall)
         place = fmt::format(" ({}, {:.2g} mm deep, held {}; on a wall below {:.4g} N/m)", name_of(least->place.kind),
                             1e3 * least->place.depth, least->hold.name, wall);
-    return fmt::format("{:.6g} N/m; a {} comes to rest below {:.4g} N/m{}", stiffness, hand, limit(), place);
+    const std::string through = coupling
+                                    ? fmt::format(", felt as {:.4g} N/m through a virtual coupling of {:.4g} N/m, {}",
+                                                  felt_stiffness(stiffness, *coupling), *coupling,
+                                                  coupled_rests ? "at rest everywhere" : "not at rest everywhere")
+                                    : "";
+    return fmt::format("{:.6g} N/m{}; a {} comes to rest below {:.4g} N/m{}{}", stiffness, through, hand, limit(),
+                       place, coupling ? " without coupling" : "");
 }
 
 std::string SceneLimits::warning() const {
     if (stable() || !(stiffness > 0))
         return {};
     return fmt::format("this loop is unstable: force.stiffness is {}; {}", text(),
-                       wall > 0 ? "a lower force.stiffness, more damping, a faster loop or less delay would hold"
-                                : "set hand.damping or hand.grip_damping");
+                       !(wall > 0) ? "set hand.damping or hand.grip_damping"
+                       : safe ? fmt::format("a lower force.stiffness, more damping, a faster loop or less delay would "
+                                            "hold, or a virtual coupling (hand.coupling.stiffness = \"{:.4g} N/m\": "
+                                            "felt as {:.4g} N/m)",
+                                            0.99 * *safe, felt_stiffness(stiffness, 0.99 * *safe))
+                              : "a lower force.stiffness, more damping, a faster loop or less delay would hold");
 }
 
 } // namespace forceshade

@@ -27,7 +27,7 @@ LoopSurface scene_surface(const PreparedCase& given) {
     surface.prepared.one.scene.force.stiffness = 1;
     if (surface.prepared.one.scene.texture)
         surface.prepared.one.scene.texture->stiffness /= scene.force.stiffness;
-    surface.hand = scene.hand;
+    surface.hand = coupled(scene.hand, 0, 0);
     surface.rate = scene.paths.value_or(PathsSpec{}).rate;
     surface.stiffness = scene.force.stiffness;
     const TouchedShape shape = scene_shape(given);

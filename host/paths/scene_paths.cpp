@@ -64,7 +64,7 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
         limit_batches(kRecordedSamples);
     }
     if (spec_.closed())
-        hand_ = hand_params<T>(scene.hand, spec_, region_.bound);
+        hand_ = hand_params<T>(scene.hand, spec_, region_.bound, scene.force.stiffness);
     const double farthest = farthest_coordinate(spec_, region_);
     region_.centre = {region_.centre[0] - origin_.x, region_.centre[1] - origin_.y};
     region_.height -= origin_.z;
@@ -376,7 +376,8 @@ template <typename T> layout::AxisMap<T> rounded_map(const layout::AxisMap<doubl
 
 } // namespace
 
-template <typename T> layout::HandParams<T> hand_params(const HandSpec& hand, const PathsSpec& paths, double bound) {
+template <typename T>
+layout::HandParams<T> hand_params(const HandSpec& hand, const PathsSpec& paths, double bound, double stiffness) {
     const double period = 1 / paths.rate;
     Axis axis{hand.mass, hand.damping + hand.grip_damping, hand.grip_stiffness};
     layout::HandParams<T> params{};
@@ -402,12 +403,13 @@ template <typename T> layout::HandParams<T> hand_params(const HandSpec& hand, co
     params.gain = T(1);
     params.bound = rounded<T>(bound, "paths.bound");
     params.start_depth = rounded<T>(paths.start_depth, "paths.start_depth");
+    params.coupling = coupling_of<T>(hand, stiffness, period);
     params.delay = static_cast<layout::uint>(hand.delay_samples);
     return params;
 }
 
-template layout::HandParams<float> hand_params<float>(const HandSpec&, const PathsSpec&, double);
-template layout::HandParams<double> hand_params<double>(const HandSpec&, const PathsSpec&, double);
+template layout::HandParams<float> hand_params<float>(const HandSpec&, const PathsSpec&, double, double);
+template layout::HandParams<double> hand_params<double>(const HandSpec&, const PathsSpec&, double, double);
 
 namespace {
 

@@ -100,9 +100,11 @@ std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion&
 // The hand and the device of a scene, as an engine takes them.
 
 /// In closed loop. The grip's spring pulls to the path along x and y, and along z unless the hand presses with a given
-/// force; its damping acts on the speed against the path's, the device's on the speed. `bound`, m: PathRegion.
+/// force; its damping acts on the speed against the path's, the device's on the speed. `bound`, m: PathRegion;
+/// `stiffness`, N/m: the scene's, which a virtual coupling is in line with.
 /// \throws UsageError if a value leaves the range of T.
-template <typename T> layout::HandParams<T> hand_params(const HandSpec& hand, const PathsSpec& paths, double bound);
+template <typename T>
+layout::HandParams<T> hand_params(const HandSpec& hand, const PathsSpec& paths, double bound, double stiffness);
 
 // Mass, damping and spring over one sample, exactly (laws: sampled stability).
 

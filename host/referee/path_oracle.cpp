@@ -344,6 +344,8 @@ template <typename T> bool PathOracle<T>::is_beyond(const PathRows<T>& rows, con
     }
     const std::vector<layout::HandParams<T>>& hands = batch_->hands;
     const layout::HandParams<T>* const hand = closed ? &hands[hands.size() > 1 ? sample.chosen : 0] : nullptr;
+    if (hand && hand->coupling.depth > T(0))
+        channels &= ~layout::kChannelForce; // it depends on the samples before
     return !is_allowed(hand, computed, vector_of(rows.position, sample.at), channels) &&
            !(closed && has_left(rows, sample));
 }

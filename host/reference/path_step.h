@@ -69,6 +69,20 @@ template <typename T> Vector<T> commanded(const layout::HandParams<T>& hand, con
     return share * force;
 }
 
+/// The force, N, through a virtual coupling, a spring and a damper between the device and a tool without mass that
+/// feels the law (Colgate, Stanley & Brown 1995; Adams & Hannaford 1999): the tool is at the depth, m, where both bear
+/// the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now.
+template <typename T>
+Vector<T> through_coupling(const layout::Coupling<T>& coupling, const Vector<T>& law_force, T depth, T& lag) noexcept {
+    if (!(coupling.depth > T(0)))
+        return law_force;
+    const T tool = coupling.depth * depth - coupling.lag * lag;
+    const bool touches = tool > T(0) && depth <= std::numeric_limits<T>::max();
+    lag = touches ? depth - tool : coupling.free * lag;
+    const T share = tool / depth;
+    return touches ? share * law_force : Vector<T>(T(0));
+}
+
 /// Where a probe is, and how fast.
 template <typename T> struct ProbeState {
     Vector<T> place; /* m */
@@ -321,7 +335,10 @@ PathSampled<T> take_step(const layout::PathInput<T>& input, const layout::HandPa
     sampled.position = closed ? measured(hand, Vector<T>{state.x, state.y, state.z}) : target;
     const LawContact<T> evaluated = evaluate_law(sampled.position);
     sampled.contact = evaluated.contact;
-    sampled.force = closed ? commanded(hand, evaluated.contact.force) : evaluated.contact.force;
+    sampled.force = evaluated.contact.force;
+    if (closed)
+        sampled.force =
+            commanded(hand, through_coupling(hand.coupling, sampled.force, sampled.contact.depth, state.lag));
     add_sample(state.metrics, sampled.contact, sampled.force);
     state.metrics.unfinished += evaluated.finished ? 0 : 1;
     state.metrics.trail = hashed(state.metrics.trail, evaluated.trail);

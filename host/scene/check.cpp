@@ -59,6 +59,13 @@ public:
             with({"surface", "grid"}, [&] { check_grid(); });
         if (scene_.compare)
             with({"surface", "compare"}, [&] { check_compare(*scene_.compare); });
+        with({"hand"}, [&] {
+            if (scene_.hand.coupling_damping > 0 && !scene_.hand.coupled())
+                fail(
+                    source_, find("hand.coupling.damping")->where,
+                    "a virtual coupling needs a spring, too: coupling = {{ stiffness = \"5 N/mm\", damping = \"{}\" }}",
+                    text_of("hand.coupling.damping"));
+        });
         for (std::size_t key = 0; key < selection_.size(); ++key)
             if (selection_[key])
                 check_sizes(schema_keys()[key], *selection_[key]);

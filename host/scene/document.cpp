@@ -139,8 +139,9 @@ private:
         const bool is_table = item.type == Type::table, has_parts = is_table_of_parts(table, name);
         if (has_parts && !is_table && key < 0)
             fail(source_, item.key_where, "{} is a table, for example {}; got {}", name,
-                 name == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
-                                     : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
+                 name == "transform"  ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
+                 : name == "coupling" ? "{ stiffness = \"5 N/mm\", damping = \"1 N s/m\" }"
+                                      : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
                  describe(item));
         if (!has_parts || !is_table) {
             if (key < 0)

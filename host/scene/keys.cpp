@@ -495,6 +495,13 @@ void add_hand(std::vector<Key>& keys) {
                                         "the largest force that the device displays; larger ones keep their direction "
                                         "(a Phantom Premium 1.5 has 8.5 N)",
                                         {.sign = kPositive});
+    hand.quantity<&HandSpec::coupling_stiffness>(
+        Dimension::stiffness, "coupling.stiffness", "\"0 N/m\"",
+        "of a virtual coupling, 0 for none: a spring and a damper through which the device feels the scene (Colgate, "
+        "Stanley & Brown 1995), so that a scene stiffer than its loop bears can be felt; no contact feels stiffer",
+        {.sign = kNotNegative});
+    hand.quantity<&HandSpec::coupling_damping>(Dimension::damping, "coupling.damping", "\"0 N s/m\"",
+                                               "of the virtual coupling's damper", {.sign = kNotNegative});
 }
 
 void add_compare(std::vector<Key>& keys) {

@@ -1,6 +1,6 @@
 // A step of an exploration path, open or closed loop, step for step as host/reference/path_step.h: the hand and its device,
 // the state of the path, where the probe goes next. The kernel evaluates the law between probe_at and take_step.
-// Needs motion.glsl; LOOP, FRICTION and QUANTISED, constants of the kernel.
+// Needs motion.glsl; LOOP, FRICTION, QUANTISED and COUPLED, constants of the kernel.
 
 // The hand and the device over one sample: mass, damping and spring, stepped exactly (laws: sampled stability).
 
@@ -74,6 +74,32 @@ real3 commanded(HandParams hand, real3 law_force) {
     bool finite = size <= LARGEST;
     return real3(whole ? x : finite ? less_x : exact_zero, whole ? y : finite ? less_y : exact_zero,
                  whole ? z : finite ? less_z : exact_zero);
+}
+
+// The force, N, through a virtual coupling to a tool without mass that feels the law: the tool is at the depth, m, where both
+// bear the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now.
+real3 through_coupling(Coupling coupling, real3 law_force, real depth, inout real lag) {
+    if (COUPLED == 0u)
+        return law_force;
+    precise real tool = coupling.depth * depth - coupling.lag * lag;
+    bool touches = tool > ZERO && depth <= LARGEST;
+    precise real behind = depth - tool;
+    precise real left = coupling.free * lag;
+    real share = quotient(tool, depth);
+    precise real x = share * law_force.x;
+    precise real y = share * law_force.y;
+    precise real z = share * law_force.z;
+    bool coupled = coupling.depth > ZERO;
+    lag = !coupled ? lag : touches ? behind : left;
+    return real3(!coupled ? law_force.x : touches ? x : exact_zero, !coupled ? law_force.y : touches ? y : exact_zero,
+                 !coupled ? law_force.z : touches ? z : exact_zero);
+}
+
+// What the device displays of the law's force, N.
+real3 displayed(inout PathState state, HandParams hand, real3 law_force, real depth) {
+    if (LOOP == kLoopOpen)
+        return law_force;
+    return commanded(hand, through_coupling(hand.coupling, law_force, depth, state.lag));
 }
 
 // Where a probe is, and how fast.
@@ -226,7 +252,7 @@ PathState begin_state(HandParams hand, real3 target) {
     precise real sunk = LOOP == kLoopClosed ? hand.start_depth : exact_zero;
     precise real z = target.z - sunk;
     return PathState(target.x, target.y, z, ZERO, ZERO, ZERO, target.x, target.y, z, ZERO, ZERO, ZERO,
-                     ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, no_metrics(), 0u, 0u);
+                     ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, no_metrics(), 0u, 0u);
 }
 
 // Whether the probe is beyond its bound, now or before. Then it stays where it was last, free of force.

@@ -74,7 +74,8 @@ FS_CONSTANT kSpecFriction = 13u;  // 1: some hand's device has friction
 FS_CONSTANT kSpecQuantised = 14u; // 1: some hand's device rounds positions
 FS_CONSTANT kSpecFree = 15u;      // of the mesh kernel, 1: only the proxies of free voxels
 FS_CONSTANT kSpecUnroll = 16u;    // corners of a facet that an iteration takes
-FS_CONSTANT kSpecCount = 17u;
+FS_CONSTANT kSpecCoupled = 17u;   // 1: some hand has a virtual coupling
+FS_CONSTANT kSpecCount = 18u;
 
 // Bindings of the field kernel, all storage buffers in set 0.
 FS_CONSTANT kBindLaw = 0u;
@@ -337,6 +338,15 @@ FS_STRUCT AxisMap {
     real v_force; // m/s/N
 };
 
+// A virtual coupling of k, N/m, and b, N s/m, between the device and a tool in a scene of K, N/m, over a sample T: of a
+// probe's depth d the tool's is depth * d - lag * (d - that of the sample before), and where that is not above 0 of
+// their distance `free` is left. All 0: no coupling.
+FS_STRUCT Coupling {
+    real depth; // 1: (k + b / T) / (K + k + b / T)
+    real lag;   // 1: (b / T) / (K + k + b / T)
+    real free;  // 1: (b / T) / (k + b / T)
+};
+
 // The hand and the device that it holds.
 FS_STRUCT HandParams {
     FS_REAL_STRUCT(AxisMap) lateral;  // x and y
@@ -355,8 +365,9 @@ FS_STRUCT HandParams {
     real gain;        // 1: the law's force times this is commanded
     real bound;       // m: a probe further than this from its target has left: the loop is unstable
     real start_depth; // m: below the target, where the probe begins
-    uint delay;       // samples from measurement to force, 0 or 1
-    uint zero;        // 0
+    FS_REAL_STRUCT(Coupling) coupling;
+    uint delay; // samples from measurement to force, 0 or 1
+    uint zero;  // 0
 };
 
 // The state of a path, however long it is. Sums have a second term that keeps what rounding takes from the
@@ -413,6 +424,7 @@ FS_STRUCT PathState {
     real anchor_force_y;
     real anchor_force_z;
     real steepest; // 1: about the square of the steepest turn's angle
+    real lag;      // m: by how much less deep the tool of a virtual coupling was than the probe
     FS_REAL_STRUCT(PathMetrics) metrics;
     uint step;     // the next
     uint directed; // 1: at the last sample there was contact and a force, so that there is an anchor

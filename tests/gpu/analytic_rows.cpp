@@ -239,7 +239,7 @@ std::vector<Row> path_rows() {
                      .shape = shape,
                      .least = {.touching = 1, .rounds = 1}});
             }
-    for (unsigned bits = 0; bits < 32; ++bits) {
+    for (unsigned bits = 0; bits < 64; ++bits) {
         PathShape shape = shape_of(layout::kMotionStrokes, layout::kLoopClosed);
         shape.seed = bits + 1;
         shape.coulomb = bits & 1 ? 0.1 : 0;
@@ -247,6 +247,7 @@ std::vector<Row> path_rows() {
         shape.delay = bits & 4 ? 1 : 0;
         shape.max_force = bits & 8 ? 0.3 : 8.5;
         shape.own_hands = bits & 16;
+        shape.coupled = bits & 32;
         rows.push_back({fmt::format("hand_{}", bits), over(shaded), shape});
     }
     // A wall far too stiff for the sampling throws the probe off; it is held where it left its bound.

@@ -211,6 +211,7 @@ std::vector<Row> mesh_path_rows() {
             shape.own_hands = motion % 3 == 0;
             shape.coulomb = motion % 2 ? 0.01 : 0;
             shape.quantum = motion % 4 ? 0 : 1e-5;
+            shape.coupled = motion % 2 == 0;
             rows.push_back({.name = name_of(motion, loop),
                             .ground = on_mesh(ball<4>),
                             .shape = shape,

@@ -38,7 +38,8 @@ struct PathShape {
     double grip = 500;       /* N/m */
     double bound = 0.5;      /* m */
     layout::uint delay = 0;  /* samples */
-    bool own_hands = false;  /* each path its own, every other one without friction and rounding */
+    bool coupled = false;    /* virtual couplings */
+    bool own_hands = false;  /* each path its own, every other one without friction, rounding and coupling */
     bool own_lengths = true; /* of recorded paths */
     Probes probes = Probes::lines;
     std::optional<glm::dvec3> focus = {}; /* m: about which they wander, if not everywhere */
@@ -184,6 +185,11 @@ private:
         hand.bound = T(shape_.bound);
         hand.start_depth = T(shape_.seed % 5 ? 0 : shape_.depth);
         hand.delay = shape_.delay;
+        if (shape_.coupled && !plain) {
+            hand.coupling.depth = T(uniform(0.1, 0.9));
+            hand.coupling.lag = T(uniform(0, 1)) * hand.coupling.depth;
+            hand.coupling.free = T(uniform(0, 1));
+        }
         return hand;
     }
 

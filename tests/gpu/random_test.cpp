@@ -42,6 +42,7 @@ test::PathShape random_shape(std::uint64_t seed, double width) {
     shape.bound = one_of(2) ? 10 * width : 0.02 * width;
     shape.delay = one_of(2);
     shape.own_hands = one_of(2);
+    shape.coupled = one_of(2);
     return shape;
 }
 

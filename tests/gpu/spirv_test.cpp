@@ -86,7 +86,8 @@ template <typename real> std::vector<Expected> axis_members() {
 
 template <typename real> std::vector<Expected> hand_members() {
     return FS_MEMBERS(layout::HandParams<real>, lateral, vertical, rate, period, stiffness, stiffness_z, damping,
-                      push_x, push_y, push_z, quantum, coulomb, max_force, gain, bound, start_depth, delay, zero);
+                      push_x, push_y, push_z, quantum, coulomb, max_force, gain, bound, start_depth, coupling, delay,
+                      zero);
 }
 
 template <typename real> std::vector<Expected> metrics_members() {
@@ -100,7 +101,7 @@ template <typename real> std::vector<Expected> metrics_members() {
 template <typename real> std::vector<Expected> state_members() {
     return FS_MEMBERS(layout::PathState<real>, x, y, z, speed_x, speed_y, speed_z, measured_x, measured_y, measured_z,
                       force_x, force_y, force_z, anchor_x, anchor_y, anchor_z, anchor_force_x, anchor_force_y,
-                      anchor_force_z, steepest, metrics, step, directed);
+                      anchor_force_z, steepest, lag, metrics, step, directed);
 }
 
 void expect_members(const SpirvModule& module, std::uint32_t type, const std::vector<Expected>& expected) {
@@ -152,10 +153,12 @@ void expect_path_structs(const SpirvModule& module, std::uint32_t motions, std::
     using namespace layout;
     expect_structs(module, motions, motion_members<real>(), sizeof(MotionParams<real>));
     expect_structs(module, motions + 1, harmonic_members<real>(), sizeof(Harmonic<real>));
-    if (const auto hand = expect_structs(module, motions + 2, hand_members<real>(), sizeof(HandParams<real>)))
+    if (const auto hand = expect_structs(module, motions + 2, hand_members<real>(), sizeof(HandParams<real>))) {
         expect_members(module, module.members(hand).at(0).type, axis_members<real>());
+        expect_members(module, module.members(hand).at(16).type, FS_MEMBERS(layout::Coupling<real>, depth, lag, free));
+    }
     if (const auto state = expect_structs(module, states, state_members<real>(), sizeof(PathState<real>)))
-        expect_members(module, module.members(state).at(19).type, metrics_members<real>());
+        expect_members(module, module.members(state).at(20).type, metrics_members<real>());
 }
 
 template <typename real> void expect_layout(const SpirvModule& module, const std::string& kernel) {

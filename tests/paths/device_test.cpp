@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/field/case_law.h"
 #include "host/paths/scene_paths.h"
 #include "host/reference/path_step.h"
 #include "tests/paths/explored.h"
@@ -60,7 +61,7 @@ TEST(Friction, TakesEnergy) {
         spec.coulomb = coulomb;
         spec.damping = coulomb > 0 ? 0 : 1e-3;
         spec.grip_damping = 0;
-        const auto hand = hand_params<double>(spec, PathsSpec{}, 1);
+        const auto hand = hand_params<double>(spec, PathsSpec{}, 1, 1000);
         reference::ProbeState<double> now{{0.01, -0.004, 0.003}, {0.1, 0, -0.2}};
         const auto energy = [&] {
             return 0.05 * reference::dot(now.speed, now.speed) + 250 * reference::dot(now.place, now.place);
@@ -78,6 +79,45 @@ TEST(Friction, TakesEnergy) {
             }
         }
     }
+}
+
+HandSpec coupled_hand(double stiffness, double damping) {
+    HandSpec hand;
+    hand.coupling_stiffness = stiffness;
+    hand.coupling_damping = damping;
+    return hand;
+}
+
+// N: the force of a wall of `stiffness`, N/m, on a probe at these depths, m, one a sample of 1 ms, through a coupling.
+std::vector<double> felt_at(const HandSpec& hand, double stiffness, const std::vector<double>& depths) {
+    const auto coupling = coupling_of<double>(hand, stiffness, 1e-3);
+    std::vector<double> felt;
+    double lag = 0;
+    for (const double depth : depths)
+        felt.push_back(reference::through_coupling(coupling, Vector<double>(0, 0, stiffness * depth), depth, lag).z);
+    return felt;
+}
+
+TEST(Coupling, OfARigidWallIsItsSpringAndItsDamper) {
+    const std::vector<double> depths{1e-3, 1.5e-3, 1.2e-3, 1.2e-3, 1.1e-3};
+    const std::vector<double> felt = felt_at(coupled_hand(2000, 0.5), 1e13, depths);
+    for (std::size_t i = 0; i < depths.size(); ++i)
+        EXPECT_NEAR(felt[i], 2000 * depths[i] + 0.5 * (depths[i] - (i == 0 ? 0 : depths[i - 1])) / 1e-3, 1e-6) << i;
+}
+
+TEST(Coupling, AtRestIsInLineWithTheScene) {
+    EXPECT_NEAR(felt_at(coupled_hand(2000, 4), 1000, std::vector<double>(200, 2e-3)).back(), 2e-3 * 2000 / 3, 1e-12);
+    EXPECT_EQ(felt_at(HandSpec{}, 1000, {2e-3}).front(), 2);
+}
+
+// Drawn out faster than the damper follows, the tool leaves the wall before the probe does, and pulls at nothing.
+TEST(Coupling, NeverPulls) {
+    const std::vector<double> felt = felt_at(coupled_hand(100, 5), 1e9, {1e-3, 1e-3, 1e-4, 1e-4, 0, 0, 2e-3});
+    EXPECT_GT(felt[1], 0);
+    EXPECT_EQ(felt[2], 0);
+    for (const double force : felt)
+        EXPECT_GE(force, 0);
+    EXPECT_GT(felt.back(), 0);
 }
 
 TEST(Measurement, PositionsAreMultiples) {

@@ -60,10 +60,26 @@ TEST(LinearLoop, ShadedDipFlutters) {
     const HandSpec hand = bare_hand(0.1, 1);
     const Hold down{"down", {0, 0, 1}};
     EXPECT_NEAR(flutter_stiffness(slope, 0.1, 1), 71, 0.5);
-    EXPECT_NEAR(linear_limit(hand, 1000, down, slope).value(), 69, 0.5);
-    EXPECT_NEAR(linear_limit(hand, 1e4, down, slope).value(), flutter_stiffness(slope, 0.1, 1), 0.5);
-    EXPECT_FALSE(grows(hand, 1000, down, slope, 65));
-    EXPECT_TRUE(grows(hand, 1000, down, slope, 75));
+    EXPECT_NEAR(linear_limit(hand, 1000, down, {slope}).value(), 69, 0.5);
+    EXPECT_NEAR(linear_limit(hand, 1e4, down, {slope}).value(), flutter_stiffness(slope, 0.1, 1), 0.5);
+    EXPECT_FALSE(grows(hand, 1000, down, {slope}, 65));
+    EXPECT_TRUE(grows(hand, 1000, down, {slope}, 75));
+}
+
+// A spring alone in line with a wall is a softer wall.
+TEST(LinearLoop, ThroughASpringIsThatOfBothInLine) {
+    const glm::dvec3 up(0, 0, 1);
+    for (const std::uint64_t delay : {0, 1, 3}) {
+        const HandSpec bare = bare_hand(0.1, 1, delay);
+        const double wall = wall_limit(bare, 1000);
+        EXPECT_NEAR(wall_limit(coupled(bare, 3 * wall, 0), 1000) / (1.5 * wall), 1, 1e-4);
+        EXPECT_EQ(wall_limit(coupled(bare, 0.99 * wall, 0), 1000), std::numeric_limits<double>::infinity());
+        // A damper holds more than a spring, up to where it jerks itself.
+        const ForceAround force{glm::outerProduct(up, up), up};
+        EXPECT_TRUE(grows(coupled(bare, 2 * wall, 0), 1000, pressed_along(up), force, 1e6));
+        EXPECT_FALSE(grows(coupled(bare, 2 * wall, 3), 1000, pressed_along(up), force, 1e6));
+        EXPECT_TRUE(grows(coupled(bare, wall, 300), 1000, pressed_along(up), force, 1e6));
+    }
 }
 
 const LoopSurface& own(const std::string& name) {
@@ -153,7 +169,7 @@ TEST(LeastLimits, OnAShadedSlopeAreTheGrips) {
         EXPECT_NEAR(glm::length(force({at}) / depth - glm::dvec3(x / R, 0, normal)), 0, 1e-3);
         HandSpec hand;
         hand.grip_stiffness = grip;
-        const double limit = linear_limit(hand, 1000, pressed_along({0, 0, 1}), slope).value();
+        const double limit = linear_limit(hand, 1000, pressed_along({0, 0, 1}), {slope}).value();
         EXPECT_NEAR(limit / (grip * (R * R - x * x) / R / depth), 1, 0.01) << grip;
     }
 }
@@ -172,7 +188,8 @@ TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
                 if (place.kind == one.place.kind && place.depth == one.place.depth &&
                     supports(along, place.force, place.slope))
                     least = std::min(
-                        least, linear_limit(bump.hand, bump.rate, pressed_along(along), place.slope).value_or(least));
+                        least,
+                        linear_limit(bump.hand, bump.rate, pressed_along(along), place.force_around()).value_or(least));
         }
         EXPECT_LE(one.any_press->limit, 1.01 * least);
         EXPECT_LE(one.any_press->limit, *one.limit);
@@ -187,7 +204,7 @@ TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     for (const RestPlace& place : places_on(map.name)) {
         if (!jumps(place.kind)) {
             for (const Hold& hold : usual_holds(place.force, place.slope)) {
-                EXPECT_FALSE(grows(map.hand, map.rate, hold, place.slope, 0.999 * least)) << hold.name;
+                EXPECT_FALSE(grows(map.hand, map.rate, hold, place.force_around(), 0.999 * least)) << hold.name;
             }
         }
     }
@@ -210,6 +227,34 @@ TEST(SceneLimits, SayWhetherASceneIsStable) {
     EXPECT_TRUE(bump.stable());
     EXPECT_FALSE(limits_of(shaded, 1.2 * bump.limit() / 1000).stable());
     EXPECT_EQ(limits_of("hand = {damping = \"0 N s/m\", grip_damping = \"0 N s/m\"}\nsurface.facets = 1").limit(), 0);
+}
+
+TEST(CouplingLimits, AreWhereSteppedLoopsBeginToGrow) {
+    for (const char* name : {"plane", "shaded bump", "map of a dip"}) {
+        const std::vector<CouplingRow> rows = couplings_on(own(name), places_on(name));
+        EXPECT_EQ(rows.size(), 6u) << name;
+        for (const CouplingRow& row : rows)
+            EXPECT_TRUE(row.foreseen.value_or(true)) << name << ' ' << row.which << ' ' << row.scene;
+    }
+    const double passive = passive_stiffness(3, 1e-3, 0);
+    const auto on_plane = coupling_limits(own("plane").hand, 1000, 1e5, places_on("plane"));
+    EXPECT_NEAR(on_plane->safe->stiffness, 1e5 * passive / (1e5 - passive), 1e-6);
+    EXPECT_GT(felt_stiffness(1e5, on_plane->stiffest.stiffness), 4 * passive);
+    EXPECT_FALSE(coupling_limits(own("plane").hand, 1000, 0.9 * passive, places_on("plane"))->safe);
+}
+
+TEST(CouplingLimits, AreOfferedWhereASceneIsUnstable) {
+    const auto limits_of = [](const std::string& coupling) {
+        return scene_limits(CasePreparation().prepare(
+            parse_scene("surface.facets = 1\nforce.stiffness = \"1000 N/mm\"\n[hand]\n" + coupling, "scene.toml")));
+    };
+    const SceneLimits bare = limits_of("");
+    ASSERT_TRUE(bare.safe);
+    EXPECT_NE(bare.warning().find("hand.coupling.stiffness = \"5976 N/m\""), std::string::npos) << bare.warning();
+    const SceneLimits held = limits_of("coupling.stiffness = \"5976 N/m\"\n");
+    EXPECT_TRUE(held.stable()) << held.text();
+    EXPECT_NE(held.text().find("felt as 5940 N/m"), std::string::npos) << held.text();
+    EXPECT_FALSE(limits_of("coupling.stiffness = \"6200 N/m\"\n").stable());
 }
 
 Engine& engine() {

@@ -75,11 +75,11 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
         finding.text = fmt::format("Unstable at every stiffness somewhere on the {}.", worst.surface);
     } else if (surface.stiffness > 0) {
         const double ratio = surface.stiffness / *worst.limit;
-        finding.text =
-            fmt::format("Except at direction discontinuities the scene's loop is stable up to {} (flat wall: {}); "
-                        "its own {} is {:.3g} times that{}.",
-                        newtons(*worst.limit), newtons(worst.wall), newtons(surface.stiffness), ratio,
-                        ratio < 1 ? "" : ", and unstable");
+        finding.text = fmt::format(
+            "Except at direction discontinuities the scene's loop is stable{} up to {} (flat wall: {}); "
+            "its own {} is {:.3g} times that{}.",
+            surface.prepared.one.scene.hand.coupled() ? " without its virtual coupling" : "", newtons(*worst.limit),
+            newtons(worst.wall), newtons(surface.stiffness), ratio, ratio < 1 ? "" : ", and unstable");
     } else {
         finding.text = fmt::format(
             "Of {} surfaces the {} has the lowest limit: except at direction discontinuities the loop is stable up to "
@@ -232,6 +232,63 @@ void add_atlas(std::vector<Finding>& findings, const LoopResults& results, const
                                                    stepped, 100 * most, apart)});
 }
 
+const CouplingRow* safe_on(const LoopResults& results, const std::string& surface, double scene) {
+    const auto row = std::ranges::find_if(results.couplings, [&](const CouplingRow& one) {
+        return one.surface == surface && one.which == "safe" && one.scene == scene;
+    });
+    return row == results.couplings.end() ? nullptr : &*row;
+}
+
+// On the first surface, and on the one that needs the softest coupling.
+void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
+    constexpr double kSoft = 1e4, kStiff = 1e6; /* N/m */
+    std::vector<std::string> parts;
+    std::size_t stepped = 0, foreseen = 0;
+    const CouplingRow *least = nullptr, *damped = nullptr;
+    for (const CouplingRow& row : results.couplings) {
+        stepped += row.foreseen.has_value();
+        foreseen += row.foreseen.value_or(false);
+        if (row.scene != kStiff)
+            continue;
+        if (row.which == "safe" && (!least || row.coupling.stiffness < least->coupling.stiffness))
+            least = &row;
+        if (row.which == "stiffest" && (!damped || row.coupling.stiffness > damped->coupling.stiffness))
+            damped = &row;
+    }
+    if (!least || !damped)
+        return;
+    const auto felt = [](const CouplingRow& row) { return newtons(felt_stiffness(row.scene, row.coupling.stiffness)); };
+    const auto on = [&](const std::string& surface) {
+        return results.surfaces.size() == 1 ? "" : fmt::format("on the {} ", surface);
+    };
+    const auto add = [&](const std::string& surface) {
+        const CouplingRow *soft = safe_on(results, surface, kSoft), *stiff = safe_on(results, surface, kStiff);
+        if (soft && stiff)
+            parts.push_back(fmt::format("{}at most {} for 1e4 N/m and {} for 1e6 N/m, felt as {}", on(surface),
+                                        newtons(soft->coupling.stiffness), newtons(stiff->coupling.stiffness),
+                                        felt(*stiff)));
+    };
+    const std::string& first = results.surfaces.front().name;
+    add(first);
+    if (least->surface != first)
+        add(least->surface);
+    const auto own = std::ranges::find(results.couplings, "own", &CouplingRow::which);
+    std::string text;
+    if (own != results.couplings.end())
+        text = fmt::format("Through its own coupling the scene is felt as {}, {}. ", felt(*own),
+                           own->rests ? "at rest everywhere" : "but does not come to rest everywhere");
+    text += fmt::format("To feel a scene of 1e4 to 1e6 N/m this hand needs a virtual coupling (hand.coupling): {}.",
+                        fmt::join(parts, "; "));
+    if (damped->coupling.damping > 0)
+        text += fmt::format(" With a damper of {:.3g} N s/m {}{} are felt, but impacts then give energy.",
+                            damped->coupling.damping, on(damped->surface), felt(*damped));
+    findings.push_back({"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
+                        hand_text(results.surfaces.front()),
+                        fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
+                                    "grow 2 % stiffer",
+                                    stepped, foreseen)});
+}
+
 void add_basin(std::vector<Finding>& findings, const LoopResults& results) {
     std::size_t all = 0, right = 0;
     const MapLoop* any = nullptr;
@@ -291,6 +348,7 @@ std::vector<Finding> loop_findings(const LoopResults& results) {
     }
     add_shading(findings, results);
     add_edges(findings, results);
+    add_couplings(findings, results);
     add_basin(findings, results);
     if (results.surfaces.front().stiffness > 0)
         add_rounding(findings, results);

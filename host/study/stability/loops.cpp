@@ -47,10 +47,11 @@ layout::HandParams<T> hand_of(const RestPlace& place, const LoopCell& cell, cons
     const double off = run.disturbance * place.depth;
     paths.start_depth = off * kAside.z - moved;
     const double swings = 2 * place.depth * std::sqrt(cell.stiffness / hand.mass) / cell.rate;
-    auto params = hand_params<T>(hand, paths, *paths.bound + (hand.delay_samples > 0 ? swings : 0));
+    auto params = hand_params<T>(hand, paths, *paths.bound + (hand.delay_samples > 0 ? swings : 0), cell.stiffness);
     params.gain = T(cell.stiffness);
     // Balances the force there, and the grip's spring that pulls aside.
-    const glm::dvec3 force = place.force - place.slope * glm::dvec3(0, 0, moved);
+    const glm::dvec3 force =
+        coupled_share(hand, cell.stiffness) * (place.force - place.slope * glm::dvec3(0, 0, moved));
     params.push_x = T(-cell.stiffness * force.x - hand.grip_stiffness * off * kAside.x);
     params.push_y = T(-cell.stiffness * force.y - hand.grip_stiffness * off * kAside.y);
     params.push_z = T(-cell.stiffness * force.z + (run.all_sides ? hand.grip_stiffness * moved : 0));

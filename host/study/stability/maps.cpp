@@ -57,7 +57,7 @@ void run_rows(Engine& engine, const LoopSurface& surface, const RestPlace& place
 }
 
 std::optional<double> limit_at(const LeastLimit& least, const LoopCell& cell) {
-    return linear_limit(cell.hand, cell.rate, least.hold, least.place.slope);
+    return linear_limit(cell.hand, cell.rate, least.hold, least.place.force_around());
 }
 
 } // namespace

@@ -48,6 +48,7 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
         }
     std::ranges::move(atlas_of(surface, results.limits, quick), std::back_inserter(results.atlas));
     std::ranges::move(edge_swings(engine, surface, places), std::back_inserter(results.swings));
+    std::ranges::move(couplings_on(surface, places), std::back_inserter(results.couplings));
     for (const auto& [x, z] : direction_profile(surface))
         results.profile.push_back({surface.name, x, z});
 }
@@ -61,7 +62,7 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
     LeastLimit held = crest ? *crest : *worst; // paths press down or are held on all sides
     const auto surface = std::ranges::find(results.surfaces, held.surface, &LoopSurface::name);
     held.hold = held.place.force.z > 0 ? Hold{"down", {0, 0, 1}} : Hold{"on all sides", glm::dvec3(0)};
-    held.limit = linear_limit(held.cell.hand, held.cell.rate, held.hold, held.place.slope);
+    held.limit = linear_limit(held.cell.hand, held.cell.rate, held.hold, held.place.force_around());
     results.map_kind = name_of(held.place.kind);
     results.maps = damping_map(engine, *surface, held, quick);
     std::ranges::move(rounding_map(engine, results.surfaces.front(), flat->place, quick),
@@ -85,6 +86,34 @@ std::vector<LoopSurface> own_surfaces() {
         surface.high = high;
     }
     return surfaces;
+}
+
+std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places) {
+    std::vector<CouplingRow> rows;
+    std::vector<double> scenes{1e4, 1e5, 1e6}; /* N/m */
+    if (surface.stiffness > 0 && std::ranges::count(scenes, surface.stiffness) == 0)
+        scenes.insert(scenes.begin(), surface.stiffness);
+    const auto add = [&](const char* which, double scene, const HoldingCoupling& coupling) {
+        CouplingRow row{surface.name, which, scene, coupling, true, {}};
+        if (coupling.weakest) {
+            LeastLimit softer = *coupling.weakest, stiffer = softer;
+            softer.cell.hand.coupling_stiffness *= 0.98;
+            stiffer.cell.hand.coupling_stiffness *= 1.02;
+            row.foreseen = decays(surface, softer) && !decays(surface, stiffer);
+        }
+        rows.push_back(row);
+    };
+    if (const HandSpec& own = surface.prepared.one.scene.hand; own.coupled()) {
+        add("own", surface.stiffness, {own.coupling_stiffness, own.coupling_damping, {}});
+        rows.back().rests = RestTrials(surface.rate, surface.stiffness, places).all_rest(own);
+    }
+    for (const double scene : scenes)
+        if (const auto found = coupling_limits(surface.hand, surface.rate, scene, places)) {
+            if (found->safe)
+                add("safe", scene, *found->safe);
+            add("stiffest", scene, found->stiffest);
+        }
+    return rows;
 }
 
 StudyData study_stability(StudyRun& run) {

@@ -1,6 +1,7 @@
 // The study of the limits of loops and numbers: the results of its loops.
 #pragma once
 
+#include "host/limits/coupling_limits.h"
 #include "host/study/run/study_run.h"
 #include "host/study/stability/atlas.h"
 
@@ -12,6 +13,18 @@ struct ProfilePoint {
     double x, z; /* m */
 };
 
+/// A virtual coupling through which the surface's own hand may feel a stiffness.
+struct CouplingRow {
+    std::string surface, which;   /* "own": the scene's; "safe", "stiffest" */
+    double scene = 0;             /* N/m */
+    HoldingCoupling coupling;     /* N/m, N s/m */
+    bool rests = true;            // at all places
+    std::optional<bool> foreseen; /* stepped at its weakest place: 2 % softer rests, 2 % stiffer grows */
+};
+
+/// Of 1e4, 1e5 and 1e6 N/m and the scene's own, if that is another.
+std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places);
+
 /// With the program's default hand: plane, bump of 2 facets with and without shading, height map of a bump and of a
 /// dip, mesh with and without shading.
 std::vector<LoopSurface> own_surfaces();
@@ -21,6 +34,7 @@ struct LoopResults {
     std::vector<LeastLimit> limits;
     std::vector<AtlasPoint> atlas;
     std::vector<EdgeSwing> swings;
+    std::vector<CouplingRow> couplings;
     std::vector<MapLoop> maps;
     std::vector<MapCurvePoint> curves;
     std::string map_kind; /* of the place of the map over damping */
@@ -36,7 +50,7 @@ struct LoopResults {
 /// Adds tables, figures and notes of the loops.
 void add_loops(StudyData& data, const LoopResults& results);
 
-/// Their findings: at most five.
+/// Their findings: at most six.
 std::vector<Finding> loop_findings(const LoopResults& results);
 
 /// \throws what StudyRun::run throws, UsageError for a

@@ -125,6 +125,35 @@ Table swing_table(const LoopResults& results) {
         results.swings);
 }
 
+Table coupling_table(const LoopResults& results) {
+    using R = CouplingRow;
+    return table_of<R>(
+        "loop_couplings", "Virtual couplings through which stiff scenes can be felt",
+        {{"surface", "", "pressed by the hand", &R::surface},
+         {"scene_N_per_m", "N/m", "the scene's stiffness K", &R::scene},
+         {"coupling", "",
+          "own: the scene's; safe: the stiffest spring alone, at rest everywhere, and passive: in line with a wall it "
+          "gives no energy to "
+          "any "
+          "hand; stiffest: with any damper, at rest everywhere, but impacts may give energy",
+          &R::which},
+         {"coupling_N_per_m", "N/m", "hand.coupling.stiffness k", [](const R& r) { return r.coupling.stiffness; }},
+         {"coupling_N_s_per_m", "N s/m", "hand.coupling.damping", [](const R& r) { return r.coupling.damping; }},
+         {"felt_N_per_m", "N/m", "K k / (K + k), of a contact at rest",
+          [](const R& r) { return felt_stiffness(r.scene, r.coupling.stiffness); }},
+         {"rests", "", "at all places, by the linearised loop", [](const R& r) { return r.rests ? "yes" : "no"; }},
+         {"weakest", "", "kind of the place where a stiffer coupling grows; empty: passivity limits it",
+          [](const R& r) { return r.coupling.weakest ? name_of(r.coupling.weakest->place.kind) : ""; }},
+         {"stepped", "",
+          "through the surface's own force at that place: as foreseen, if a coupling 2 % softer rests and one 2 % "
+          "stiffer "
+          "grows",
+          [](const R& r) { return !r.foreseen   ? ""
+                                  : *r.foreseen ? "as foreseen"
+                                                : "otherwise"; }}},
+        results.couplings);
+}
+
 Table map_table(const LoopResults& results) {
     using R = MapLoop;
     return table_of<R>(
@@ -291,6 +320,13 @@ std::vector<Figure> figures_of(const LoopResults& results) {
         figures.push_back(
             atlas_figure("delay", "The limit over the delay", places, {"delay_samples", "delay / samples"}));
     }
+    if (!results.couplings.empty())
+        figures.push_back(make_figure("loop-couplings", "A scene of 1e6 N/m, as it is felt through a virtual coupling",
+                                      "At rest, through the stiffest coupling that holds. Safe: a spring alone, "
+                                      "passive on a wall; stiffest: with a "
+                                      "damper, too, but its impacts may give energy. Both at rest at all places.",
+                                      FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e6).text()}},
+                                      {"surface", "surface"}, {"felt_N_per_m", "felt / (N/m)", true}, "coupling"));
     if (const auto loop = any("basin"); loop != results.maps.end())
         figures.push_back(map_figure(results, "basin",
                                      fmt::format("Kicks of a device without damping: {}, {:.3g} N of friction",
@@ -307,8 +343,9 @@ std::vector<Figure> figures_of(const LoopResults& results) {
 } // namespace
 
 void add_loops(StudyData& data, const LoopResults& results) {
-    data.tables = {kind_table(results),  limit_table(results),   atlas_table(results), swing_table(results),
-                   worst_table(results), profile_table(results), map_table(results),   curve_table(results)};
+    data.tables = {kind_table(results),  limit_table(results), atlas_table(results),
+                   swing_table(results), worst_table(results), profile_table(results),
+                   map_table(results),   curve_table(results), coupling_table(results)};
     data.figures = figures_of(results);
     data.notes = {
         fmt::format("The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's "
