@@ -84,7 +84,7 @@ public:
     bool reaches(const glm::dvec3& probe) const noexcept override { return probe_.law().reaches(probe); }
     void begin_path() noexcept override {
         probe_.begin_path();
-        lag_ = 0;
+        lag_ = -1;
     }
     void couple(double scale, double period) noexcept override {
         coupling_ = coupling_of<T>(hand_, scale * stiffness_, period);
@@ -100,7 +100,7 @@ private:
     HandSpec hand_;
     double stiffness_; /* N/m */
     layout::Coupling<T> coupling_{};
-    T lag_ = 0; /* m: of the coupling */
+    T lag_ = -1; /* m: of the coupling */
 };
 
 } // namespace
@@ -109,7 +109,8 @@ template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, doub
     if (!hand.coupled())
         return {};
     const double damper = hand.coupling_damping / period, both = hand.coupling_stiffness + damper; /* N/m */
-    return {T(both / (stiffness + both)), T(damper / (stiffness + both)), T(damper / both)};
+    return {T(both / (stiffness + both)), T(damper / (stiffness + both)), T(damper / both),
+            T(stiffness / (stiffness + hand.coupling_stiffness))};
 }
 
 template layout::Coupling<float> coupling_of<float>(const HandSpec&, double, double) noexcept;

@@ -71,14 +71,16 @@ template <typename T> Vector<T> commanded(const layout::HandParams<T>& hand, con
 
 /// The force, N, through a virtual coupling, a spring and a damper between the device and a tool without mass that
 /// feels the law (Colgate, Stanley & Brown 1995; Adams & Hannaford 1999): the tool is at the depth, m, where both bear
-/// the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now.
+/// the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now; below 0 where a path begins,
+/// at rest.
 template <typename T>
 Vector<T> through_coupling(const layout::Coupling<T>& coupling, const Vector<T>& law_force, T depth, T& lag) noexcept {
     if (!(coupling.depth > T(0)))
         return law_force;
-    const T tool = coupling.depth * depth - coupling.lag * lag;
+    const T before = lag < T(0) ? coupling.rest * depth : lag;
+    const T tool = coupling.depth * depth - coupling.lag * before;
     const bool touches = tool > T(0) && depth <= std::numeric_limits<T>::max();
-    lag = touches ? depth - tool : coupling.free * lag;
+    lag = touches ? depth - tool : coupling.free * before;
     const T share = tool / depth;
     return touches ? share * law_force : Vector<T>(T(0));
 }
@@ -235,6 +237,7 @@ template <typename T> struct PathSampled {
 /// A path before its first step, with the probe at a place, m.
 template <typename T> layout::PathState<T> state_at(const Vector<T>& place) noexcept {
     layout::PathState<T> state{};
+    state.lag = T(-1);
     put(place, state.x, state.y, state.z);
     put(place, state.measured_x, state.measured_y, state.measured_z);
     state.metrics = no_metrics<T>();

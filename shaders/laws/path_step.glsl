@@ -77,14 +77,16 @@ real3 commanded(HandParams hand, real3 law_force) {
 }
 
 // The force, N, through a virtual coupling to a tool without mass that feels the law: the tool is at the depth, m, where both
-// bear the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now.
+// bear the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now; below 0 where a path begins.
 real3 through_coupling(Coupling coupling, real3 law_force, real depth, inout real lag) {
     if (COUPLED == 0u)
         return law_force;
-    precise real tool = coupling.depth * depth - coupling.lag * lag;
+    precise real at_rest = coupling.rest * depth;
+    real before = lag < ZERO ? at_rest : lag;
+    precise real tool = coupling.depth * depth - coupling.lag * before;
     bool touches = tool > ZERO && depth <= LARGEST;
     precise real behind = depth - tool;
-    precise real left = coupling.free * lag;
+    precise real left = coupling.free * before;
     real share = quotient(tool, depth);
     precise real x = share * law_force.x;
     precise real y = share * law_force.y;
@@ -252,7 +254,7 @@ PathState begin_state(HandParams hand, real3 target) {
     precise real sunk = LOOP == kLoopClosed ? hand.start_depth : exact_zero;
     precise real z = target.z - sunk;
     return PathState(target.x, target.y, z, ZERO, ZERO, ZERO, target.x, target.y, z, ZERO, ZERO, ZERO,
-                     ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, no_metrics(), 0u, 0u);
+                     ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, -ONE, no_metrics(), 0u, 0u);
 }
 
 // Whether the probe is beyond its bound, now or before. Then it stays where it was last, free of force.

@@ -345,6 +345,7 @@ FS_STRUCT Coupling {
     real depth; // 1: (k + b / T) / (K + k + b / T)
     real lag;   // 1: (b / T) / (K + k + b / T)
     real free;  // 1: (b / T) / (k + b / T)
+    real rest;  // 1: K / (K + k): of a depth at rest, as where a path begins, the distance to the tool's
 };
 
 // The hand and the device that it holds.
@@ -424,7 +425,8 @@ FS_STRUCT PathState {
     real anchor_force_y;
     real anchor_force_z;
     real steepest; // 1: about the square of the steepest turn's angle
-    real lag;      // m: by how much less deep the tool of a virtual coupling was than the probe
+    real lag; // m: by how much less deep the tool of a virtual coupling was than the probe; below 0 before the first
+              // step
     FS_REAL_STRUCT(PathMetrics) metrics;
     uint step;     // the next
     uint directed; // 1: at the last sample there was contact and a force, so that there is an anchor

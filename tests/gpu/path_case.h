@@ -189,6 +189,7 @@ private:
             hand.coupling.depth = T(uniform(0.1, 0.9));
             hand.coupling.lag = T(uniform(0, 1)) * hand.coupling.depth;
             hand.coupling.free = T(uniform(0, 1));
+            hand.coupling.rest = T(uniform(0, 1));
         }
         return hand;
     }

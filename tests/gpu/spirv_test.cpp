@@ -155,7 +155,7 @@ void expect_path_structs(const SpirvModule& module, std::uint32_t motions, std::
     expect_structs(module, motions + 1, harmonic_members<real>(), sizeof(Harmonic<real>));
     if (const auto hand = expect_structs(module, motions + 2, hand_members<real>(), sizeof(HandParams<real>))) {
         expect_members(module, module.members(hand).at(0).type, axis_members<real>());
-        expect_members(module, module.members(hand).at(16).type, FS_MEMBERS(layout::Coupling<real>, depth, lag, free));
+        expect_members(module, module.members(hand).at(16).type, FS_MEMBERS(layout::Coupling<real>, depth, lag, free, rest));
     }
     if (const auto state = expect_structs(module, states, state_members<real>(), sizeof(PathState<real>)))
         expect_members(module, module.members(state).at(20).type, metrics_members<real>());
@@ -258,7 +258,7 @@ TEST(SpirvModules, HaveTheBindingsAndConstantsOfTheLayout) {
     using namespace layout;
     const Numbers law{kSpecLocalX, kSpecShading, kSpecMap, kSpecTexture, kSpecChannels};
     const Numbers surface{kSpecSurface, kSpecDepth, kSpecReference};
-    const Numbers path{kSpecMotion, kSpecLoop, kSpecHarmonics, kSpecFriction, kSpecQuantised};
+    const Numbers path{kSpecMotion, kSpecLoop, kSpecHarmonics, kSpecFriction, kSpecQuantised, kSpecCoupled};
     const auto all = [](std::initializer_list<Numbers> sets) {
         Numbers sum;
         for (const Numbers& some : sets)

@@ -89,10 +89,11 @@ HandSpec coupled_hand(double stiffness, double damping) {
 }
 
 // N: the force of a wall of `stiffness`, N/m, on a probe at these depths, m, one a sample of 1 ms, through a coupling.
-std::vector<double> felt_at(const HandSpec& hand, double stiffness, const std::vector<double>& depths) {
+std::vector<double> felt_at(const HandSpec& hand, double stiffness, const std::vector<double>& depths,
+                            bool begun = true) {
     const auto coupling = coupling_of<double>(hand, stiffness, 1e-3);
     std::vector<double> felt;
-    double lag = 0;
+    double lag = begun ? 0 : -1;
     for (const double depth : depths)
         felt.push_back(reference::through_coupling(coupling, Vector<double>(0, 0, stiffness * depth), depth, lag).z);
     return felt;
@@ -107,6 +108,8 @@ TEST(Coupling, OfARigidWallIsItsSpringAndItsDamper) {
 
 TEST(Coupling, AtRestIsInLineWithTheScene) {
     EXPECT_NEAR(felt_at(coupled_hand(2000, 4), 1000, std::vector<double>(200, 2e-3)).back(), 2e-3 * 2000 / 3, 1e-12);
+    for (const double felt : felt_at(coupled_hand(2000, 4), 1000, std::vector<double>(5, 2e-3), false))
+        EXPECT_NEAR(felt, 2e-3 * 2000 / 3, 1e-12); // as a path begins
     EXPECT_EQ(felt_at(HandSpec{}, 1000, {2e-3}).front(), 2);
 }
 

@@ -304,6 +304,22 @@ const RestPlace& first_place(const std::string& surface, PlaceKind kind) {
     return *std::ranges::find(places_on(surface), kind, &RestPlace::kind);
 }
 
+// Of couplings over three decades of stiffness and damping the linearised loop tells which come to rest.
+TEST(CouplingMap, IsAsTheLinearisedLoopForesees) {
+    const std::vector<MapLoop> loops =
+        coupling_map(engine(), own("plane"), first_place("plane", PlaceKind::flat), true);
+    std::size_t rests = 0, otherwise = 0;
+    for (const MapLoop& loop : loops) {
+        const bool stable = loop.outcome.state == LoopState::stable;
+        rests += stable;
+        otherwise += stable != loop.foreseen;
+    }
+    EXPECT_EQ(loops.size(), 128u);
+    EXPECT_GT(rests, 40u);
+    EXPECT_LT(rests, 90u);
+    EXPECT_LE(otherwise, 2u);
+}
+
 TEST(Loops, MeshIsTheWallOfItsFacet) {
     const LoopSurface& mesh = own("mesh");
     const LoopCell cell = damped(mesh, 10, 1);

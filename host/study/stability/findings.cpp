@@ -272,6 +272,12 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     add(first);
     if (least->surface != first)
         add(least->surface);
+    std::size_t loops = 0, as_foreseen = 0;
+    for (const MapLoop& loop : results.maps)
+        if (loop.map == "coupling") {
+            ++loops;
+            as_foreseen += loop.foreseen == (loop.outcome.state == LoopState::stable);
+        }
     const auto own = std::ranges::find(results.couplings, "own", &CouplingRow::which);
     std::string text;
     if (own != results.couplings.end())
@@ -285,8 +291,8 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back({"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
                         hand_text(results.surfaces.front()),
                         fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
-                                    "grow 2 % stiffer",
-                                    stepped, foreseen)});
+                                    "grow 2 % stiffer; of {} in loop-coupling {} do as foreseen",
+                                    stepped, foreseen, loops, as_foreseen)});
 }
 
 void add_basin(std::vector<Finding>& findings, const LoopResults& results) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/matrix.hpp>
+
 #include "host/study/stability/atlas.h"
 
 namespace forceshade::study {
@@ -144,6 +146,26 @@ std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, con
     return loops;
 }
 
+std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
+    constexpr double kRigid = 1e6; /* N/m */
+    const Fineness fine = fineness_of(surface, quick);
+    const double damping = damping_of(surface.hand);
+    const double passive = passive_stiffness(damping, 1 / surface.rate, surface.hand.delay_samples);
+    const Hold down = pressed_along({0, 0, 1});
+    std::vector<MapLoop> loops;
+    for (int j = 0; j < fine.rows; ++j)
+        for (int i = 0; i < fine.columns; ++i) {
+            const HandSpec hand = coupled(surface.hand, short_between(0.1 * passive, 30 * passive, i, fine.columns),
+                                          short_between(0.03 * damping, 100 * damping, j, fine.rows));
+            const bool rests = !grows(hand, surface.rate, down, place.force_around(), kRigid);
+            loops.push_back({"coupling", surface.name, {hand, surface.rate, kRigid}, {}, rests});
+        }
+    LoopRun run;
+    run.patience = fine.patience;
+    run_rows(engine, surface, place, loops, static_cast<std::size_t>(fine.columns), run);
+    return loops;
+}
+
 std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
     const Fineness fine = fineness_of(surface, quick);
     LoopCell cell{surface.hand, surface.rate, surface.stiffness > 0 ? surface.stiffness : kOwnStiffness};
@@ -179,6 +201,27 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
     };
     add_over_damping("K_crit", [](const LoopCell& cell) { return std::optional(wall_limit(cell.hand, cell.rate)); });
     add_over_damping("linearised", [&](const LoopCell& cell) { return limit_at(least, cell); });
+    std::optional<double> coupler;
+    for (const MapLoop& loop : loops) {
+        const HandSpec& hand = loop.cell.hand;
+        if (loop.map != "coupling" || coupler == hand.coupling_damping)
+            continue;
+        coupler = hand.coupling_damping;
+        const auto add = [&](const char* curve, double stiffness) {
+            points.push_back({"coupling", curve, kNone, kNone, kNone, kNone, kNone, stiffness, *coupler});
+        };
+        const double passive = passive_stiffness(damping_of(hand) - *coupler, 1 / loop.cell.rate,
+                                                 hand.delay_samples); // Colgate & Schenkel
+        if (hand.delay_samples == 0 && passive >= hand.coupling_stiffness)
+            add("passive", passive);
+        const glm::dvec3 up(0, 0, 1);
+        const ForceAround wall{glm::outerProduct(up, up), up};
+        const auto limit = least_growing(hand.coupling_stiffness, 300 * hand.coupling_stiffness, 1.001, [&](double k) {
+            return grows(coupled(hand, k, *coupler), loop.cell.rate, pressed_along(up), wall, loop.cell.stiffness);
+        });
+        if (limit && *limit > 1.01 * hand.coupling_stiffness)
+            add("linearised", *limit);
+    }
     double low = std::numeric_limits<double>::infinity(), high = 0; // N
     for (const MapLoop& loop : loops)
         if (loop.map == "rounding") {

@@ -2,6 +2,7 @@
 // stiffness and damping at the lowest limit of a surface, and over the step of the measured position and friction.
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "host/study/stability/loops.h"
@@ -25,7 +26,7 @@ std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, c
 
 /// A loop of a map.
 struct MapLoop {
-    std::string map, surface; /* "damping", "rounding", "basin" */
+    std::string map, surface; /* "damping", "coupling", "rounding", "basin" */
     LoopCell cell;
     LoopOutcome outcome;
     bool foreseen = false; /* to come to rest: by the linearised loop; with rounding by
@@ -47,6 +48,10 @@ LoopCell damped(LoopCell cell, double damping);
 /// Over stiffness and damping at a limit's place; its hold must be one that paths have: down or on all sides.
 std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick);
 
+/// Over stiffness and damping of a virtual coupling (the Z-width of Colgate & Brown 1994), pressed down onto a scene of
+/// 1e6 N/m there.
+std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+
 /// Over quantum and friction, the hand pressed down there. The stiffness is the scene's, or 1000 N/m.
 std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
 
@@ -54,10 +59,11 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
 struct MapCurvePoint {
     std::string map, curve;                             /* "K_crit" */
     double stiffness, damping, quantum, friction, kick; /* SI; NaN: does not apply */
+    double coupling = NAN, coupling_damping = NAN;      /* N/m, N s/m: of a virtual coupling */
 };
 
-/// K_crit and the linearised loop over damping, f_c = K quantum / 2 over quantum, friction_basin over stiffness: within
-/// the maps.
+/// K_crit and the linearised loop over damping, the linearised loop and what is passive over couplings, f_c = K quantum
+/// / 2 over quantum, friction_basin over stiffness: within the maps.
 std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least);
 
 } // namespace forceshade::study

@@ -68,6 +68,8 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
     std::ranges::move(rounding_map(engine, results.surfaces.front(), flat->place, quick),
                       std::back_inserter(results.maps));
     const LoopSurface& first = results.surfaces.front();
+    if (!first.is_mesh())
+        std::ranges::move(coupling_map(engine, first, flat->place, quick), std::back_inserter(results.maps));
     if (const LeastLimit* deep = results.worst(first.name, first.deepest, PlaceKind::flat); deep && !first.is_mesh())
         std::ranges::move(basin_map(engine, first, deep->place, quick), std::back_inserter(results.maps));
     results.curves = curves_over(results.maps, held);

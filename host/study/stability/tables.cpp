@@ -159,13 +159,17 @@ Table map_table(const LoopResults& results) {
     return table_of<R>(
         "loop_map", "States of sampled loops",
         {{"map", "",
-          "damping: over stiffness and damping at the surface's lowest limit; rounding: over the step of the measured "
+          "damping: over stiffness and damping at the surface's lowest limit; coupling: over stiffness and damping of "
+          "a virtual coupling to a scene of 1e6 N/m; rounding: over the step of the measured "
           "position and friction; basin: over stiffness and kick, without damping",
           &R::map},
          {"surface", "", "pressed by the hand", &R::surface},
          {"stiffness_N_per_m", "N/m", "K of the surface", [](const R& r) { return r.cell.stiffness; }},
          {"damping_N_s_per_m", "N s/m", "b of device and hand together",
           [](const R& r) { return damping_of(r.cell.hand); }},
+         {"coupling_N_per_m", "N/m", "stiffness of a virtual coupling; 0: none",
+          [](const R& r) { return r.cell.hand.coupling_stiffness; }},
+         {"coupling_N_s_per_m", "N s/m", "its damping", [](const R& r) { return r.cell.hand.coupling_damping; }},
          {"quantum_um", "um", "step of the measured position",
           [](const R& r) { return 1e6 * r.cell.hand.quantisation; }},
          {"friction_N", "N", "Coulomb friction on each axis", [](const R& r) { return r.cell.hand.coulomb; }},
@@ -193,6 +197,8 @@ Table curve_table(const LoopResults& results) {
          {"curve", "", "which closed form", &R::curve},
          {"stiffness_N_per_m", "N/m", "K of the surface", &R::stiffness},
          {"damping_N_s_per_m", "N s/m", "b", &R::damping},
+         {"coupling_N_per_m", "N/m", "stiffness of a virtual coupling", &R::coupling},
+         {"coupling_N_s_per_m", "N s/m", "its damping", &R::coupling_damping},
          {"quantum_um", "um", "step of the measured position", [](const R& r) { return 1e6 * r.quantum; }},
          {"friction_N", "N", "Coulomb friction", &R::friction},
          {"kick_um", "um", "how far too deep the probe begins", [](const R& r) { return 1e6 * r.kick; }}},
@@ -260,11 +266,12 @@ Figure map_figure(const LoopResults& results, const std::string& map, const std:
     figure.value = "state";
     figure.value_label = "the loop";
     figure.value_words = {"stable", "quantisation limit cycle", "limit cycle", "unstable"};
-    for (const std::string curve : {"K_crit", "linearised", "f_c = K quantum / 2", "8 f_c / (pi K T w)"})
+    for (const std::string curve : {"K_crit", "passive", "linearised", "f_c = K quantum / 2", "8 f_c / (pi K T w)"})
         if (const Where where{{"map", map}, {"curve", curve}}; std::ranges::any_of(
                 results.curves, [&](const MapCurvePoint& one) { return one.map == map && one.curve == curve; }))
             figure.curves.push_back({"loop_curves", where, x.column, y.column,
-                                     curve == "linearised" ? "linearised there" : curve, curve == "K_crit"});
+                                     curve == "linearised" ? "linearised there" : curve,
+                                     curve == "K_crit" || curve == "passive"});
     return figure;
 }
 
@@ -327,6 +334,11 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                                       "damper, too, but its impacts may give energy. Both at rest at all places.",
                                       FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e6).text()}},
                                       {"surface", "surface"}, {"felt_N_per_m", "felt / (N/m)", true}, "coupling"));
+    if (const auto loop = any("coupling"); loop != results.maps.end())
+        figures.push_back(map_figure(results, "coupling",
+                                     fmt::format("Z-width: virtual couplings to a {} of 1e6 N/m", loop->surface),
+                                     {"coupling_N_per_m", "coupling's stiffness / (N/m)", true},
+                                     {"coupling_N_s_per_m", "coupling's damping / (N s/m)", true}));
     if (const auto loop = any("basin"); loop != results.maps.end())
         figures.push_back(map_figure(results, "basin",
                                      fmt::format("Kicks of a device without damping: {}, {:.3g} N of friction",
