@@ -143,9 +143,9 @@ bool begins_left(uint constraints, real3 probe) {
     return (constraints & kConstraintCornered) != 0u || !is_finite(probe);
 }
 
-PathSample sample_of(inout PathState state, Rest rest, HandParams hand, real3 position, real3 probe) {
+PathSample sample_of(inout real lag, Rest rest, HandParams hand, real3 position, real3 probe) {
     Contact contact = force_of(rest, probe);
-    real3 force = displayed(state, hand, contact.force, contact.depth);
+    real3 force = displayed(lag, hand, contact.force, contact.depth);
     bool free = contact.facet == kNoFacet; // not there and back through the mesh's frame
     real3 proxy = real3(free ? position.x : contact.proxy.x, free ? position.y : contact.proxy.y,
                         free ? position.z : contact.proxy.z);
@@ -202,7 +202,7 @@ void main() {
             complete = walk_rests && !is_left;
         }
         if (complete) {
-            PathSample taken = sample_of(state, rest, hand, position, probe);
+            PathSample taken = sample_of(state.lag, rest, hand, position, probe);
             if (left)
                 taken = left_sample(state);
             store(path, state.step, taken);

@@ -117,11 +117,11 @@ real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
     return FOLLOW == kFollowSurface ? above_surface(place) : place;
 }
 
-PathSample sample_at(inout PathState state, real3 probe, HandParams hand) {
+PathSample sample_at(inout real lag, real3 probe, HandParams hand) {
     Facet plane = Facet(exact_zero, exact_zero, ONE, 0u);
     Facet facet = SURFACE == kSurfaceBump ? remembered_facet_at(probe.x) : plane;
     Contact contact = contact_at(column_over(facet, probe.x, probe.y), probe.y, probe.z);
-    real3 force = displayed(state, hand, contact.force, contact.depth);
+    real3 force = displayed(lag, hand, contact.force, contact.depth);
     return PathSample(probe, force, contact.depth, contact.proxy, contact.facet);
 }
 
@@ -146,7 +146,7 @@ void main() {
     uint at = path;
     while (state.step < end && !leaves(state, hand, here)) {
         real3 next = target_at(motion, path, state.step + 1u, steps);
-        PathSample taken = sample_at(state, probe_at(state, hand, here), hand);
+        PathSample taken = sample_at(state.lag, probe_at(state, hand, here), hand);
         store(at, taken);
         take_step(state, unit, hand, motion, taken, here, next, true, 0u, steps);
         here = next;

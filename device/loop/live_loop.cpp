@@ -230,11 +230,10 @@ void LiveLoop::display_force(Turn& turn) noexcept {
     };
     const std::int64_t begin = now();
     ProbeLaw& law = laws_.present();
-    const ProbeContact contact = law.reaches(probe_)
-                                     ? law.at(probe_)
-                                     : ProbeContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
+    const ProbeContact contact =
+        law.reaches(probe_) ? law.at(probe_) : ProbeContact{probe_, {}, {}, 0, layout::kNoFacet, true}; // a new law's
     sample.flags |= contact.finished ? 0u : kUnfinished;
-    glm::dvec3 force = safety_.limit(turn.now, settings_.mapping.force_to_device(contact.force),
+    glm::dvec3 force = safety_.limit(turn.now, settings_.mapping.force_to_device(contact.felt),
                                      contact.facet != layout::kNoFacet, sample.flags);
     const std::int64_t end = now();
     const bool device_timed_out =

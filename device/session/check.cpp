@@ -65,7 +65,7 @@ public:
         if (const double stall = push_.stall.exchange(0); stall > 0) // for the watchdog to detect
             sleep_until(now() + static_cast<std::int64_t>(stall * 1e9));
         const glm::dvec3 force(push_.force[0].load(), push_.force[1].load(), push_.force[2].load());
-        return {probe, force, 0, force == glm::dvec3(0) ? layout::kNoFacet : 0, true};
+        return {probe, force, force, 0, force == glm::dvec3(0) ? layout::kNoFacet : 0, true};
     }
 
 private:
@@ -257,8 +257,7 @@ private:
     CheckStep stability() const {
         const SceneLimits limits = limits_on(opened_, scene_);
         return limits.stable() ? passed(limits.text())
-                               : failed(limits.text(), "lower force.stiffness, or --rate a faster loop; [hand] is what "
-                                                       "the limit was computed for");
+                               : failed(limits.text(), limits.remedy() + "; [hand] is what the limit was computed for");
     }
 
     CheckStep calibration() {

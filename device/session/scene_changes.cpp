@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/limits/linear_loop.h"
 #include "host/output/files.h"
 
 namespace forceshade::device {
@@ -74,8 +75,8 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
     used_.push_back({*path, prepared.scene, sha256_of(prepared.scene)});
     std::string text = fmt::format("{} was read again, path {} from {:.3f} s on", file_.filename().string(), *path,
                                    loop.status().seconds.load());
-    if (has_hand_ && (scene.paths != first_.paths || scene.hand != first_.hand))
-        text += "; [paths] and [hand] stay as they were at the start";
+    if (has_hand_ && (scene.paths != first_.paths || coupled(scene.hand, 0, 0) != coupled(first_.hand, 0, 0)))
+        text += "; [paths] and [hand] stay as they were at the start, but for its coupling";
     try {
         text += keep(used_.back());
     } catch (const IoError& error) { // not a reason to stop a loop

@@ -8,6 +8,7 @@
 #include "host/error.h"
 #include "host/field/case_law.h"
 #include "host/paths/motions.h"
+#include "host/reference/path_step.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -86,12 +87,16 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
     const auto probe = std::make_unique<CaseProbe<double>>(prepared);
     const auto hand = device::make_sim(prepared, manner.rate, manner.still);
     std::vector<LiveSample> samples(prepared.one.scene.paths->steps + manner.still);
+    const Scene& scene = prepared.one.scene;
+    const auto coupling = coupling_of<double>(scene.hand, scene.force.stiffness, 1 / manner.rate);
+    double lag = -1; /* m: of a virtual coupling */
     std::size_t path = 0;
     for (LiveSample& sample : samples) {
         const device::Reading reading = hand->read();
         if (reading.begins_path) {
             ++path;
             probe->begin_path();
+            lag = -1;
         }
         const PathContact<double> found = probe->at(reading.position);
         sample.tick = static_cast<std::uint64_t>(&sample - samples.data());
@@ -100,10 +105,11 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
         sample.flags = found.finished ? 0U : std::uint32_t(device::kUnfinished);
         sample.probe = reading.position;
         sample.proxy = probe->law().in_world(found.contact.proxy);
-        sample.force = sample.commanded = glm::dvec3(found.contact.force);
+        sample.force = glm::dvec3(found.contact.force);
+        sample.commanded = reference::through_coupling(coupling, sample.force, found.contact.depth, lag);
         sample.depth = found.contact.depth;
         sample.facet = found.contact.facet;
-        hand->write(sample.force);
+        hand->write(sample.commanded);
     }
     return samples;
 }

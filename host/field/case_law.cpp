@@ -57,7 +57,8 @@ PathContact<T> CaseLaw<T>::follow(Path& path, reference::Neighbourhood<T>& aroun
 
 template <typename T> ProbeContact CaseLaw<T>::widened(const reference::LawContact<T>& found) const noexcept {
     const reference::Contact<T>& contact = found.contact;
-    return {in_world(contact.proxy), glm::dvec3(contact.force), double(contact.depth), contact.facet, found.finished};
+    const glm::dvec3 force(contact.force);
+    return {in_world(contact.proxy), force, force, double(contact.depth), contact.facet, found.finished};
 }
 
 template <typename T> std::string beyond_reach(const glm::dvec3& probe) {
@@ -90,9 +91,11 @@ public:
         coupling_ = coupling_of<T>(hand_, scale * stiffness_, period);
     }
     ProbeContact at(const glm::dvec3& probe) noexcept override {
-        PathContact<T> found = probe_.at(probe);
-        found.contact.force = reference::through_coupling(coupling_, found.contact.force, found.contact.depth, lag_);
-        return probe_.law().widened(found);
+        const PathContact<T> found = probe_.at(probe);
+        ProbeContact contact = probe_.law().widened(found);
+        contact.felt =
+            glm::dvec3(reference::through_coupling(coupling_, found.contact.force, found.contact.depth, lag_));
+        return contact;
     }
 
 private:

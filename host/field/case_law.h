@@ -22,7 +22,8 @@ template <typename T> struct PathContact : reference::LawContact<T> {
 /// A contact in either precision: each float is exact here.
 struct ProbeContact {
     glm::dvec3 proxy;    /* m, in the world; out of contact the probe */
-    glm::dvec3 force;    /* N: perhaps not finite */
+    glm::dvec3 force;    /* N: the law's, perhaps not finite */
+    glm::dvec3 felt;     /* N: what comes of it through a virtual coupling */
     double depth;        /* m */
     std::uint32_t facet; // layout::kNoFacet out of contact
     bool finished;       // the proxy came to rest
@@ -119,8 +120,8 @@ public:
     /// As CaseLaw's and CaseProbe's: the numbers of `explore`, bit for bit.
     virtual bool reaches(const glm::dvec3& probe) const noexcept = 0;
     virtual void begin_path() noexcept = 0;
-    /// From now on forces come through the virtual coupling of the scene's hand, if it has one, each `period`, s; of a
-    /// metre of the hand `scale` are the scene's.
+    /// From now on what is felt comes through the virtual coupling of the scene's hand, if it has one, each `period`,
+    /// s; a metre of the hand is `scale` metres of the scene.
     virtual void couple(double /*scale*/, double /*period*/) noexcept {}
     virtual ProbeContact at(const glm::dvec3& probe) noexcept = 0;
 };

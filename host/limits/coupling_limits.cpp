@@ -31,19 +31,21 @@ LeastLimit RestTrials::failed(const HandSpec& hand) const {
     return found;
 }
 
-std::optional<CouplingLimits> coupling_limits(const HandSpec& hand, double rate, double scene,
-                                              const std::vector<RestPlace>& places) {
-    constexpr int kDampings = 40;
-    constexpr double kClose = 1.001, kLeast = 1e-3, kMost = 32, kLeastDamping = 1e-4; // of the largest
-    const double passive = passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples);
-    RestTrials trials(rate, scene, places);
-    if (trials.empty() || !(passive > 0))
-        return std::nullopt;
-    const auto rests = [&](double stiffness, double damping) {
-        return trials.all_rest(coupled(hand, stiffness, damping));
-    };
-    // From a stiffness with which it rests.
-    const auto largest = [&](double low, double high, double damping) {
+namespace {
+
+// The search for the stiffest spring with a damper.
+class CouplingSearch {
+public:
+    CouplingSearch(const HandSpec& hand, double rate, double stiffness, const std::vector<RestPlace>& places)
+        : hand_(hand), trials_(rate, stiffness, places),
+          passive(passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples)), softest(1e-3 * passive) {}
+
+    bool possible() const { return !trials_.empty() && passive > 0; }
+    bool rests(double stiffness, double damping) { return trials_.all_rest(coupled(hand_, stiffness, damping)); }
+
+    // From a stiffness `low`, with which it rests, to at most `high`.
+    HoldingCoupling stiffest(double low, double high, double damping) {
+        constexpr double kClose = 1.001;
         HoldingCoupling found{low, damping, {}};
         if (rests(high, damping)) {
             found.stiffness = high;
@@ -54,22 +56,43 @@ std::optional<CouplingLimits> coupling_limits(const HandSpec& hand, double rate,
             (rests(middle, damping) ? found.stiffness : high) = middle;
         }
         if (!rests(high, damping)) // the last trial that failed
-            found.weakest = trials.failed(coupled(hand, found.stiffness, damping));
+            found.weakest = trials_.failed(coupled(hand_, found.stiffness, damping));
         return found;
-    };
-    CouplingLimits found;
-    found.scene = scene;
-    if (!rests(kLeast * passive, 0))
-        return std::nullopt;
-    if (scene > passive || !trials.all_rest(hand)) { // in line with the scene no stiffer than what is passive
-        const double most = scene > passive ? scene * passive / (scene - passive) : kMost * passive;
-        found.safe = largest(kLeast * passive, most, 0);
     }
-    for (int i = 0; i <= kDampings; ++i) {
+
+private:
+    HandSpec hand_;
+    RestTrials trials_;
+
+public:
+    const double passive, softest; /* N/m */
+};
+
+constexpr double kStiffest = 32; // of what is passive
+
+} // namespace
+
+std::optional<HoldingCoupling> safe_coupling(const HandSpec& hand, double rate, double stiffness,
+                                             const std::vector<RestPlace>& places) {
+    CouplingSearch search(hand, rate, stiffness, places);
+    if (!search.possible() || !search.rests(search.softest, 0))
+        return std::nullopt;
+    const double passive = search.passive; // in line with the scene no stiffer
+    return search.stiffest(search.softest,
+                           stiffness > passive ? stiffness * passive / (stiffness - passive) : kStiffest * passive, 0);
+}
+
+std::optional<HoldingCoupling> stiffest_coupling(const HandSpec& hand, double rate, double stiffness,
+                                                 const std::vector<RestPlace>& places) {
+    constexpr int kDampings = 40;
+    constexpr double kLeastDamping = 1e-4; // of the largest
+    CouplingSearch search(hand, rate, stiffness, places);
+    std::optional<HoldingCoupling> found;
+    for (int i = 0; i <= kDampings && search.possible(); ++i) {
         const double damping = i == 0 ? 0 : hand.mass * rate * std::pow(kLeastDamping, 1 - double(i) / kDampings);
-        const double least = std::max(1.01 * found.stiffest.stiffness, kLeast * passive);
-        if (rests(least, damping))
-            found.stiffest = largest(least, std::max(kMost * passive, least), damping);
+        const double least = found ? 1.01 * found->stiffness : search.softest;
+        if (search.rests(least, damping))
+            found = search.stiffest(least, std::max(kStiffest * search.passive, least), damping);
     }
     return found;
 }

@@ -35,17 +35,13 @@ struct HoldingCoupling {
                                           is another reason that keeps it from being stiffer */
 };
 
-struct CouplingLimits {
-    double scene = 0; /* N/m: the stiffness that is felt through the coupling */
-    /// The stiffest spring alone that is passive, too: in line with a wall it gives no energy to any hand. Empty: the
-    /// hand needs none.
-    std::optional<HoldingCoupling> safe;
-    /// The stiffest spring with any damper. Impacts on it may give energy.
-    HoldingCoupling stiffest;
-};
+/// Of a hand without coupling in a scene of `stiffness`, N/m: the stiffest spring alone with which it rests everywhere,
+/// and which is passive with this hand: in line with a wall it gives no energy. Empty: none holds.
+std::optional<HoldingCoupling> safe_coupling(const HandSpec& hand, double rate, double stiffness,
+                                             const std::vector<RestPlace>& places);
 
-/// For a hand without coupling; dampers from none to the mass over the sample. Empty: no coupling holds.
-std::optional<CouplingLimits> coupling_limits(const HandSpec& hand, double rate, double scene,
-                                              const std::vector<RestPlace>& places);
+/// The stiffest spring with any damper, from none to the mass over the sample. Impacts on it may give energy.
+std::optional<HoldingCoupling> stiffest_coupling(const HandSpec& hand, double rate, double stiffness,
+                                                 const std::vector<RestPlace>& places);
 
 } // namespace forceshade

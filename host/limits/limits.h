@@ -66,13 +66,15 @@ struct SceneLimits {
     std::string hand;                /* hand_text */
     std::optional<double> coupling;  /* N/m: of the hand's virtual coupling */
     bool coupled_rests = false;      // with it, everywhere
-    std::optional<double> safe;      /* N/m: CouplingLimits::safe, where the loop is unstable */
+    std::optional<double> safe;      /* N/m: of the safe coupling, where the loop is unstable */
 
     /// N/m: the lower of both.
     double limit() const { return least && least->limit ? std::min(*least->limit, wall) : wall; }
     bool stable() const { return coupling ? coupled_rests : stiffness < limit(); }
     /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)".
     std::string text() const;
+    /// What would hold: "a lower force.stiffness, ...".
+    std::string remedy() const;
     /// What is wrong and what would hold; empty if it is stable.
     std::string warning() const;
 };

@@ -1,7 +1,6 @@
 #include "host/limits/linear_loop.h"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
@@ -143,21 +142,10 @@ bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAroun
 }
 
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force) {
-    constexpr double kClose = 1.0001, kStep = 1.1, kStiffest = 1e9, kLongStep = 2;
+    constexpr double kClose = 1.0001;
     const double passive = passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples);
     const auto at = [&](double stiffness) { return grows(hand, rate, hold, force, stiffness); };
-    if (at(1e-4 * passive))
-        return 0.0;
-    const auto limit = least_growing(1e-4 * passive, 8 * passive, kClose, at, kStep);
-    return limit || !hand.coupled() ? limit : least_growing(8 * passive, kStiffest, kClose, at, kLongStep);
-}
-
-double wall_limit(const HandSpec& hand, double rate) {
-    if (!hand.coupled())
-        return critical_stiffness(hand.mass, damping_of(hand), 1 / rate, hand.delay_samples);
-    const glm::dvec3 up(0, 0, 1);
-    return linear_limit(hand, rate, pressed_along(up), {glm::outerProduct(up, up), up})
-        .value_or(std::numeric_limits<double>::infinity());
+    return at(1e-4 * passive) ? 0.0 : least_growing(1e-4 * passive, 8 * passive, kClose, at);
 }
 
 } // namespace forceshade

@@ -76,17 +76,18 @@ struct ForceAround {
     glm::dvec3 direction{0, 0, 1}; /* unit: of the force there, along which a virtual coupling is pressed */
 };
 
-/// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m.
+/// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m. A virtual coupling takes the force over the
+/// stiffness for the depth, which two-pass shading and textures are not.
 bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness);
 
-/// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps, then between
+/// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps of a tenth, then between
 /// two whose ratio is `close`; empty: it does not grow.
 template <typename Grows>
-std::optional<double> least_growing(double from, double to, double close, const Grows& grows, double step = 1.1) {
+std::optional<double> least_growing(double from, double to, double close, const Grows& grows) {
     double below = from, above = from;
     while (!grows(above)) {
         below = above;
-        above *= step;
+        above *= 1.1;
         if (above > to)
             return std::nullopt;
     }
@@ -98,11 +99,12 @@ std::optional<double> least_growing(double from, double to, double close, const 
 }
 
 /// The least stiffness, N/m, at which it grows, to a hundredth of a percent: 0 if it grows at a ten-thousandth of the
-/// largest passive stiffness already, empty if it does not at eight times that; through a virtual coupling, up to
-/// 1e9 N/m.
+/// largest passive stiffness already, empty if it does not at eight times that.
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force);
 
-/// K_crit of a wall with this hand, N/m; infinite where a virtual coupling makes every wall stable.
-double wall_limit(const HandSpec& hand, double rate);
+/// K_crit of a wall with this hand, N/m, without its coupling.
+inline double wall_limit(const HandSpec& hand, double rate) {
+    return critical_stiffness(hand.mass, damping_of(hand), 1 / rate, hand.delay_samples);
+}
 
 } // namespace forceshade

@@ -170,6 +170,13 @@ const char* name_of(PlaceKind kind) {
     return kNames[static_cast<std::size_t>(kind)];
 }
 
+RestPlace wall_place() {
+    RestPlace wall;
+    wall.below = wall.depth = wall.force.z = 1e-3;
+    wall.slope[2][2] = 1;
+    return wall;
+}
+
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count) {
     ContactForce force(surface.prepared, surface.scale());
     const TouchedShape shape{[&](const TouchPlace& place) { return force(place); }, surface.scale(), surface.low,

@@ -64,6 +64,9 @@ struct RestPlace {
 /// hundredth of them at most. \throws UsageError without contact in the box.
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count);
 
+/// A level wall's, at a depth of 1 mm.
+RestPlace wall_place();
+
 /// The shape, (x, z) in m, integrated from the directions of the force along x through the middle of the box; z is 0
 /// where it begins.
 std::vector<std::pair<double, double>> direction_profile(const LoopSurface& surface);

@@ -8,36 +8,60 @@
 
 namespace forceshade {
 
-SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most, double scale) {
+namespace {
+
+struct Touched {
+    LoopSurface surface;
+    std::vector<RestPlace> places;
+};
+
+// As deep as a force of `most` N presses into `stiffness`, N/m of the scene; no places where nothing is touched.
+Touched touched(const PreparedCase& prepared, double rate, double most, double stiffness) {
     constexpr std::size_t kPoints = 60, kPointsOfMesh = 40;
+    Touched found;
+    try {
+        found.surface = scene_surface(prepared);
+        found.surface.rate = rate;
+        found.surface.deepest = std::min(found.surface.deepest, most / stiffness);
+        found.places = rest_places(found.surface, found.surface.is_mesh() ? kPointsOfMesh : kPoints);
+    } catch (const UsageError&) { // nothing to touch in the scene's box
+    }
+    return found;
+}
+
+} // namespace
+
+SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most, double scale) {
     const Scene& scene = prepared.one.scene;
+    const HandSpec bare = coupled(scene.hand, 0, 0);
     SceneLimits found;
     found.stiffness = scale * scene.force.stiffness;
     if (!(damping_of(scene.hand) > 0 && found.stiffness > 0))
         return found;
-    const HandSpec bare = coupled(scene.hand, 0, 0);
     found.wall = wall_limit(bare, rate);
-    if (scene.hand.coupled())
-        found.coupling = scene.hand.coupling_stiffness;
     LoopSurface surface;
-    surface.hand = scene.hand;
+    surface.hand = bare;
     surface.rate = rate;
     found.hand = hand_text(surface);
-    try {
-        surface = scene_surface(prepared);
-        surface.rate = rate;
-        surface.deepest = std::min(surface.deepest, most / scene.force.stiffness);
-        const auto places = rest_places(surface, surface.is_mesh() ? kPointsOfMesh : kPoints);
-        for (const LeastLimit& one : least_limits(surface, places, {{bare, rate, 1}}))
-            if (one.limit && (!found.least || *one.limit < *found.least->limit))
-                found.least = one;
-        found.coupled_rests = RestTrials(rate, found.stiffness, places).all_rest(scene.hand);
-        if (!found.stable())
-            if (const auto couplings = coupling_limits(bare, rate, found.stiffness, places))
-                if (couplings->safe)
-                    found.safe = couplings->safe->stiffness;
-    } catch (const UsageError&) { // nothing to touch in the scene's box
+    const Touched as_it_is = touched(prepared, rate, most, scene.force.stiffness);
+    for (const LeastLimit& one : least_limits(as_it_is.surface, as_it_is.places, {{bare, rate, 1}}))
+        if (one.limit && (!found.least || *one.limit < *found.least->limit))
+            found.least = one;
+    // On a wall, too. Deeper, where a coupling gives way: for one that is not yet known as deep as it may be.
+    const auto with_wall = [&](double stiffness) {
+        std::vector<RestPlace> places = touched(prepared, rate, most, stiffness).places;
+        places.push_back(wall_place());
+        return places;
+    };
+    if (scene.hand.coupled()) {
+        found.coupling = scene.hand.coupling_stiffness;
+        const double share = coupled_share(scene.hand, found.stiffness);
+        found.coupled_rests =
+            RestTrials(rate, found.stiffness, with_wall(share * scene.force.stiffness)).all_rest(scene.hand);
     }
+    if (!found.stable())
+        if (const auto safe = safe_coupling(bare, rate, found.stiffness, with_wall(0)))
+            found.safe = safe->stiffness;
     return found;
 }
 
@@ -63,16 +87,23 @@ std::string SceneLimits::text() const {
                        place, coupling ? " without coupling" : "");
 }
 
+std::string SceneLimits::remedy() const {
+    if (!(wall > 0))
+        return "set hand.damping or hand.grip_damping";
+    if (coupling && stiffness < limit())
+        return "leave out hand.coupling, which this scene does not need";
+    const std::string other = "a lower force.stiffness, more damping, a faster loop or less delay would hold";
+    return !safe ? other
+                 : fmt::format(
+                       "{}, or a virtual coupling without damper (hand.coupling.stiffness = \"{:.4g} N/m\": felt as "
+                       "{:.4g} N/m)",
+                       other, 0.99 * *safe, felt_stiffness(stiffness, 0.99 * *safe));
+}
+
 std::string SceneLimits::warning() const {
     if (stable() || !(stiffness > 0))
         return {};
-    return fmt::format("this loop is unstable: force.stiffness is {}; {}", text(),
-                       !(wall > 0) ? "set hand.damping or hand.grip_damping"
-                       : safe ? fmt::format("a lower force.stiffness, more damping, a faster loop or less delay would "
-                                            "hold, or a virtual coupling (hand.coupling.stiffness = \"{:.4g} N/m\": "
-                                            "felt as {:.4g} N/m)",
-                                            0.99 * *safe, felt_stiffness(stiffness, 0.99 * *safe))
-                              : "a lower force.stiffness, more damping, a faster loop or less delay would hold");
+    return fmt::format("this loop is unstable: force.stiffness is {}; {}", text(), remedy());
 }
 
 } // namespace forceshade

@@ -154,7 +154,7 @@ private:
         }
         path_.there = side;
         path_.place = place;
-        if (!path_.side && at_.touching() && (!is_square_to(towards) || is_in_pocket(towards))) {
+        if (!path_.side && at_.touching() && (!is_square_to(towards) || is_in_pocket(towards, side))) {
             doubtful_ = true;
             return;
         }
@@ -162,7 +162,7 @@ private:
             path_.side = side;
         if (*side == *path_.side)
             return;
-        if (at_.touching() && !path_.other && (!looks || is_in_pocket(towards))) {
+        if (at_.touching() && !path_.other && (!looks || is_in_pocket(towards, path_.side))) {
             doubtful_ = true;
             return;
         }
@@ -174,11 +174,11 @@ private:
 
     // Whether a place next to a proxy in contact may be on another side than the proxy a skin off the surface is:
     // facets there face both ways, or another one is near.
-    bool is_in_pocket(const Point& towards) {
+    bool is_in_pocket(const Point& towards, std::optional<int> side) {
         return surface_.face_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance) ||
                surface_.meets(at_.proxy + at_.tolerance * towards,
                               at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no ||
-               (surface_.facing(path_.side) == 0 && is_in_crossing());
+               (surface_.facing(side) == 0 && is_in_crossing());
     }
 
     // Whether all facets at a proxy are square to the force: where others are, which sector it is in is not known.

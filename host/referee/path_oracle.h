@@ -25,7 +25,7 @@ inline constexpr std::uint64_t kComparedSamples = std::uint64_t(1) << 20;
 /// On a mesh, where a force follows from all before it, an open loop's may be off by 1e-3 of the largest in one sample
 /// of a hundred, since a probe on an edge may be given to either facet; and of an open loop's metrics the work may be
 /// off by 1e-3 of the effort: these two are chosen. A closed loop's course is not compared there: it follows from its
-/// own forces.
+/// own forces; nor, on hardware, are forces through a virtual coupling, which follow from the samples before.
 template <typename T> class PathOracle {
 public:
     /// Of a case, which must outlive this. `input` is the oracle's own, its source is asked for other batches than the

@@ -77,10 +77,13 @@ template <typename T>
 Vector<T> through_coupling(const layout::Coupling<T>& coupling, const Vector<T>& law_force, T depth, T& lag) noexcept {
     if (!(coupling.depth > T(0)))
         return law_force;
-    const T before = lag < T(0) ? coupling.rest * depth : lag;
+    constexpr T kGone = T(1e-30); // m: less only makes denormal numbers
+    const bool finite = depth <= std::numeric_limits<T>::max();
+    const T before = lag < T(0) ? (finite ? coupling.rest * depth : T(0)) : lag;
     const T tool = coupling.depth * depth - coupling.lag * before;
-    const bool touches = tool > T(0) && depth <= std::numeric_limits<T>::max();
-    lag = touches ? depth - tool : coupling.free * before;
+    const bool touches = tool > T(0) && finite;
+    const T left = coupling.free * before;
+    lag = touches ? depth - tool : left > kGone ? left : T(0);
     const T share = tool / depth;
     return touches ? share * law_force : Vector<T>(T(0));
 }

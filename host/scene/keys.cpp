@@ -498,7 +498,8 @@ void add_hand(std::vector<Key>& keys) {
     hand.quantity<&HandSpec::coupling_stiffness>(
         Dimension::stiffness, "coupling.stiffness", "\"0 N/m\"",
         "of a virtual coupling, 0 for none: a spring and a damper through which the device feels the scene (Colgate, "
-        "Stanley & Brown 1995), so that a scene stiffer than its loop bears can be felt; no contact feels stiffer",
+        "Stanley & Brown 1995), so that a scene stiffer than its loop bears can be felt; no contact at rest feels "
+        "stiffer",
         {.sign = kNotNegative});
     hand.quantity<&HandSpec::coupling_damping>(Dimension::damping, "coupling.damping", "\"0 N s/m\"",
                                                "of the virtual coupling's damper", {.sign = kNotNegative});

@@ -81,10 +81,12 @@ real3 commanded(HandParams hand, real3 law_force) {
 real3 through_coupling(Coupling coupling, real3 law_force, real depth, inout real lag) {
     if (COUPLED == 0u)
         return law_force;
+    const real gone = real(1e-30LF); // m: less only makes denormal numbers
+    bool finite = depth <= LARGEST;
     precise real at_rest = coupling.rest * depth;
-    real before = lag < ZERO ? at_rest : lag;
+    real before = lag < ZERO ? (finite ? at_rest : ZERO) : lag;
     precise real tool = coupling.depth * depth - coupling.lag * before;
-    bool touches = tool > ZERO && depth <= LARGEST;
+    bool touches = tool > ZERO && finite;
     precise real behind = depth - tool;
     precise real left = coupling.free * before;
     real share = quotient(tool, depth);
@@ -92,16 +94,16 @@ real3 through_coupling(Coupling coupling, real3 law_force, real depth, inout rea
     precise real y = share * law_force.y;
     precise real z = share * law_force.z;
     bool coupled = coupling.depth > ZERO;
-    lag = !coupled ? lag : touches ? behind : left;
+    lag = !coupled ? lag : touches ? behind : left > gone ? left : ZERO;
     return real3(!coupled ? law_force.x : touches ? x : exact_zero, !coupled ? law_force.y : touches ? y : exact_zero,
                  !coupled ? law_force.z : touches ? z : exact_zero);
 }
 
 // What the device displays of the law's force, N.
-real3 displayed(inout PathState state, HandParams hand, real3 law_force, real depth) {
+real3 displayed(inout real lag, HandParams hand, real3 law_force, real depth) {
     if (LOOP == kLoopOpen)
         return law_force;
-    return commanded(hand, through_coupling(hand.coupling, law_force, depth, state.lag));
+    return commanded(hand, through_coupling(hand.coupling, law_force, depth, lag));
 }
 
 // Where a probe is, and how fast.

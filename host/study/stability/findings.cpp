@@ -263,10 +263,11 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     };
     const auto add = [&](const std::string& surface) {
         const CouplingRow *soft = safe_on(results, surface, kSoft), *stiff = safe_on(results, surface, kStiff);
-        if (soft && stiff)
-            parts.push_back(fmt::format("{}at most {} for 1e4 N/m and {} for 1e6 N/m, felt as {}", on(surface),
-                                        newtons(soft->coupling.stiffness), newtons(stiff->coupling.stiffness),
-                                        felt(*stiff)));
+        if (stiff)
+            parts.push_back(
+                fmt::format("{}at most {}{} for 1e6 N/m, felt as {}", on(surface),
+                            soft ? fmt::format("{} for 1e4 N/m and ", newtons(soft->coupling.stiffness)) : "",
+                            newtons(stiff->coupling.stiffness), felt(*stiff)));
     };
     const std::string& first = results.surfaces.front().name;
     add(first);
@@ -283,16 +284,18 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     if (own != results.couplings.end())
         text = fmt::format("Through its own coupling the scene is felt as {}, {}. ", felt(*own),
                            own->rests ? "at rest everywhere" : "but does not come to rest everywhere");
-    text += fmt::format("To feel a scene of 1e4 to 1e6 N/m this hand needs a virtual coupling (hand.coupling): {}.",
+    text += fmt::format("To feel a scene of up to 1e6 N/m this hand needs a virtual coupling (hand.coupling): {}.",
                         fmt::join(parts, "; "));
     if (damped->coupling.damping > 0)
         text += fmt::format(" With a damper of {:.3g} N s/m {}{} are felt, but impacts then give energy.",
                             damped->coupling.damping, on(damped->surface), felt(*damped));
-    findings.push_back({"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
-                        hand_text(results.surfaces.front()),
-                        fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
-                                    "grow 2 % stiffer; of {} in loop-coupling {} do as foreseen",
-                                    stepped, foreseen, loops, as_foreseen)});
+    findings.push_back(
+        {"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
+         hand_text(results.surfaces.front()),
+         fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
+                     "grow 2 % stiffer{}",
+                     stepped, foreseen,
+                     loops == 0 ? "" : fmt::format("; of {} in loop-coupling {} do as foreseen", loops, as_foreseen))});
 }
 
 void add_basin(std::vector<Finding>& findings, const LoopResults& results) {

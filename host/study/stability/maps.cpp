@@ -149,13 +149,15 @@ std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, con
 std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
     constexpr double kRigid = 1e6; /* N/m */
     const Fineness fine = fineness_of(surface, quick);
-    const double damping = damping_of(surface.hand);
-    const double passive = passive_stiffness(damping, 1 / surface.rate, surface.hand.delay_samples);
+    HandSpec linear = surface.hand;
+    linear.quantisation = linear.coulomb = 0;
+    const double damping = damping_of(linear);
+    const double passive = passive_stiffness(damping, 1 / surface.rate, linear.delay_samples);
     const Hold down = pressed_along({0, 0, 1});
     std::vector<MapLoop> loops;
     for (int j = 0; j < fine.rows; ++j)
         for (int i = 0; i < fine.columns; ++i) {
-            const HandSpec hand = coupled(surface.hand, short_between(0.1 * passive, 30 * passive, i, fine.columns),
+            const HandSpec hand = coupled(linear, short_between(0.1 * passive, 30 * passive, i, fine.columns),
                                           short_between(0.03 * damping, 100 * damping, j, fine.rows));
             const bool rests = !grows(hand, surface.rate, down, place.force_around(), kRigid);
             loops.push_back({"coupling", surface.name, {hand, surface.rate, kRigid}, {}, rests});

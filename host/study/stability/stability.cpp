@@ -109,12 +109,14 @@ std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vec
         add("own", surface.stiffness, {own.coupling_stiffness, own.coupling_damping, {}});
         rows.back().rests = RestTrials(surface.rate, surface.stiffness, places).all_rest(own);
     }
-    for (const double scene : scenes)
-        if (const auto found = coupling_limits(surface.hand, surface.rate, scene, places)) {
-            if (found->safe)
-                add("safe", scene, *found->safe);
-            add("stiffest", scene, found->stiffest);
-        }
+    const double passive = passive_stiffness(damping_of(surface.hand), 1 / surface.rate, surface.hand.delay_samples);
+    for (const double scene : scenes) {
+        const bool needed = scene > passive || !RestTrials(surface.rate, scene, places).all_rest(surface.hand);
+        if (const auto safe = safe_coupling(surface.hand, surface.rate, scene, places); safe && needed)
+            add("safe", scene, *safe);
+        if (const auto stiffest = stiffest_coupling(surface.hand, surface.rate, scene, places))
+            add("stiffest", scene, *stiffest);
+    }
     return rows;
 }
 

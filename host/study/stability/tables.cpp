@@ -132,17 +132,16 @@ Table coupling_table(const LoopResults& results) {
         {{"surface", "", "pressed by the hand", &R::surface},
          {"scene_N_per_m", "N/m", "the scene's stiffness K", &R::scene},
          {"coupling", "",
-          "own: the scene's; safe: the stiffest spring alone, at rest everywhere, and passive: in line with a wall it "
-          "gives no energy to "
-          "any "
-          "hand; stiffest: with any damper, at rest everywhere, but impacts may give energy",
+          "own: the scene's; safe: the stiffest spring alone, at rest everywhere, and passive: in line with a wall "
+          "this "
+          "hand gets no energy; stiffest: with any damper, at rest everywhere, but impacts may give energy",
           &R::which},
          {"coupling_N_per_m", "N/m", "hand.coupling.stiffness k", [](const R& r) { return r.coupling.stiffness; }},
          {"coupling_N_s_per_m", "N s/m", "hand.coupling.damping", [](const R& r) { return r.coupling.damping; }},
          {"felt_N_per_m", "N/m", "K k / (K + k), of a contact at rest",
           [](const R& r) { return felt_stiffness(r.scene, r.coupling.stiffness); }},
          {"rests", "", "at all places, by the linearised loop", [](const R& r) { return r.rests ? "yes" : "no"; }},
-         {"weakest", "", "kind of the place where a stiffer coupling grows; empty: passivity limits it",
+         {"weakest", "", "kind of the place where a stiffer coupling grows; empty: something else limits it",
           [](const R& r) { return r.coupling.weakest ? name_of(r.coupling.weakest->place.kind) : ""; }},
          {"stepped", "",
           "through the surface's own force at that place: as foreseen, if a coupling 2 % softer rests and one 2 % "
