@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "device/backends/devices.h"
 #include "host/error.h"
@@ -122,7 +123,7 @@ std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector
         const double x = sample.probe.x - feature.centre.x;
         const int side = x < -feature.width / 2 ? -1 : x > feature.width / 2 ? 1 : 0;
         if (side != 0 && side == -from)
-            add_pass(feature, std::move(pass), passes);
+            add_pass(feature, std::exchange(pass, {}), passes);
         if (side != 0) {
             from = side;
             pass.clear();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/field/case_law.h"
 #include "host/field/prepared_case.h"
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
@@ -121,7 +122,7 @@ template <typename T> std::optional<std::string> ScenePaths<T>::coarse() const {
     open.drive = PathDrive::depth;
     const double farthest = farthest_coordinate(open, region_), step = typical(spec_.speed) / spec_.rate; /* m */
     if (spec_.steps > 1)
-        if (const auto warning = coarse_warning(kPrecisionOf<T>, farthest, "the step from sample to sample", step))
+        if (auto warning = coarse_warning(kPrecisionOf<T>, farthest, "the step from sample to sample", step))
             return warning;
     return spec_.drive == PathDrive::depth
                ? coarse_warning(kPrecisionOf<T>, farthest, "the depth", std::abs(typical(spec_.depth)))

@@ -164,6 +164,7 @@ template <typename T> struct PathOracle<T>::Batch {
         if (from.hands.size() <= 1)
             return {from.hands.begin(), from.hands.end()};
         std::vector<layout::HandParams<T>> hands;
+        hands.reserve(chosen.size());
         for (const std::size_t path : chosen)
             hands.push_back(from.hands[path]);
         return hands;

@@ -111,6 +111,7 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, cons
     const PreparedCase prepared = scene_of(surface, place, cells.size(), run);
     ScenePaths<T> source(prepared);
     std::vector<layout::HandParams<T>> hands;
+    hands.reserve(cells.size());
     for (const LoopCell& cell : cells)
         hands.push_back(hand_of<T>(place, cell, run, *prepared.one.scene.paths));
     layout::PathInput<T> input = source.input();
