@@ -338,12 +338,14 @@ Json loop_data(const std::string& scene) {
     if (!one)
         return {};
     const HandSpec& hand = one->scene.hand;
+    const double stiffness = one->scene.force.stiffness, spring = hand.coupling_stiffness; /* N/m */
+    const double felt = hand.coupled() ? stiffness * spring / (stiffness + spring) : stiffness;
     return {{"mass", hand.mass},
             {"damping", hand.damping},
             {"grip", hand.grip_damping},
             {"delay", hand.delay_samples},
             {"period", 1 / (one->scene.paths ? one->scene.paths->rate : PathsSpec().rate)},
-            {"stiffness", one->scene.force.stiffness}};
+            {"stiffness", felt}};
 }
 
 double path_period(const std::string& scene) {
