@@ -256,8 +256,10 @@ private:
 
     CheckStep stability() const {
         const SceneLimits limits = limits_on(opened_, scene_);
-        return limits.stable() ? passed(limits.text())
-                               : failed(limits.text(), limits.remedy() + "; [hand] is what the limit was computed for");
+        return limits.stable()
+                   ? passed(limits.text())
+                   : failed(limits.text(),
+                            limits.remedy() + "; --rate is the loop's, [hand] what the limit was computed for");
     }
 
     CheckStep calibration() {
