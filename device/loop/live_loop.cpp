@@ -233,7 +233,7 @@ void LiveLoop::display_force(Turn& turn) noexcept {
     const ProbeContact contact =
         law.reaches(probe_) ? law.at(probe_) : ProbeContact{probe_, {}, {}, 0, layout::kNoFacet, true}; // a new law's
     sample.flags |= contact.finished ? 0u : kUnfinished;
-    glm::dvec3 force = safety_.limit(turn.now, settings_.mapping.force_to_device(contact.felt),
+    glm::dvec3 force = safety_.limit(turn.now, settings_.mapping.force_to_device(contact.coupled),
                                      contact.facet != layout::kNoFacet, sample.flags);
     const std::int64_t end = now();
     const bool device_timed_out =

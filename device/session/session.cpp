@@ -248,8 +248,9 @@ private:
     void look_at_stability(const PreparedCase& prepared) {
         const SceneLimits limits = limits_on(opened_, prepared);
         stability_ = limits.text();
-        if (!loop_) // at edges a stable scene chatters, too, and is to be felt
-            opened_.settings.limits.fade = options_.limits.fade && (options_.unstable || !limits.stable());
+        if (!loop_) // a stable scene may chatter at edges; a coupling may add energy
+            opened_.settings.limits.fade =
+                options_.limits.fade && (options_.unstable || !limits.stable() || limits.coupling);
         refuse_unstable(limits.warning(), opened_, options_);
         if (const std::string warning = limits.warning(); !warning.empty())
             warn(warning);

@@ -93,7 +93,7 @@ public:
     ProbeContact at(const glm::dvec3& probe) noexcept override {
         const PathContact<T> found = probe_.at(probe);
         ProbeContact contact = probe_.law().widened(found);
-        contact.felt =
+        contact.coupled =
             glm::dvec3(reference::through_coupling(coupling_, found.contact.force, found.contact.depth, lag_));
         return contact;
     }

@@ -23,7 +23,7 @@ template <typename T> struct PathContact : reference::LawContact<T> {
 struct ProbeContact {
     glm::dvec3 proxy;    /* m, in the world; out of contact the probe */
     glm::dvec3 force;    /* N: the law's, perhaps not finite */
-    glm::dvec3 felt;     /* N: what comes of it through a virtual coupling */
+    glm::dvec3 coupled;  /* N: the same through a virtual coupling, if the hand has one */
     double depth;        /* m */
     std::uint32_t facet; // layout::kNoFacet out of contact
     bool finished;       // the proxy came to rest
@@ -120,7 +120,7 @@ public:
     /// As CaseLaw's and CaseProbe's: the numbers of `explore`, bit for bit.
     virtual bool reaches(const glm::dvec3& probe) const noexcept = 0;
     virtual void begin_path() noexcept = 0;
-    /// From now on what is felt comes through the virtual coupling of the scene's hand, if it has one, each `period`,
+    /// From now on `coupled` is through the virtual coupling of the scene's hand, if it has one, each `period`,
     /// s; a metre of the hand is `scale` metres of the scene.
     virtual void couple(double /*scale*/, double /*period*/) noexcept {}
     virtual ProbeContact at(const glm::dvec3& probe) noexcept = 0;

@@ -38,9 +38,11 @@ class CouplingSearch {
 public:
     CouplingSearch(const HandSpec& hand, double rate, double stiffness, const std::vector<RestPlace>& places)
         : hand_(hand), trials_(rate, stiffness, places),
-          passive(passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples)), softest(1e-3 * passive) {}
+          passive_(passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples)) {}
 
-    bool possible() const { return !trials_.empty() && passive > 0; }
+    double passive() const { return passive_; }        /* N/m */
+    double softest() const { return 1e-3 * passive_; } /* N/m */
+    bool possible() const { return !trials_.empty() && passive_ > 0; }
     bool rests(double stiffness, double damping) { return trials_.all_rest(coupled(hand_, stiffness, damping)); }
 
     // From a stiffness `low`, with which it rests, to at most `high`.
@@ -63,9 +65,7 @@ public:
 private:
     HandSpec hand_;
     RestTrials trials_;
-
-public:
-    const double passive, softest; /* N/m */
+    double passive_;
 };
 
 constexpr double kStiffest = 32; // of what is passive
@@ -75,10 +75,10 @@ constexpr double kStiffest = 32; // of what is passive
 std::optional<HoldingCoupling> safe_coupling(const HandSpec& hand, double rate, double stiffness,
                                              const std::vector<RestPlace>& places) {
     CouplingSearch search(hand, rate, stiffness, places);
-    if (!search.possible() || !search.rests(search.softest, 0))
+    if (!search.possible() || !search.rests(search.softest(), 0))
         return std::nullopt;
-    const double passive = search.passive; // in line with the scene no stiffer
-    return search.stiffest(search.softest,
+    const double passive = search.passive(); // in line with the scene no stiffer
+    return search.stiffest(search.softest(),
                            stiffness > passive ? stiffness * passive / (stiffness - passive) : kStiffest * passive, 0);
 }
 
@@ -90,9 +90,9 @@ std::optional<HoldingCoupling> stiffest_coupling(const HandSpec& hand, double ra
     std::optional<HoldingCoupling> found;
     for (int i = 0; i <= kDampings && search.possible(); ++i) {
         const double damping = i == 0 ? 0 : hand.mass * rate * std::pow(kLeastDamping, 1 - double(i) / kDampings);
-        const double least = found ? 1.01 * found->stiffness : search.softest;
+        const double least = found ? 1.01 * found->stiffness : search.softest();
         if (search.rests(least, damping))
-            found = search.stiffest(least, std::max(kStiffest * search.passive, least), damping);
+            found = search.stiffest(least, std::max(kStiffest * search.passive(), least), damping);
     }
     return found;
 }

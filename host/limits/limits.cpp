@@ -42,8 +42,9 @@ public:
         double early = 0, last = 0;
         for (std::size_t step = 0; step < steps_; ++step) {
             const glm::dvec3 force = force_(place_, axes_ * at); /* m: for each N/m */
-            const glm::dvec3 felt = reference::through_coupling(coupling, force, reference::length(force), lag);
-            late[step % late.size()] = stiffness * glm::transpose(axes_) * (felt - share * least_.place.force);
+            const glm::dvec3 coupled_force =
+                reference::through_coupling(coupling, force, reference::length(force), lag);
+            late[step % late.size()] = stiffness * glm::transpose(axes_) * (coupled_force - share * least_.place.force);
             const glm::dvec3 delayed = late[(step + 1) % late.size()];
             for (int i = 0; i < 3; ++i) {
                 const auto& map = maps_[static_cast<std::size_t>(i)];

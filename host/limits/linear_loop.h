@@ -56,7 +56,7 @@ inline HandSpec coupled(HandSpec hand, double stiffness, double damping) {
 }
 
 /// N/m: of a scene and a coupling in line.
-inline double felt_stiffness(double scene, double coupling) {
+inline double displayed_stiffness(double scene, double coupling) {
     return scene * coupling / (scene + coupling);
 }
 

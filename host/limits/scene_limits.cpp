@@ -78,11 +78,11 @@ std::string SceneLimits::text() const {
     if (least && least->limit && *least->limit < 0.99 * wall)
         place = fmt::format(" ({}, {:.2g} mm deep, held {}; on a wall below {:.4g} N/m)", name_of(least->place.kind),
                             1e3 * least->place.depth, least->hold.name, wall);
-    const std::string through = coupling
-                                    ? fmt::format(", felt as {:.4g} N/m through a virtual coupling of {:.4g} N/m, {}",
-                                                  felt_stiffness(stiffness, *coupling), *coupling,
-                                                  coupled_rests ? "at rest everywhere" : "not at rest everywhere")
-                                    : "";
+    const std::string through =
+        coupling ? fmt::format(", displayed as {:.4g} N/m through a virtual coupling of {:.4g} N/m, {}",
+                               displayed_stiffness(stiffness, *coupling), *coupling,
+                               coupled_rests ? "at rest everywhere" : "not at rest everywhere")
+                 : "";
     return fmt::format("{:.6g} N/m{}; a {} comes to rest below {:.4g} N/m{}{}", stiffness, through, hand, limit(),
                        place, coupling ? " without coupling" : "");
 }
@@ -93,11 +93,12 @@ std::string SceneLimits::remedy() const {
     if (coupling && stiffness < limit())
         return "leave out hand.coupling, which this scene does not need";
     const std::string other = "a lower force.stiffness, more damping, a faster loop or less delay would hold";
-    return !safe ? other
-                 : fmt::format(
-                       "{}, or a virtual coupling without damper (hand.coupling.stiffness = \"{:.4g} N/m\": felt as "
-                       "{:.4g} N/m)",
-                       other, 0.99 * *safe, felt_stiffness(stiffness, 0.99 * *safe));
+    return !safe
+               ? other
+               : fmt::format(
+                     "{}, or a virtual coupling without damper (hand.coupling.stiffness = \"{:.4g} N/m\": displayed as "
+                     "{:.4g} N/m)",
+                     other, 0.99 * *safe, displayed_stiffness(stiffness, 0.99 * *safe));
 }
 
 std::string SceneLimits::warning() const {

@@ -69,10 +69,10 @@ template <typename T> Vector<T> commanded(const layout::HandParams<T>& hand, con
     return share * force;
 }
 
-/// The force, N, through a virtual coupling, a spring and a damper between the device and a tool without mass that
-/// feels the law (Colgate, Stanley & Brown 1995; Adams & Hannaford 1999): the tool is at the depth, m, where both bear
-/// the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now; below 0 where a path begins,
-/// at rest.
+/// The force, N, through a virtual coupling: a spring and a damper between the device and a tool without mass, on which
+/// the law acts (Colgate, Stanley & Brown 1995; Adams & Hannaford 1999). The tool is at the depth, m, where both forces
+/// balance. `lag`, m: how much less deep than the probe it was at the last sample, then is now; below 0 where a path
+/// begins, at rest.
 template <typename T>
 Vector<T> through_coupling(const layout::Coupling<T>& coupling, const Vector<T>& law_force, T depth, T& lag) noexcept {
     if (!(coupling.depth > T(0)))

@@ -9,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/field/prepared_case.h"
+#include "host/limits/linear_loop.h"
 #include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/picture/scene_picture.h"
@@ -338,14 +339,13 @@ Json loop_data(const std::string& scene) {
     if (!one)
         return {};
     const HandSpec& hand = one->scene.hand;
-    const double stiffness = one->scene.force.stiffness, spring = hand.coupling_stiffness; /* N/m */
-    const double felt = hand.coupled() ? stiffness * spring / (stiffness + spring) : stiffness;
+    const double stiffness = one->scene.force.stiffness; /* N/m */
     return {{"mass", hand.mass},
             {"damping", hand.damping},
             {"grip", hand.grip_damping},
             {"delay", hand.delay_samples},
             {"period", 1 / (one->scene.paths ? one->scene.paths->rate : PathsSpec().rate)},
-            {"stiffness", felt}};
+            {"stiffness", coupled_share(hand, stiffness) * stiffness}};
 }
 
 double path_period(const std::string& scene) {

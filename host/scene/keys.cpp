@@ -497,9 +497,9 @@ void add_hand(std::vector<Key>& keys) {
                                         {.sign = kPositive});
     hand.quantity<&HandSpec::coupling_stiffness>(
         Dimension::stiffness, "coupling.stiffness", "\"0 N/m\"",
-        "of a virtual coupling, 0 for none: a spring and a damper through which the device feels the scene (Colgate, "
-        "Stanley & Brown 1995), so that a scene stiffer than its loop bears can be felt; no contact at rest feels "
-        "stiffer",
+        "of a virtual coupling, 0 for none: a spring and a damper between the device and the scene's tool (Colgate, "
+        "Stanley & Brown 1995), so that scenes stiffer than the loop's limit are stable; a contact at rest displays "
+        "at most this stiffness",
         {.sign = kNotNegative});
     hand.quantity<&HandSpec::coupling_damping>(Dimension::damping, "coupling.damping", "\"0 N s/m\"",
                                                "of the virtual coupling's damper", {.sign = kNotNegative});

@@ -76,8 +76,8 @@ real3 commanded(HandParams hand, real3 law_force) {
                  whole ? z : finite ? less_z : exact_zero);
 }
 
-// The force, N, through a virtual coupling to a tool without mass that feels the law: the tool is at the depth, m, where both
-// bear the same. `lag`, m: by how much less deep it was than the probe a sample ago, then now; below 0 where a path begins.
+// The force, N, through a virtual coupling to a tool without mass, on which the law acts: the tool is at the depth, m, where both
+// forces balance. `lag`, m: how much less deep than the probe it was at the last sample, then is now; below 0 where a path begins.
 real3 through_coupling(Coupling coupling, real3 law_force, real depth, inout real lag) {
     if (COUPLED == 0u)
         return law_force;

@@ -240,7 +240,7 @@ TEST(CouplingLimits, AreWhereSteppedLoopsBeginToGrow) {
     const double passive = passive_stiffness(3, 1e-3, 0);
     const HandSpec& hand = own("plane").hand;
     EXPECT_NEAR(safe_coupling(hand, 1000, 1e5, places_on("plane"))->stiffness, 1e5 * passive / (1e5 - passive), 1e-6);
-    EXPECT_GT(felt_stiffness(1e5, stiffest_coupling(hand, 1000, 1e5, places_on("plane"))->stiffness), 4 * passive);
+    EXPECT_GT(displayed_stiffness(1e5, stiffest_coupling(hand, 1000, 1e5, places_on("plane"))->stiffness), 4 * passive);
     EXPECT_FALSE(safe_coupling(hand, 1000, 1e5, {}));
 }
 
@@ -255,7 +255,7 @@ TEST(CouplingLimits, GoAsDeepAsTheHandPresses) {
     };
     const SceneLimits stiff = limits_of(1e4, 0);
     ASSERT_TRUE(stiff.safe);
-    const double felt = felt_stiffness(1e4, *stiff.safe);
+    const double felt = displayed_stiffness(1e4, *stiff.safe);
     EXPECT_TRUE(limits_of(0.98 * felt, 0).stable()) << felt;
     EXPECT_TRUE(limits_of(1e4, 0.98 * *stiff.safe).stable());
     const double alone = limits_of(felt, 0).limit(); // N/m
@@ -285,7 +285,7 @@ TEST(CouplingLimits, AreOfferedWhereASceneIsUnstable) {
     EXPECT_NE(bare.warning().find("hand.coupling.stiffness = \"5976 N/m\""), std::string::npos) << bare.warning();
     const SceneLimits held = limits_of("coupling.stiffness = \"5976 N/m\"\n");
     EXPECT_TRUE(held.stable()) << held.text();
-    EXPECT_NE(held.text().find("felt as 5940 N/m"), std::string::npos) << held.text();
+    EXPECT_NE(held.text().find("displayed as 5940 N/m"), std::string::npos) << held.text();
     EXPECT_FALSE(limits_of("coupling.stiffness = \"6200 N/m\"\n").stable());
 }
 

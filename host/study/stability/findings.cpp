@@ -257,7 +257,9 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     }
     if (!least || !damped)
         return;
-    const auto felt = [](const CouplingRow& row) { return newtons(felt_stiffness(row.scene, row.coupling.stiffness)); };
+    const auto felt = [](const CouplingRow& row) {
+        return newtons(displayed_stiffness(row.scene, row.coupling.stiffness));
+    };
     const auto on = [&](const std::string& surface) {
         return results.surfaces.size() == 1 ? "" : fmt::format("on the {} ", surface);
     };
@@ -265,7 +267,7 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
         const CouplingRow *soft = safe_on(results, surface, kSoft), *stiff = safe_on(results, surface, kStiff);
         if (stiff)
             parts.push_back(
-                fmt::format("{}at most {}{} for 1e6 N/m, felt as {}", on(surface),
+                fmt::format("{}at most {}{} for 1e6 N/m, displayed as {}", on(surface),
                             soft ? fmt::format("{} for 1e4 N/m and ", newtons(soft->coupling.stiffness)) : "",
                             newtons(stiff->coupling.stiffness), felt(*stiff)));
     };
@@ -282,12 +284,13 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     const auto own = std::ranges::find(results.couplings, "own", &CouplingRow::which);
     std::string text;
     if (own != results.couplings.end())
-        text = fmt::format("Through its own coupling the scene is felt as {}, {}. ", felt(*own),
-                           own->rests ? "at rest everywhere" : "but does not come to rest everywhere");
-    text += fmt::format("To feel a scene of up to 1e6 N/m this hand needs a virtual coupling (hand.coupling): {}.",
-                        fmt::join(parts, "; "));
+        text = fmt::format("Through its own virtual coupling the scene displays {}, {}. ", felt(*own),
+                           own->rests ? "stable everywhere" : "but is not stable everywhere");
+    text +=
+        fmt::format("In a scene of up to 1e6 N/m this hand is stable through a virtual coupling (hand.coupling): {}.",
+                    fmt::join(parts, "; "));
     if (damped->coupling.damping > 0)
-        text += fmt::format(" With a damper of {:.3g} N s/m {}{} are felt, but impacts then give energy.",
+        text += fmt::format(" A damper of {:.3g} N s/m displays {}{}, but impacts may then add energy.",
                             damped->coupling.damping, on(damped->surface), felt(*damped));
     findings.push_back(
         {"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",

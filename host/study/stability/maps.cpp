@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <glm/matrix.hpp>
-
 #include "host/study/stability/atlas.h"
 
 namespace forceshade::study {
@@ -216,10 +214,10 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
                                                  hand.delay_samples); // Colgate & Schenkel
         if (hand.delay_samples == 0 && passive >= hand.coupling_stiffness)
             add("passive", passive);
-        const glm::dvec3 up(0, 0, 1);
-        const ForceAround wall{glm::outerProduct(up, up), up};
+        const ForceAround wall = wall_place().force_around();
         const auto limit = least_growing(hand.coupling_stiffness, 300 * hand.coupling_stiffness, 1.001, [&](double k) {
-            return grows(coupled(hand, k, *coupler), loop.cell.rate, pressed_along(up), wall, loop.cell.stiffness);
+            return grows(coupled(hand, k, *coupler), loop.cell.rate, pressed_along(wall.direction), wall,
+                         loop.cell.stiffness);
         });
         if (limit && *limit > 1.01 * hand.coupling_stiffness)
             add("linearised", *limit);

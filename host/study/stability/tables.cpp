@@ -128,7 +128,7 @@ Table swing_table(const LoopResults& results) {
 Table coupling_table(const LoopResults& results) {
     using R = CouplingRow;
     return table_of<R>(
-        "loop_couplings", "Virtual couplings through which stiff scenes can be felt",
+        "loop_couplings", "Virtual couplings with which stiff scenes are stable",
         {{"surface", "", "pressed by the hand", &R::surface},
          {"scene_N_per_m", "N/m", "the scene's stiffness K", &R::scene},
          {"coupling", "",
@@ -138,8 +138,8 @@ Table coupling_table(const LoopResults& results) {
           &R::which},
          {"coupling_N_per_m", "N/m", "hand.coupling.stiffness k", [](const R& r) { return r.coupling.stiffness; }},
          {"coupling_N_s_per_m", "N s/m", "hand.coupling.damping", [](const R& r) { return r.coupling.damping; }},
-         {"felt_N_per_m", "N/m", "K k / (K + k), of a contact at rest",
-          [](const R& r) { return felt_stiffness(r.scene, r.coupling.stiffness); }},
+         {"displayed_N_per_m", "N/m", "K k / (K + k), of a contact at rest",
+          [](const R& r) { return displayed_stiffness(r.scene, r.coupling.stiffness); }},
          {"rests", "", "at all places, by the linearised loop", [](const R& r) { return r.rests ? "yes" : "no"; }},
          {"weakest", "", "kind of the place where a stiffer coupling grows; empty: something else limits it",
           [](const R& r) { return r.coupling.weakest ? name_of(r.coupling.weakest->place.kind) : ""; }},
@@ -327,12 +327,13 @@ std::vector<Figure> figures_of(const LoopResults& results) {
             atlas_figure("delay", "The limit over the delay", places, {"delay_samples", "delay / samples"}));
     }
     if (!results.couplings.empty())
-        figures.push_back(make_figure("loop-couplings", "A scene of 1e6 N/m, as it is felt through a virtual coupling",
-                                      "At rest, through the stiffest coupling that holds. Safe: a spring alone, "
-                                      "passive on a wall; stiffest: with a "
-                                      "damper, too, but its impacts may give energy. Both at rest at all places.",
-                                      FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e6).text()}},
-                                      {"surface", "surface"}, {"felt_N_per_m", "felt / (N/m)", true}, "coupling"));
+        figures.push_back(
+            make_figure("loop-couplings", "Stiffness displayed through a virtual coupling, in a scene of 1e6 N/m",
+                        "At rest, through the stiffest coupling that holds. Safe: a spring alone, "
+                        "passive on a wall; stiffest: with a "
+                        "damper, too, but its impacts may give energy. Both at rest at all places.",
+                        FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e6).text()}},
+                        {"surface", "surface"}, {"displayed_N_per_m", "displayed / (N/m)", true}, "coupling"));
     if (const auto loop = any("coupling"); loop != results.maps.end())
         figures.push_back(map_figure(results, "coupling",
                                      fmt::format("Z-width: virtual couplings to a {} of 1e6 N/m", loop->surface),
