@@ -70,6 +70,17 @@ void measure_surface(const PolygonSoup& polygons, const MeshTriangles& triangles
     found.volume = six_volumes / 6;
 }
 
+// Those that are left out: of a mesh with nothing thicker than rounding all facets stay, but for those without any
+// area.
+std::size_t count_degenerate(const PolygonSoup& polygons, const MeshFindings& found,
+                             std::span<const glm::dvec3> normals) {
+    const auto flat = static_cast<std::size_t>(std::ranges::count(normals, glm::dvec3(0)));
+    if (!(reference::largest_coordinate(found.high - found.low) < 0x1p1000))
+        return flat;
+    const std::size_t caps = count_caps(polygons, normals);
+    return caps < normals.size() ? caps : flat;
+}
+
 } // namespace
 
 ShapeFindings inspect_shape(const PolygonSoup& all, std::size_t self_intersection_triangles) {
@@ -80,7 +91,7 @@ ShapeFindings inspect_shape(const PolygonSoup& all, std::size_t self_intersectio
     measure_box(all, found);
     count_repeated_corners(all, found);
     std::vector<glm::dvec3> normals = facet_normals(all);
-    found.degenerate_facets = static_cast<std::size_t>(std::ranges::count(normals, glm::dvec3(0)));
+    found.degenerate_facets = count_degenerate(all, found, normals);
     CoincidentFacets coincident = find_coincident(all, normals);
     found.redundant_facets = coincident.redundant.size();
     found.opposed_facets = coincident.opposed;

@@ -131,10 +131,10 @@ namespace {
 
 enum class Shape : std::uint8_t { plain, needle, cap };
 
-Shape shape_of(const Mesh& mesh, std::size_t triangle, const MeshFrame& frame) {
+Shape shape_of(const PolygonSoup& polygons, const Corners& corners, const glm::dvec3& normal, const MeshFrame& frame) {
     // Placing a mesh rounds each coordinate a few times; the shape of one far away is not known better.
     constexpr double kRoundings = 16 * std::numeric_limits<double>::epsilon(), kMost = 1e-6;
-    if (mesh.triangles.normals[triangle] == glm::dvec3(0))
+    if (normal == glm::dvec3(0))
         return Shape::cap;
     // Of the frame: a cap's height at most, its shorter sides at least.
     const double most_height =
@@ -143,7 +143,7 @@ Shape shape_of(const Mesh& mesh, std::size_t triangle, const MeshFrame& frame) {
     const double inverse = 1 / std::max(frame.scale, 0x1p-1000); // sides of a smaller mesh seem too short for caps
     glm::dvec3 at[3], sides[3];
     for (std::size_t i = 0; i < 3; ++i)
-        at[i] = mesh.polygons.vertices[mesh.triangles.corners[triangle][i]];
+        at[i] = polygons.vertices[corners[i]];
     double longest = 0, shortest = std::numeric_limits<double>::infinity(); // squares
     for (std::size_t i = 0; i < 3; ++i) {
         sides[i] = (at[(i + 1) % 3] - at[i]) * inverse;
@@ -166,7 +166,7 @@ public:
         : polygons_(polygons), places_(weld(polygons)), ends_(places_.size()),
           most_steps_(kMostSteps + kStepsPerTriangle * triangles) {}
 
-    void add_cap(const Corners& cap, std::size_t name) {
+    void add_cap(const Corners& cap) {
         std::vector<Corners> waiting{cap};
         while (!waiting.empty()) {
             const Corners corners = waiting.back();
@@ -177,8 +177,8 @@ public:
                 continue;
             count_step();
             const auto [start, middle, end] = along(corners);
-            const auto [hint, is_new] = hints_.try_emplace(edge(start, end), Hint{middle, name, false});
-            const std::uint32_t other = hint->second.vertex;
+            const auto [hint, is_new] = hints_.try_emplace(edge(start, end), middle);
+            const std::uint32_t other = hint->second;
             ends_[places_[start]] = ends_[places_[end]] = true;
             if (is_new || same(other, middle))
                 continue;
@@ -199,42 +199,21 @@ public:
             const Corners corners = waiting.back();
             waiting.pop_back();
             std::size_t side = 0;
-            const Hint* hint = nullptr;
-            for (; side < 3 && hint == nullptr; ++side)
-                hint = on_side(corners, side);
-            if (hint == nullptr || !seen.insert(key(corners)).second) {
+            std::optional<std::uint32_t> between;
+            for (; side < 3 && !between; ++side)
+                between = vertex_on_side(corners, side);
+            if (!between || !seen.insert(key(corners)).second) {
                 use(corners);
                 continue;
             }
             count_step();
             const std::uint32_t start = corners[side - 1], end = corners[side % 3], tip = corners[(side + 1) % 3];
-            waiting.push_back({hint->vertex, end, tip});
-            waiting.push_back({start, hint->vertex, tip});
+            waiting.push_back({*between, end, tip});
+            waiting.push_back({start, *between, tip});
         }
     }
 
-    /// Marks what other caps say of this cap's sides as used, too.
-    void mark_sides(const Corners& cap, std::size_t name) {
-        for (std::size_t side = 0; side < 3; ++side)
-            if (const auto hint = hints_.find(edge(cap[side], cap[(side + 1) % 3]));
-                hint != hints_.end() && hint->second.name != name)
-                hint->second.used = true;
-    }
-
-    /// Whether another triangle has this cap's longest side.
-    bool was_used(const Corners& cap, std::size_t name) const {
-        const auto [start, middle, end] = along(cap);
-        const auto hint = hints_.find(edge(start, end));
-        return hint == hints_.end() || hint->second.name != name || hint->second.used;
-    }
-
 private:
-    struct Hint {
-        std::uint32_t vertex; // that lies on the edge
-        std::size_t name;     // of the cap that says so
-        bool used;
-    };
-
     static constexpr std::size_t kMostSteps = std::size_t(1) << 20, kStepsPerTriangle = 64;
 
     void count_step() {
@@ -272,23 +251,34 @@ private:
         return corners;
     }
 
-    const Hint* on_side(const Corners& corners, std::size_t side) {
+    std::optional<std::uint32_t> vertex_on_side(const Corners& corners, std::size_t side) const {
         const auto hint = hints_.find(edge(corners[side], corners[(side + 1) % 3]));
-        if (hint == hints_.end() || same(hint->second.vertex, corners[(side + 2) % 3]))
-            return nullptr;
-        hint->second.used = true;
-        return &hint->second;
+        if (hint == hints_.end() || same(hint->second, corners[(side + 2) % 3]))
+            return std::nullopt;
+        return hint->second;
     }
 
     const PolygonSoup& polygons_;
     std::vector<std::uint32_t> places_;
-    std::vector<bool> ends_;                        // by place: of edges with hints
-    std::unordered_map<std::uint64_t, Hint> hints_; // by edge
-    std::set<Corners> seen_caps_;                   // keys of caps
+    std::vector<bool> ends_;                                 // by place: of edges with hints
+    std::unordered_map<std::uint64_t, std::uint32_t> hints_; // by edge: the vertex that lies on it
+    std::set<Corners> seen_caps_;                            // keys of caps
     std::size_t most_steps_, steps_ = 0;
 };
 
 } // namespace
+
+std::size_t count_caps(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals) {
+    const MeshFrame frame = frame_of(polygons);
+    std::size_t caps = 0;
+    for (std::size_t facet = 0; facet < facet_normals.size(); ++facet) {
+        const auto outline = polygons.outline(facet);
+        caps += facet_normals[facet] == glm::dvec3(0) ||
+                (outline.size() == 3 &&
+                 shape_of(polygons, {outline[0], outline[1], outline[2]}, facet_normals[facet], frame) == Shape::cap);
+    }
+    return caps;
+}
 
 std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& frame) {
     const MeshTriangles& all = mesh.triangles;
@@ -299,7 +289,7 @@ std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& fra
                                  [&](std::uint32_t facet) { return facet >= all.facets[triangle]; });
         if (redundant != mesh.redundant_facets.end() && *redundant == all.facets[triangle])
             continue;
-        const Shape shape = shape_of(mesh, triangle, frame);
+        const Shape shape = shape_of(mesh.polygons, all.corners[triangle], all.normals[triangle], frame);
         if (shape != Shape::needle)
             (shape == Shape::plain ? kept : caps).push_back(triangle);
     }
@@ -308,14 +298,9 @@ std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& fra
     std::vector<std::pair<std::size_t, Corners>> pieces; // of which triangle
     CapCutter cutter(mesh.polygons, all.corners.size());
     for (const std::size_t cap : caps)
-        cutter.add_cap(all.corners[cap], cap);
+        cutter.add_cap(all.corners[cap]);
     for (const std::size_t triangle : kept)
         cutter.cut(all.corners[triangle], [&](const Corners& corners) { pieces.emplace_back(triangle, corners); });
-    for (const std::size_t cap : caps)
-        cutter.mark_sides(all.corners[cap], cap);
-    for (const std::size_t cap : caps)
-        if (all.normals[cap] != glm::dvec3(0) && !cutter.was_used(all.corners[cap], cap))
-            pieces.emplace_back(cap, all.corners[cap]);
     std::ranges::stable_sort(pieces, {}, &std::pair<std::size_t, Corners>::first);
     MeshTriangles surface;
     for (const auto& [triangle, corners] : pieces) {

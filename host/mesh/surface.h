@@ -56,12 +56,15 @@ void for_each_bundle(std::size_t places, std::size_t edges, const Ends& ends, co
 /// \param facet_normals unit Newell normals, 0 where a facet has no area
 MeshTriangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
 
+/// Number of facets that are caps or have no area at all, which make_surface() leaves out.
+/// \throws UsageError if the box is not finite in metres
+std::size_t count_caps(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
+
 /// The mesh's triangles without redundant facets and without needles of two equal corners (their two sides are one
 /// edge), closed over its caps. A cap has a corner on its longest side: exactly, or to within the rounding of the
 /// world's coordinates, where its normal is noise. It says that this corner lies on that side, and goes; every other
 /// triangle with that side is cut in two there, through caps of caps too, so that edges match whose triangles met
-/// across caps. The pieces keep plane, normal and facet. A cap with an area stays if no other triangle has its longest
-/// side. \returns empty if these are the mesh's triangles as they are
+/// across caps. The pieces keep plane, normal and facet. \returns empty if these are the mesh's triangles as they are
 std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& frame);
 
 } // namespace forceshade

@@ -65,6 +65,15 @@ template <typename T> std::uint32_t hashed(std::uint32_t hash, const Vector<T>& 
     return hash;
 }
 
+/// A number in one word.
+inline std::uint32_t folded(float value) noexcept {
+    return std::bit_cast<std::uint32_t>(value);
+}
+inline std::uint32_t folded(double value) noexcept {
+    const auto words = std::bit_cast<std::array<std::uint32_t, 2>>(value);
+    return words[0] * 2246822519u + words[1];
+}
+
 /// sqrt(v . v), rounded as the kernels do it: overflows where v . v does.
 template <typename T> T length(const Vector<T>& v) noexcept {
     return sqrt(dot(v, v));

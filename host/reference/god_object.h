@@ -367,12 +367,17 @@ Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& re
     return contact;
 }
 
-/// Keeps a hash of the places that the proxy walks through, and then of the triangles that hold it: a walk that goes
-/// another way to the same contact has another.
+/// Keeps a hash of the places that the proxy walks through, of how it stands to the triangles near it there, and then
+/// of the triangles that hold it: a walk that goes another way to the same contact has another.
 struct Trail {
     layout::uint& hash;
     template <typename T> void operator()(const Vector<T>&, const Vector<T>& place) const noexcept {
         hash = hashed(hash, place);
+    }
+    template <typename T> void sees(const TouchPool<T>& pool) const noexcept {
+        for (layout::uint i = 0; i < pool.count(); ++i)
+            hash = hashed(hash, digest_of(pool[i]));
+        hash = hashed(hash, folded(pool.tolerance()));
     }
 };
 

@@ -232,6 +232,14 @@ template <typename T> void update_touch(Touch<T>& touch, const Vector<T>& proxy)
         update_touch_beside_face(touch);
 }
 
+/// What a hash of the walk takes in of a touch. Sums of products, so that one does not wait for another.
+template <typename T> layout::uint digest_of(const Touch<T>& touch) noexcept {
+    const layout::uint stands = touch.index << 4 | touch.feature << 1 | (touch.face_tried ? 1U : 0U);
+    return stands * 2654435761U + folded(touch.height) * 2246822519U + folded(touch.distance) * 3266489917U +
+           folded(touch.insides[0]) * 668265263U + folded(touch.insides[1]) * 374761393U +
+           folded(touch.insides[2]) * 2869860233U;
+}
+
 enum class Constraint { none, face, rounded };
 
 /// Whether a move that descends towards the plane of a triangle, from outside of its face, reaches the plane on the

@@ -457,6 +457,8 @@ private:
         solved_ = pool_.find_displacement(proxy_, probe_);
         if (!solved_)
             return false;
+        if constexpr (requires { trace_.sees(pool_); })
+            trace_.sees(pool_);
         const Vector<T>& displacement = resting().vector;
         if (largest_coordinate(displacement) <= pool_.tolerance() && resting().count > 0)
             return true;

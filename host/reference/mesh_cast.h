@@ -173,17 +173,12 @@ T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, cons
 template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& move) noexcept {
     constexpr int kSteps = 40;
     const T never = move.until + T(1);
-    T t = T(0);
-    T until = move.until;
-    const T rate = dot(triangle.normal, move.displacement);
-    if (dot(triangle.normal, triangle.normal) > T(0)) {
-        const Stretch<T> stretch =
-            stretch_near_plane(move, dot(triangle.normal, move.from - triangle.corners[0]), rate);
-        if (!(stretch.begin <= stretch.end) || beyond_an_edge(triangle, move.at(stretch.begin), move.at(stretch.end)))
-            return never;
-        t = stretch.begin;
-        until = stretch.end;
-    }
+    // Of a triangle without area, whose normal is 0, the whole move.
+    const T height = dot(triangle.normal, move.from - triangle.corners[0]);
+    const Stretch<T> stretch = stretch_near_plane(move, height, dot(triangle.normal, move.displacement));
+    if (!(stretch.begin <= stretch.end) || beyond_an_edge(triangle, move.at(stretch.begin), move.at(stretch.end)))
+        return never;
+    T t = stretch.begin;
     for (int i = 0; i < kSteps; ++i) {
         const Vector<T> place = move.at(t);
         const TrianglePoint<T> nearest = nearest_on_triangle(place, triangle);
@@ -195,7 +190,7 @@ template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& 
         if (!(excess > Skin<T>::kRest))
             return t;
         t += excess * distance / approach;
-        if (!(t <= until))
+        if (!(t <= stretch.end))
             return never;
     }
     return t;

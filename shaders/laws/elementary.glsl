@@ -38,6 +38,16 @@ uint hashed(uint hash, real value) {
 #endif
 }
 
+// A number in one word.
+uint folded(real value) {
+#ifdef FS_F64
+    uvec2 words = unpackDouble2x32(value);
+    return words.x * 2246822519u + words.y;
+#else
+    return floatBitsToUint(value);
+#endif
+}
+
 uint hashed(uint hash, real3 v) {
     return hashed(hashed(hashed(hash, v.x), v.y), v.z);
 }

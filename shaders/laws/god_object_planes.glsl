@@ -117,6 +117,14 @@ struct Touch {
     real3 insides; // of the proxy from each edge, times its length; below 0 beyond it
 };
 
+// What a hash of the walk takes in of a touch.
+uint digest_of(Touch touch, uint triangle) {
+    uint stands = triangle << 4 | touch.feature << 1 | (touch.face_tried ? 1u : 0u);
+    return stands * 2654435761u + folded(touch.height) * 2246822519u + folded(touch.separation) * 3266489917u +
+           folded(touch.insides.x) * 668265263u + folded(touch.insides.y) * 374761393u +
+           folded(touch.insides.z) * 2869860233u;
+}
+
 const uint kConstraintNone = 0u;
 const uint kConstraintFace = 1u;
 const uint kConstraintRounded = 2u;

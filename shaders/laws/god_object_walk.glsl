@@ -24,7 +24,7 @@ real pool_tolerance; // shorter moves are none
 real3 walk_proxy;
 real3 walk_probe;
 uint walk_substeps;
-uint walk_trail; // hash of every place where it has been
+uint walk_trail; // hash of every place where it has been, and of how it stood to the pool there
 bool walk_rests; // what constrained the proxy last is what constrains it
 bool walk_corner; // halted where a line between two faces ended
 bool walk_runs; // has not ended
@@ -131,7 +131,9 @@ void update_pool(real3 proxy) {
             put_touch(kept, index_at(i), touch);
             pool_features = with_bits(pool_features, kept, 3u, touch.feature);
             pool_tried = with_bits(pool_tried, kept, 1u, touch.face_tried ? 1u : 0u);
-            kept += touch.separation <= kNear ? 1u : 0u;
+            bool near = touch.separation <= kNear;
+            kept += near ? 1u : 0u;
+            walk_trail = near ? hashed(walk_trail, digest_of(touch, index_at(i))) : walk_trail;
         }
         ++i;
         ++spent;
@@ -196,6 +198,7 @@ void find_displacement(real3 proxy, real3 probe) {
     real reach = largest_of(wish);
     precise real tolerance = kRest + real(8.0LF) * EPSILON * reach;
     pool_tolerance = tolerance;
+    walk_trail = hashed(walk_trail, folded(tolerance));
     is_left = is_left || reach > kFarOff;
     bool one_face = pool_count == 1u && is_above(0u);
     HalfSpace violated = half_space(touch_at(0u), kConstraintFace, 0u);

@@ -144,16 +144,11 @@ real approach_of(TrianglePoint nearest, Triangle triangle, real3 place, real dis
 // never does.
 real impact_time(Triangle triangle, Move move) {
     precise real never = move.until + ONE;
-    real t = ZERO;
-    real until = move.until;
-    bool meets = true;
-    if (product(triangle.normal, triangle.normal) > ZERO) {
-        real height = product(triangle.normal, difference(move.from, triangle.a));
-        Stretch stretch = stretch_near_plane(move, height, product(triangle.normal, move.displacement));
-        t = stretch.begin;
-        until = stretch.end;
-        meets = t <= until && !beyond_an_edge(triangle, place_at(move, t), place_at(move, until));
-    }
+    real height = product(triangle.normal, difference(move.from, triangle.a));
+    Stretch stretch = stretch_near_plane(move, height, product(triangle.normal, move.displacement));
+    real t = stretch.begin;
+    bool meets =
+        t <= stretch.end && !beyond_an_edge(triangle, place_at(move, t), place_at(move, stretch.end));
     real time = meets ? t : never;
     uint left = meets ? kNewtonSteps : 0u;
     [[dont_unroll]] do {
@@ -165,7 +160,7 @@ real impact_time(Triangle triangle, Move move) {
         precise real next = t + quotient(excess * size, approach);
         bool leaves = !(approach > ZERO);
         bool touches = !(excess > kRest);
-        bool late = !(next <= until);
+        bool late = !(next <= stretch.end);
         if (left > 0u) {
             if (leaves || (!touches && late)) {
                 time = never;

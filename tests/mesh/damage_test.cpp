@@ -4,8 +4,10 @@
 #include <cmath>
 #include <random>
 
+#include <glm/common.hpp>
 #include <gtest/gtest.h>
 
+#include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/structure.h"
 #include "host/referee/mesh_referee.h"
@@ -128,6 +130,33 @@ TEST(Damage, ChangesNothing) {
                            {"all", {.caps = 60, .needles = 20, .repeats = 40}, {}, 200},
                            {"all with strays", {.caps = 60, .needles = 20, .repeats = 40, .strays = 3}, kTurned, 200}})
         expect_right(row.most, row.placement, row.meshes, row.what);
+}
+
+// In the file three corners of each are on a line, exactly; in another unit rounding gives some an area.
+TEST(Damage, ThreadsOfNoAreaAreLeftOutInAnyUnit) {
+    for (const double unit : {1.0, 1e-3, 0.0254}) {
+        std::mt19937 random(3);
+        PolygonSoup polygons = shapes::icosphere(1);
+        std::vector<glm::dvec3> middles;
+        for (int i = 0; i < 20; ++i) {
+            const glm::dvec3 begin = 64.0 * anywhere(random, 2), way = 64.0 * anywhere(random, 1);
+            for (const double share : {0.0, 2.0, 1.0}) // multiples of 1/64: the middle is exact
+                polygons.vertices.push_back((glm::round(begin) + share * glm::round(way)) / 64.0);
+            middles.push_back(polygons.vertices.back());
+            const auto last = static_cast<std::uint32_t>(polygons.vertices.size() - 1);
+            shapes::add_facet(polygons, {last - 2, last - 1, last});
+        }
+        const Mesh mesh = shapes::mesh_of(shapes::moved(polygons, glm::dvec3(unit), {}));
+        EXPECT_EQ(inspect(mesh.polygons).degenerate_facets, 20u) << unit;
+        const MeshStructure structure = build_structure(mesh);
+        const MeshTables<double> tables = make_mesh_tables<double>(structure, 1);
+        const brute::MeshReferee referee(mesh, {});
+        for (const glm::dvec3& middle : middles) {
+            const auto found = reference::nearest(tables.view(), to_mesh_frame(structure, unit * middle));
+            EXPECT_NEAR(structure.scale * std::sqrt(found.square), double(referee.nearest(unit * middle).distance),
+                        1e-12 * unit);
+        }
+    }
 }
 
 } // namespace
