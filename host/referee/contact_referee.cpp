@@ -136,7 +136,8 @@ private:
         }
         std::optional<int> side;
         if (path_.there && surface_.meets(path_.place, place) == Meets::no) {
-            side = path_.there;
+            if (path_.there == path_.side || surface_.distance(place) > nearest)
+                side = path_.there;
         } else {
             ++count_.windings;
             side = surface_.side_by_tree(place, nearest);

@@ -43,8 +43,10 @@ protected:
     }
 
     // One path, in windows of two samples.
-    template <typename T> static ContactCount count_of(const PreparedCase& one, const std::vector<Row>& path) {
-        forceshade::ContactReferee<T> contacts(one, path.size(), false);
+    /// `samples`: of many, loops look at a few.
+    template <typename T>
+    static ContactCount count_of(const PreparedCase& one, const std::vector<Row>& path, std::uint64_t samples = 0) {
+        forceshade::ContactReferee<T> contacts(one, std::max<std::uint64_t>(samples, path.size()), false);
         const layout::uint steps = static_cast<layout::uint>(path.size());
         for (std::size_t first = 0; first < path.size(); first += 2) {
             PathRows<T> rows;
@@ -190,6 +192,18 @@ TEST_F(ContactReferee, DoesNotGuessTheSideWhereAPathBeginsOnTheSurface) {
                                 free_at({-1.0804527, 3.7572603, -1.9534428}),
                                 free_at({-1, 4, 2})});
     EXPECT_EQ(count.wrong(), 0u) << count.first;
+    // Held by a corner, then free behind the surface by less than single precision tells: on no side either.
+    const ContactCount behind =
+        count_of<float>(crags,
+                        {free_at({2.711719, 3.2252767, 0.011901337}),
+                         {{1.6408337, -1.6331661, 1.1539733}, {2.1887212, -0.32979157, 2.066181}},
+                         {{1.0687532, -0.70161803, 0.2048418}, {2.5367772, 0.09902357, 1.244436}},
+                         {{0.03125, 1.34375, -7.84375}, {4.1226195, 2.05283, -2.4996703}},
+                         free_at({-1.3415677, -5.846151, 0.34929544}),
+                         free_at({-1.3417532, -5.8461567, 0.34909605}),
+                         free_at({-1, 4, 2})},
+                        1'000'000);
+    EXPECT_EQ(behind.wrong(), 0u) << behind.first;
 }
 
 TEST_F(ContactReferee, SeesAProxyThatGoesAwayFromTheProbe) {
