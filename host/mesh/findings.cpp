@@ -70,8 +70,7 @@ void measure_surface(const PolygonSoup& polygons, const MeshTriangles& triangles
     found.volume = six_volumes / 6;
 }
 
-// Those that are left out: of a mesh with nothing thicker than rounding all facets stay, but for those without any
-// area.
+// Those that make_surface() leaves out; of a mesh that has nothing thicker than rounding, those without any area.
 std::size_t count_degenerate(const PolygonSoup& polygons, const MeshFindings& found,
                              std::span<const glm::dvec3> normals) {
     const auto flat = static_cast<std::size_t>(std::ranges::count(normals, glm::dvec3(0)));

@@ -147,8 +147,7 @@ real impact_time(Triangle triangle, Move move) {
     real height = product(triangle.normal, difference(move.from, triangle.a));
     Stretch stretch = stretch_near_plane(move, height, product(triangle.normal, move.displacement));
     real t = stretch.begin;
-    bool meets =
-        t <= stretch.end && !beyond_an_edge(triangle, place_at(move, t), place_at(move, stretch.end));
+    bool meets = t <= stretch.end && !beyond_an_edge(triangle, place_at(move, t), place_at(move, stretch.end));
     real time = meets ? t : never;
     uint left = meets ? kNewtonSteps : 0u;
     [[dont_unroll]] do {
