@@ -249,21 +249,22 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
             throw UsageError("--open-loop takes the positions of --paths for the probe's: say which file");
         leave_out_the_hand(one);
     }
+    const std::optional<PathsSpec>& paths = one.scene.paths;
+    const bool in_scene = paths && paths->kind == PathKind::recorded;
+    const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? paths->path : "";
+    check(arguments, recorded);
+    if (recorded.empty() && !paths)
+        throw UsageError(fmt::format("{}: the probe has no path: add a [paths] table, or give --paths with "
+                                     "a CSV file of positions",
+                                     arguments.scene));
+    device_options(common, false); // refuses --gpu with --engine cpu
     PreparedCase prepared = prepare_scene(preparation, std::move(one), common);
     if (arguments.paths.empty())
         add_recorded_digest(prepared);
     prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // the record's
     const Scene& scene = prepared.one.scene;
-    const bool in_scene = scene.paths && scene.paths->kind == PathKind::recorded;
-    const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? scene.paths->path : "";
-    check(arguments, recorded);
-    if (recorded.empty() && !scene.paths)
-        throw UsageError(fmt::format("{}: the probe has no path: add a [paths] table, or give --paths with "
-                                     "a CSV file of positions",
-                                     arguments.scene));
     if (prepared.images.mesh)
         print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
-    device_options(common, false); // refuses --gpu with --engine cpu
     if (is_streamed(arguments, common, scene, recorded))
         return stream(arguments, common, prepared, recorded);
     return run_all(arguments, common, prepared);

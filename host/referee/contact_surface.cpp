@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/norm.h"
+#include "host/referee/cones.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 
@@ -73,41 +74,6 @@ struct SegmentBoxes {
     glm::dvec3 middle, half, extent{0};
     double slack;
 };
-
-// How far a vector is from the cone that unit vectors span; `together(i, j)`: two of them may be combined. The
-// nearest place of a cone is in the span of no more than three of its vectors, with no negative share of any.
-template <typename Together>
-double distance_from_cone(const glm::dvec3& vector, std::span<const glm::dvec3> spans, const Together& together) {
-    double least = norm(vector);
-    for (std::size_t i = 0; i < spans.size(); ++i) {
-        const glm::dvec3& u = spans[i];
-        const double on_u = dot(u, vector);
-        if (on_u > 0)
-            least = std::min(least, norm(vector - on_u * u));
-        for (std::size_t j = i + 1; j < spans.size(); ++j) {
-            if (!together(i, j))
-                continue;
-            const glm::dvec3& v = spans[j];
-            const double on_v = dot(v, vector), uv = dot(u, v), square = 1 - uv * uv;
-            if (square > 1e-14) {
-                const double of_u = (on_u - uv * on_v) / square, of_v = (on_v - uv * on_u) / square;
-                if (of_u >= 0 && of_v >= 0)
-                    least = std::min(least, norm(vector - of_u * u - of_v * v));
-            }
-            for (std::size_t k = j + 1; k < spans.size(); ++k) {
-                const glm::dvec3& w = spans[k];
-                const glm::dvec3 vw = cross(v, w);
-                const double volume = dot(u, vw);
-                if (!(std::abs(volume) > 1e-12) || !together(i, k) || !together(j, k))
-                    continue;
-                if (dot(vector, vw) / volume >= 0 && dot(vector, cross(w, u)) / volume >= 0 &&
-                    dot(vector, cross(u, v)) / volume >= 0)
-                    return 0;
-            }
-        }
-    }
-    return least;
-}
 
 } // namespace
 
@@ -232,6 +198,11 @@ int ContactSurface::facing(std::optional<int> side) const {
 
 std::vector<std::uint32_t> ContactSurface::crossing(std::span<const std::uint32_t> triangles) const {
     std::vector<std::uint32_t> found;
+    if (triangles.empty() || std::ranges::any_of(corners(triangles[0]), [&](const glm::dvec3& pole) {
+            return std::ranges::all_of(triangles,
+                                       [&](std::uint32_t one) { return std::ranges::count(corners(one), pole) > 0; });
+        }))
+        return found; // all at one corner: not each with each of many
     std::ranges::copy_if(triangles, std::back_inserter(found), [&](std::uint32_t one) {
         return std::ranges::any_of(triangles, [&](std::uint32_t other) { return !share_a_corner(one, other); });
     });
@@ -315,7 +286,7 @@ double ContactSurface::residual(const glm::dvec3& pull, std::span<const std::uin
     std::vector<std::pair<std::uint32_t, int>> from;
     const auto add = [&](std::uint32_t triangle, int side) {
         const glm::dvec3 inward = -double(side) * normal(triangle);
-        if (convex && std::ranges::any_of(spans, [&](const glm::dvec3& span) {
+        if (convex && triangles.size() <= kManyFaces && std::ranges::any_of(spans, [&](const glm::dvec3& span) {
                 return dot(span - inward, span - inward) < kSameNormal;
             }))
             return;
@@ -329,7 +300,7 @@ double ContactSurface::residual(const glm::dvec3& pull, std::span<const std::uin
             add(triangle, -1);
     }
     if (spans.size() > kManyFaces)
-        return 0;
+        return distance_from_cone(pull, spans);
     return distance_from_cone(pull, spans, [&](std::size_t i, std::size_t j) {
         return convex ||
                (from[i].second == from[j].second && !is_convex(from[i].first, from[j].first, from[i].second, margin));
@@ -338,6 +309,12 @@ double ContactSurface::residual(const glm::dvec3& pull, std::span<const std::uin
 
 double ContactSurface::kept_off(std::span<const std::uint32_t> triangles, int facing, double skin,
                                 double margin) const {
+    if (triangles.size() > 2 * kManyFaces && facing != 0) {
+        std::vector<glm::dvec3> outward;
+        for (const std::uint32_t triangle : triangles)
+            outward.push_back(double(facing) * normal(triangle));
+        return skin * distance_of_offset_planes(outward);
+    }
     if (triangles.size() > 2 * kManyFaces)
         return std::numeric_limits<double>::infinity();
     double most = skin;

@@ -10,6 +10,8 @@ namespace forceshade::brute {
 
 namespace {
 
+constexpr double kMostEntries = 2e7; // of a grid: triangles times the cells that they are listed in
+
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using ExactPoint = Kernel::Point_3;
 
@@ -81,16 +83,32 @@ TriangleGrid::TriangleGrid(const Triangles& triangles) : triangles_(triangles), 
     double side = std::max({high_.x - low_.x, high_.y - low_.y, high_.z - low_.z});
     if (side == 0) // all in one place, to the precision at hand
         side = 1;
-    cell_ = side / std::clamp(std::sqrt(static_cast<double>(triangles.corners.size())), 1.0, 128.0) * 1.000001;
-    for (int axis = 0; axis < 3; ++axis)
-        size_[static_cast<std::size_t>(axis)] = static_cast<int>((high_[axis] - low_[axis]) / cell_) + 1;
+    const auto resize = [&](double cells) {
+        cell_ = side / cells * 1.000001;
+        for (int axis = 0; axis < 3; ++axis)
+            size_[static_cast<std::size_t>(axis)] = static_cast<int>((high_[axis] - low_[axis]) / cell_) + 1;
+    };
+    const auto cells_over = [&](const std::array<glm::dvec3, 3>& triangle) {
+        const auto [first, last] = cells_of(triangle);
+        double cells = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            cells *= last[axis] - first[axis] + 1;
+        return cells;
+    };
+    // Long slanted needles, as at a pole, lie over most of a fine grid each.
+    for (double cells = std::clamp(std::sqrt(double(triangles.corners.size())), 1.0, 128.0);; cells /= 2) {
+        resize(std::max(cells, 1.0));
+        double entries = 0;
+        for (const auto& triangle : triangles.corners)
+            entries += cells_over(triangle);
+        if (entries <= kMostEntries || cells <= 1)
+            break;
+    }
     cells_.resize(std::size_t(size_[0]) * std::size_t(size_[1]) * std::size_t(size_[2]));
     for (std::uint32_t t = 0; t < triangles.corners.size(); ++t) {
         if (face_of(triangles.corners[t]).is_degenerate())
             continue; // the structure leaves it out: its neighbours cover it
-        const auto& [a, b, c] = triangles.corners[t];
-        const auto first = cell_of({std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})});
-        const auto last = cell_of({std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})});
+        const auto [first, last] = cells_of(triangles.corners[t]);
         for (int z = first[2]; z <= last[2]; ++z)
             for (int y = first[1]; y <= last[1]; ++y)
                 for (int x = first[0]; x <= last[0]; ++x)
@@ -108,6 +126,13 @@ std::array<int, 3> TriangleGrid::cell_of(const glm::dvec3& point) const {
             static_cast<int>(std::clamp(place, 0.0, size_[static_cast<std::size_t>(axis)] - 1.0));
     }
     return cell;
+}
+
+std::pair<std::array<int, 3>, std::array<int, 3>>
+TriangleGrid::cells_of(const std::array<glm::dvec3, 3>& triangle) const {
+    const auto& [a, b, c] = triangle;
+    return {cell_of({std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})}),
+            cell_of({std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})})};
 }
 
 bool TriangleGrid::touches_in(std::size_t cell, const glm::dvec3& from, const glm::dvec3& to) const {

@@ -34,6 +34,8 @@ public:
 
 private:
     std::array<int, 3> cell_of(const glm::dvec3& point) const;
+    /// The first and the last of those that a triangle is listed in.
+    std::pair<std::array<int, 3>, std::array<int, 3>> cells_of(const std::array<glm::dvec3, 3>& triangle) const;
     bool touches_in(std::size_t cell, const glm::dvec3& from, const glm::dvec3& to) const;
 
     const Triangles& triangles_;

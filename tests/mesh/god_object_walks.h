@@ -69,9 +69,9 @@ std::vector<Terrain> meshes(const std::vector<std::string>& files);
 /// A few triangles anywhere, through each other.
 PolygonSoup soup(unsigned seed);
 
-/// What a contact may be wrong on: wedges of 60 to 1e-10 degrees, poles of 20 to 1000 facets, needles, grooves, thin
-/// shells; closed. `long_form`: a pole of 20 000 facets as well.
-std::vector<Terrain> narrow_solids(bool long_form = false);
+/// What a contact may be wrong on: wedges of 60 to 1e-10 degrees, poles of 20 to 20 000 facets, needles, grooves, thin
+/// shells; closed.
+std::vector<Terrain> narrow_solids();
 /// Rims of sheets, bow ties, three facets at an edge, doubled facets, saddle corners, crossing and touching facets.
 std::vector<Terrain> open_meshes();
 

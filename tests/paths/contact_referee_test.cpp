@@ -3,12 +3,15 @@
 
 #include <cmath>
 #include <fstream>
+#include <random>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "host/cases/path_comparison.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/mesh_file.h"
+#include "host/referee/cones.h"
 #include "host/referee/contact_surface.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
@@ -236,6 +239,65 @@ TEST_F(ContactReferee, SeesAForceWhereNothingIsInBetween) {
         const bool closed = polygons.facets() == 6; // so that the proxy is seen to pull from within
         expect(one, {free_at({1.5, 0, 0}), {{1.5, 0.5, 0}, {1, 0.5, 0}}}, {.phantoms = 1, .other = closed ? 1u : 0u});
         expect(one, {free_at({0.5, 1.5, 0}), {{1.5, 0.5, 0}, {1, 1, 0}}}, {.phantoms = 1});
+    }
+}
+
+// The force at the tip of a cone of many facets: along their normals, or off them all.
+TEST_F(ContactReferee, SeesAForceOffTheFacetsOfAPole) {
+    for (const unsigned facets : {20U, 400U}) {
+        const PreparedCase one = prepared(shapes::needle_fan(facets, 0.5));
+        const Row above = free_at({0, 0, 1}), tip{{0.05, 0, 0.3}, {0, 0, 0.5}};
+        expect(one, {above, tip, {{0.08, 0.02, 0.3}, {0, 0, 0.5}}}, {});
+        expect(one, {above, tip, {{0.15, 0.02, 0.3}, {0, 0, 0.5}}}, {.unbalanced = 1});
+    }
+}
+
+// Where many facets are around the last proxy: on a plane of hundreds, at a pole, and in a pit of a solid.
+TEST_F(ContactReferee, SeesGrowthAmongManyFacets) {
+    PolygonSoup fine = shapes::cube(true);
+    for (int i = 0; i < 3; ++i)
+        fine = shapes::subdivided(fine);
+    expect(prepared(fine), {free_at({1.5, 0, 0}), {{0.5, 0, 0}, {1, 0, 0}}, {{0.5, 0, 0}, {1, 0.9, 0}}},
+           {.grew = 1, .unbalanced = 1});
+    const Row tip{{0, 0, 0.3}, {0, 0, 0.5}};
+    expect(prepared(shapes::needle_fan(400, 0.5)), {free_at({0, 0, 1}), tip, {{0, 0, 0.3}, {0, 0, 0}}}, {.grew = 1});
+    EXPECT_DOUBLE_EQ(distance_of_offset_planes(std::vector<glm::dvec3>(100, {0, 0.6, 0.8})), 1);
+    EXPECT_TRUE(std::isinf(distance_of_offset_planes(std::vector<glm::dvec3>{{0, 0, 1}, {0, 0, -1}})));
+}
+
+// In time linear in their number: what trying all triples gives.
+TEST(Cones, AreAsFarWhicheverWay) {
+    std::mt19937_64 random(5);
+    const auto direction = [&] {
+        std::normal_distribution<double> one;
+        const glm::dvec3 v(one(random), one(random), one(random));
+        return v / norm(v);
+    };
+    for (int i = 0; i < 2000; ++i) {
+        const glm::dvec3 axis = direction(), force = 3.0 * direction();
+        const double width = std::pow(10.0, -(i % 7) / 2.0);
+        std::vector<glm::dvec3> normals;
+        for (int k = 0; k < 1 + i % 30; ++k) {
+            const glm::dvec3 v = axis + width * direction();
+            normals.push_back(v / norm(v));
+        }
+        const double all = distance_from_cone(force, normals, [](std::size_t, std::size_t) { return true; });
+        EXPECT_NEAR(distance_from_cone(force, normals), all, 1e-9 / width) << i;
+        // The nearest place in front of all planes is the nearest on one, two or three of them that is.
+        double least = std::numeric_limits<double>::infinity();
+        const auto try_place = [&](const glm::dvec3& x) {
+            if (norm(x) < least &&
+                std::ranges::all_of(normals, [&](const glm::dvec3& n) { return glm::dot(n, x) > 1 - 1e-9; }))
+                least = norm(x);
+        };
+        for (const glm::dvec3& u : normals)
+            for (const glm::dvec3& v : normals)
+                for (const glm::dvec3& w : normals) {
+                    const glm::dvec3 corner = glm::cross(u, v) + glm::cross(v, w) + glm::cross(w, u);
+                    try_place(u == v ? u : v == w ? (u + v) / (1 + glm::dot(u, v)) : corner / glm::dot(corner, u));
+                }
+        const double found = distance_of_offset_planes(normals);
+        EXPECT_TRUE(found == least || std::abs(found / least - 1) < 1e-6) << found << " " << least;
     }
 }
 
