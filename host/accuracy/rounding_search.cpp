@@ -1,10 +1,16 @@
 #include "host/accuracy/rounding_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
 #include <optional>
-#include <span>
+#include <ranges>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "host/field/case_law.h"
 #include "host/mesh/mesh.h"
@@ -16,57 +22,78 @@ namespace {
 
 constexpr std::size_t kClimbSteps = 300;
 
-// Where two facets are equally near: neighbours in double, one on either side, on a way across.
-struct Tie {
-    glm::dvec3 here, there, way; /* m */
+// A place; with a history, the end of a straight stroke from another one in the open.
+struct Probed {
+    glm::dvec3 at{0}, from{0}; /* m */
+
+    Probed moved(const glm::dvec3& end, const glm::dvec3& begin) const { return {at + end, from + begin}; }
 };
 
-// Both precisions at a place.
+// Where two facets are equally near, or strokes fork: neighbours in double, one on either side, on a way across.
+struct Tie {
+    Probed here, there;
+    glm::dvec3 way; /* m */
+    std::pair<layout::uint, layout::uint> facets;
+};
+
+// Both precisions at a place, or at the end of a stroke.
 class BothLaws {
 public:
-    explicit BothLaws(const PreparedCase& prepared)
-        : single_(prepared), twice_(prepared), shape_(scene_shape(prepared)) {
-        shape_.force = [this](const TouchPlace& place) { return glm::dvec3(twice_.at(place.at, twice_hint_).force); };
+    BothLaws(const PreparedCase& prepared, bool strokes)
+        : strokes_(strokes), single_(prepared), twice_(prepared), shape_(scene_shape(prepared)) {
+        shape_.force = [this](const TouchPlace& place) {
+            return glm::dvec3(twice_.law().at(place.at, twice_hint_).force);
+        };
         stiffness_ = prepared.one.scene.force.stiffness;
     }
     BothLaws(const BothLaws&) = delete;
     BothLaws& operator=(const BothLaws&) = delete;
 
     const TouchedShape& shape() const { return shape_; }
+    bool strokes() const { return strokes_; }
 
     /// The first on a way from a place, in double.
-    std::optional<Tie> tie_on(const glm::dvec3& from, const glm::dvec3& way) {
+    std::optional<Tie> tie_on(const Probed& from, const glm::dvec3& way) {
         constexpr int kSteps = 16, kHalvings = 64;
         const layout::uint facet = facet_at(from);
         for (int i = 0; i < kSteps && facet != layout::kNoFacet; ++i) {
-            glm::dvec3 here = from + double(i) / kSteps * way, there = from + double(i + 1) / kSteps * way;
+            const glm::dvec3 begin = double(i) / kSteps * way, end = double(i + 1) / kSteps * way;
+            Probed here = from.moved(begin, begin), there = from.moved(end, end);
             const layout::uint next = facet_at(there);
             if (next == layout::kNoFacet)
                 break;
             if (next == facet)
                 continue;
             for (int halving = 0; halving < kHalvings; ++halving) {
-                const glm::dvec3 middle = 0.5 * (here + there);
+                const Probed middle{0.5 * (here.at + there.at), 0.5 * (here.from + there.from)};
+                if (middle.at == here.at || middle.at == there.at)
+                    break;
                 (facet_at(middle) == facet ? here : there) = middle;
             }
-            return Tie{here, there, way};
+            return Tie{here, there, way, std::minmax(facet, next)};
         }
         return std::nullopt;
     }
 
     /// Empty if the place is outside of the depths of a hand, in either precision.
-    std::optional<WorstRounding> operator()(const glm::dvec3& at) {
+    std::optional<WorstRounding> operator()(const Probed& probed) {
         ++evaluations_;
-        const auto one = single_.at(at, single_hint_);
-        const auto two = twice_.at(at, twice_hint_);
+        const auto one = contact(single_, probed, single_hint_);
+        const auto two = contact(twice_, probed, twice_hint_);
         const glm::dvec3 force(one.force), truth(two.force);
         const double size = reference::length(truth), off = reference::length(force - truth);
         const TouchScale& scale = shape_.scale;
-        if (!(two.depth >= scale.shallowest() && two.depth <= scale.deepest) || one.facet == layout::kNoFacet ||
-            !(size > 0))
+        if (!(two.depth >= scale.shallowest() && two.depth <= scale.deepest && one.depth <= scale.deepest) ||
+            one.facet == layout::kNoFacet || !(size > 0))
             return std::nullopt;
-        const bool same = one.facet == two.facet && !jumps_near(at, truth, 0.5 * off);
-        WorstRounding found{same, off / (stiffness_ * scale.deepest), off / size, 0, two.depth, at, evaluations_};
+        WorstRounding found;
+        found.same_facet = !jumps_near(probed, truth, 0.5 * off, found.gradient) && one.facet == two.facet;
+        found.error = off / (stiffness_ * scale.deepest);
+        found.local = off / size;
+        found.depth = two.depth;
+        found.place = probed.at;
+        if (strokes_)
+            found.from = probed.from;
         if (reference::length(force) > 0)
             found.turn = angle_between(force, truth) / kDegree;
         return found;
@@ -74,27 +101,48 @@ public:
     std::size_t evaluations() const { return evaluations_; }
 
 private:
-    layout::uint facet_at(const glm::dvec3& at) { return twice_.at(at, twice_hint_).facet; }
+    static constexpr int kSamples = 6; // of a stroke
+
+    template <typename T>
+    reference::Contact<T> contact(CaseProbe<T>& probe, const Probed& probed, layout::uint& hint) const {
+        if (!strokes_)
+            return probe.law().at(probed.at, hint);
+        probe.begin_path();
+        reference::Contact<T> last{};
+        for (int i = 0; i <= kSamples; ++i) {
+            last = probe.at(probed.from + double(i) / kSamples * (probed.at - probed.from)).contact;
+            if (i == 0 && last.facet != layout::kNoFacet) { // not from the open
+                last.facet = layout::kNoFacet;
+                break;
+            }
+        }
+        return last;
+    }
+    layout::uint facet_at(const Probed& probed) { return contact(twice_, probed, twice_hint_).facet; }
 
     // Whether the law itself, in double, differs as much between places that rounding to single precision may choose:
-    // its direction has an edge there, on any facet.
-    bool jumps_near(const glm::dvec3& at, const glm::dvec3& force, double much) {
+    // its direction has an edge there, on any facet; or strokes fork.
+    bool jumps_near(const Probed& probed, const glm::dvec3& force, double much, double& gradient) {
         const double size =
             std::max(reference::largest_coordinate(shape_.low), reference::largest_coordinate(shape_.high));
+        bool jumps = false;
         for (int axis = 0; axis < 3; ++axis)
             for (const double side : {-1.0, 1.0}) {
-                const double step = 0x1p-22 * std::max(std::fabs(at[axis]), size);
-                glm::dvec3 moved = at;
-                moved[axis] += side * step;
+                const double step = 0x1p-22 * std::max(std::fabs(probed.at[axis]), size);
+                glm::dvec3 by(0);
+                by[axis] = side * step;
+                const double change =
+                    reference::length(glm::dvec3(contact(twice_, probed.moved(by, by), twice_hint_).force) - force);
+                gradient = std::max(gradient, change / (stiffness_ * step));
                 const double slope = 16 * stiffness_ * step; // a law without edges changes less
-                if (reference::length(glm::dvec3(twice_.at(moved, twice_hint_).force) - force) > std::max(much, slope))
-                    return true;
+                jumps = jumps || change > std::max(much, slope);
             }
-        return false;
+        return jumps;
     }
 
-    CaseLaw<float> single_;
-    CaseLaw<double> twice_;
+    bool strokes_;
+    CaseProbe<float> single_;
+    CaseProbe<double> twice_;
     TouchedShape shape_;
     double stiffness_ = 1; /* N/m */
     layout::uint single_hint_ = 0, twice_hint_ = 0;
@@ -110,21 +158,51 @@ glm::dvec3 any_direction(Random& draw) {
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
+// A convex edge, and the unit normals of its triangles.
+struct Ridge {
+    glm::dvec3 begin, end, one, other; /* m, 1 */
+};
+
+// Corners count as one by their place.
+std::vector<Ridge> ridges_of(const Mesh& mesh) {
+    std::map<std::array<double, 6>, std::size_t> first;
+    std::vector<Ridge> ridges;
+    const auto corner = [&](std::size_t triangle, std::size_t i) {
+        return mesh.polygons.vertices[mesh.triangles.corners[triangle][i % 3]];
+    };
+    for (std::size_t triangle = 0; triangle < mesh.triangles.corners.size(); ++triangle)
+        for (std::size_t i = 0; i < 3; ++i) {
+            std::array<glm::dvec3, 2> ends{corner(triangle, i), corner(triangle, i + 1)};
+            const glm::dvec3 opposite = corner(triangle, i + 2);
+            if (std::tie(ends[1].x, ends[1].y, ends[1].z) < std::tie(ends[0].x, ends[0].y, ends[0].z))
+                std::swap(ends[0], ends[1]);
+            const auto [at, is_first] =
+                first.try_emplace({ends[0].x, ends[0].y, ends[0].z, ends[1].x, ends[1].y, ends[1].z}, triangle);
+            const glm::dvec3 one = mesh.triangles.normals[at->second], other = mesh.triangles.normals[triangle];
+            if (!is_first && reference::dot(one, opposite - ends[0]) < 0 && reference::dot(one, other) > -0.99)
+                ridges.push_back({ends[0], ends[1], one, other});
+        }
+    return ridges;
+}
+
 // Aims at places of a case.
 class Aim {
 public:
     Aim(BothLaws& both, const PreparedCase& prepared)
         : both_(both), mesh_(prepared.images.mesh ? &prepared.images.mesh->mesh : nullptr),
-          places_(both.shape(), prepared, 12), draw_(11) {}
+          places_(both.shape(), prepared, 12), draw_(11) {
+        if (mesh_)
+            ridges_ = ridges_of(*mesh_);
+    }
 
     /// Below a facet, an edge or a corner of a mesh, or anywhere below another surface; moved by up to a twentieth of
     /// the depth of a hand.
-    std::optional<glm::dvec3> below_the_surface() {
+    std::optional<Probed> below_the_surface() {
         const TouchScale& scale = both_.shape().scale;
         const glm::dvec3 aside = log_uniform(draw_, 5e-7, 0.05) * scale.deepest * any_direction(draw_);
         if (!mesh_) {
             const auto place = places_();
-            return place ? std::optional(place->at + aside) : std::nullopt;
+            return place ? std::optional(Probed{place->at + aside, {}}) : std::nullopt;
         }
         const auto triangle = static_cast<std::size_t>(draw_(0, static_cast<double>(mesh_->triangles.corners.size())));
         double weights[3] = {draw_(0, 1), draw_(0, 1), draw_(0, 1)};
@@ -135,24 +213,47 @@ public:
         for (std::size_t i = 0; i < 3; ++i)
             at += weights[i] / (weights[0] + weights[1] + weights[2]) *
                   mesh_->polygons.vertices[mesh_->triangles.corners[triangle][i]];
-        return at - log_uniform(draw_, scale.shallowest(), scale.deepest) * mesh_->triangles.normals[triangle] + aside;
+        const glm::dvec3 normal = mesh_->triangles.normals[triangle];
+        Probed found{at - log_uniform(draw_, scale.shallowest(), scale.deepest) * normal + aside, {}};
+        if (both_.strokes())
+            found.from = at + draw_(0.01, 1) * scale.deepest * (normal + 0.7 * any_direction(draw_));
+        return found;
     }
 
-    /// On a way from a place below the surface.
+    /// On the plane between the facets at a ridge, or on a way from a place below the surface.
     std::optional<Tie> tie() {
-        const std::optional<glm::dvec3> from = below_the_surface();
+        if (!ridges_.empty() && draw_(0, 1) < 0.5)
+            return below_a_ridge();
+        const std::optional<Probed> from = below_the_surface();
         return from ? both_.tie_on(*from,
                                    log_uniform(draw_, 0.01, 4) * both_.shape().scale.deepest * any_direction(draw_))
                     : std::nullopt;
     }
 
-    glm::dvec3 near(const glm::dvec3& place, double reach) {
-        return place + reach * draw_(0, 1) * any_direction(draw_);
+    Probed near(const Probed& place, double reach) {
+        const auto aside = [&] { return reach * draw_(0, 1) * any_direction(draw_); };
+        const glm::dvec3 end = aside();
+        return place.moved(end, both_.strokes() ? aside() : glm::dvec3(0));
     }
 
 private:
+    std::optional<Tie> below_a_ridge() {
+        const Ridge& ridge = ridges_[static_cast<std::size_t>(draw_(0, double(ridges_.size())))];
+        const TouchScale& scale = both_.shape().scale;
+        const double deepest = 0.9999 * scale.deepest;
+        const double depth = draw_(0, 1) < 0.5 ? deepest : log_uniform(draw_, scale.shallowest(), deepest);
+        const glm::dvec3 on = ridge.begin + draw_(0, 1) * (ridge.end - ridge.begin);
+        const glm::dvec3 inwards = (ridge.one + ridge.other) / -(1 + reference::dot(ridge.one, ridge.other));
+        const glm::dvec3 way = 0.01 * depth * (ridge.one - ridge.other);
+        Probed at{on + depth * inwards - 0.5 * way, {}};
+        if (both_.strokes())
+            at.from = on + draw_(0.01, 1) * scale.deepest * (0.7 * any_direction(draw_) - inwards);
+        return both_.tie_on(at, way);
+    }
+
     BothLaws& both_;
     const Mesh* mesh_; /* null: another surface */
+    std::vector<Ridge> ridges_;
     PlaceDraw places_;
     Random draw_;
 };
@@ -184,7 +285,7 @@ struct SeenTie {
     double error() const { return worst.error; }
 };
 
-std::optional<SeenPlace> looked_at(BothLaws& both, const glm::dvec3& place) {
+std::optional<SeenPlace> looked_at(BothLaws& both, const Probed& place) {
     const auto found = both(place);
     return found && found->same_facet ? std::optional(SeenPlace{*found}) : std::nullopt;
 }
@@ -192,58 +293,68 @@ std::optional<SeenPlace> looked_at(BothLaws& both, const glm::dvec3& place) {
 std::optional<SeenTie> looked_at(BothLaws& both, const std::optional<Tie>& tie) {
     std::optional<SeenTie> worse;
     if (tie)
-        for (const glm::dvec3& side : {tie->here, tie->there})
+        for (const Probed& side : {tie->here, tie->there})
             if (const auto found = both(side);
                 found && !found->same_facet && !(worse && worse->error() >= found->error))
                 worse = SeenTie{*tie, *found};
     return worse;
 }
 
-// The worst that climbs reach which begin at the worst of each of some groups.
+// The worst that climbs reach from the worst of each of some groups, those with the worst first.
 template <typename Seen, typename Moved>
-void add_worst(std::vector<WorstRounding>& found, const std::vector<Seen>& seen, std::size_t climbs, double scale,
+void add_worst(std::vector<WorstRounding>& found, std::vector<Seen> tops, std::size_t climbs, double scale,
                const Moved& moved) {
-    std::optional<Seen> worst;
-    for (std::size_t climb = 0; climb < climbs; ++climb) {
-        const auto group = std::span(seen)
-                               .subspan(climb * seen.size() / climbs)
-                               .first((climb + 1) * seen.size() / climbs - climb * seen.size() / climbs);
-        if (group.empty())
-            continue;
-        const Seen top = climbed(scale, *std::ranges::max_element(group, {}, &Seen::error), moved);
-        if (!worst || top.error() > worst->error())
-            worst = top;
-    }
-    if (worst)
+    std::ranges::sort(tops, std::greater<>(), &Seen::error);
+    tops.resize(std::min(tops.size(), climbs));
+    for (Seen& top : tops)
+        top = climbed(scale, top, moved);
+    if (const auto worst = std::ranges::max_element(tops, {}, &Seen::error); worst != tops.end())
         found.push_back(worst->worst);
+}
+
+std::vector<WorstRounding> searched(const PreparedCase& prepared, std::size_t places, bool strokes) {
+    BothLaws both(prepared, strokes);
+    Aim aim(both, prepared);
+    const double scale = both.shape().scale.deepest;
+    const std::size_t climbs = std::clamp<std::size_t>(places / 1000, 4, 64);
+    std::map<std::size_t, SeenPlace> smooth;                       // the worst of each part of the draw
+    std::map<std::pair<layout::uint, layout::uint>, SeenTie> ties; // and of each two facets
+    const auto keep = [](auto& worst, const auto& key, const auto& seen) {
+        if (seen)
+            if (const auto at = worst.try_emplace(key, *seen).first; seen->error() > at->second.error())
+                at->second = *seen;
+    };
+    for (std::size_t i = 0; i < places; ++i)
+        if (const auto at = aim.below_the_surface())
+            keep(smooth, i * climbs / places, looked_at(both, *at));
+    for (std::size_t i = 0; i < places / 10; ++i)
+        if (const auto tie = aim.tie())
+            keep(ties, tie->facets, looked_at(both, tie));
+    const auto tops = [](const auto& worst) {
+        const auto values = std::views::values(worst);
+        return std::vector(values.begin(), values.end());
+    };
+    std::vector<WorstRounding> found;
+    add_worst(found, tops(smooth), climbs, scale, [&](const SeenPlace& best, double reach) {
+        return looked_at(both, aim.near({best.worst.place, best.worst.from.value_or(glm::dvec3(0))}, reach));
+    });
+    add_worst(found, tops(ties), climbs, scale, [&](const SeenTie& best, double reach) {
+        const glm::dvec3 across = 4 * reach / reference::length(best.tie.way) * best.tie.way;
+        return looked_at(both, both.tie_on(aim.near(best.tie.here, reach).moved(-0.5 * across, -0.5 * across), across));
+    });
+    for (WorstRounding& one : found)
+        one.evaluations = both.evaluations();
+    return found;
 }
 
 } // namespace
 
 std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::size_t places) {
-    BothLaws both(prepared);
-    Aim aim(both, prepared);
-    const double scale = both.shape().scale.deepest;
-    std::vector<SeenPlace> smooth;
-    std::vector<SeenTie> ties;
-    for (std::size_t i = 0; i < places; ++i)
-        if (const auto at = aim.below_the_surface())
-            if (const auto one = looked_at(both, *at))
-                smooth.push_back(*one);
-    for (std::size_t i = 0; i < places / 10; ++i)
-        if (const auto one = looked_at(both, aim.tie()))
-            ties.push_back(*one);
-    const std::size_t climbs = std::clamp<std::size_t>(places / 300, 4, 64);
-    std::vector<WorstRounding> found;
-    add_worst(found, smooth, climbs, scale,
-              [&](const SeenPlace& best, double reach) { return looked_at(both, aim.near(best.worst.place, reach)); });
-    add_worst(found, ties, climbs, scale, [&](const SeenTie& best, double reach) {
-        const glm::dvec3 across = 4 * reach / reference::length(best.tie.way) * best.tie.way;
-        return looked_at(both, both.tie_on(aim.near(best.tie.here, reach) - 0.5 * across, across));
-    });
-    for (WorstRounding& one : found)
-        one.evaluations = both.evaluations();
-    return found;
+    return searched(prepared, places, false);
+}
+
+std::vector<WorstRounding> worst_rounding_of_strokes(const PreparedCase& prepared, std::size_t strokes) {
+    return searched(prepared, strokes, true);
 }
 
 } // namespace forceshade

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -16,14 +17,21 @@ struct WorstRounding {
     double error = 0;       /* 1: |F32 - F64| over the largest force of the search, the stiffness times the deepest */
     double local = 0;       /* 1: over the force there */
     double turn = 0;        /* deg: between both forces */
-    double depth = 0;       /* m */
-    glm::dvec3 place{0};    /* m, in the world */
-    std::size_t evaluations = 0; /* of the law, in each precision */
+    double gradient = 0; /* 1: most that the law in double changes by where single precision may round to, over K times
+                            the way there: no more than some where it is smooth */
+    double depth = 0;    /* m */
+    glm::dvec3 place{0}; /* m, in the world */
+    std::optional<glm::dvec3> from; /* m: where the stroke to it begins, of a god-object */
+    std::size_t evaluations = 0;    /* of the law, in each precision */
 };
 
 /// The law without a history, searched as deep as a hand goes (scene_shape) by climbing from the worst of `places` that
 /// are aimed at facets, edges and corners, and of a tenth as many ties, where two facets are equally near. At most two:
 /// the worst of the same facet, and the worst of a choice between two.
 std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::size_t places);
+
+/// The same of a god-object on a mesh, at the ends of straight strokes of some samples from the open. A tie is then
+/// where strokes fork: of two that are neighbours in double the proxies end on different facets.
+std::vector<WorstRounding> worst_rounding_of_strokes(const PreparedCase& prepared, std::size_t strokes);
 
 } // namespace forceshade

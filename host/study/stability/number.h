@@ -33,11 +33,11 @@ struct LawRounding : WorstRounding {
     std::string law; /* "mesh of 8 cells, morgenbesser" */
 };
 
-/// A part for each law; `found` must outlive them and receives two a law, at most: the worst of the same facet, and of
-/// another one.
-std::vector<Part> worst_rounding_parts(bool quick, std::vector<LawRounding>& found);
+/// A part for each law of the study's own, or of the scene; `found` must outlive them and receives two a law, at most:
+/// the worst of the same facet, and of another one.
+std::vector<Part> worst_rounding_parts(const PreparedCase* scene, bool quick, std::vector<LawRounding>& found);
 
-/// Adds the table and its finding.
-void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found);
+/// Adds the table and its finding. `own`: of the study's laws, not of a scene's.
+void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, bool own);
 
 } // namespace forceshade::study

@@ -130,18 +130,17 @@ StudyData study_stability(StudyRun& run) {
     parts.push_back({"maps of loops", [&] { add_maps(run.engine(), quick, loops); }});
     std::vector<LawRounding> worst;
     std::vector<NumberRow> numbers;
-    if (!run.scene()) { // precision is that of plain surfaces of the study's own
+    if (!run.scene()) // of plain surfaces of the study's own
         std::ranges::move(number_parts(run.engine(), quick, numbers), std::back_inserter(parts));
-        std::ranges::move(worst_rounding_parts(quick, worst), std::back_inserter(parts));
-    }
+    std::ranges::move(worst_rounding_parts(run.scene() ? &*run.scene() : nullptr, quick, worst),
+                      std::back_inserter(parts));
     run.run(parts);
     StudyData data = run.data();
     add_loops(data, loops);
     data.findings = loop_findings(loops);
-    if (!run.scene()) {
+    if (!run.scene())
         add_numbers(data, numbers);
-        add_worst_rounding(data, worst);
-    }
+    add_worst_rounding(data, worst, !run.scene());
     return data;
 }
 
