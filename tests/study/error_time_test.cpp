@@ -3,6 +3,9 @@
 #include <cmath>
 #include <map>
 
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vec2.hpp>
 #include <gtest/gtest.h>
 
 #include "host/clock.h"
@@ -10,6 +13,7 @@
 #include "host/study/error_time/runs.h"
 #include "host/study/error_time/sections.h"
 #include "host/study/error_time/volume.h"
+#include "host/touch/angle.h"
 #include "host/touch/force_at.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
@@ -97,8 +101,8 @@ TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
 TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     const Subject bump = own_subjects(few()).front();
     const Variant& shaded = variant_named(bump, "64 facets, reference");
-    const GridSpec grid = volume_grid(bump.low, bump.high, 0.4e-3, glm::dvec3(0));
-    const Volume<float, float, 3> volume(grid, sampled(*shaded.prepared, grid));
+    const TurnedGrid grid(bump.low, bump.high, 0.4e-3, glm::dvec3(0), 0);
+    const Volume<float, float, 3> volume(grid.grid, sampled(*shaded.prepared, grid));
     const KindPlaces all = places_of(bump, shaded, few());
     std::vector<glm::dvec3> found[2], truth[2];
     for (std::size_t i = 0; i < all.at.size(); ++i) {
@@ -124,13 +128,20 @@ glm::dvec3 cylinder_force(double x, double z) {
     return 1000 * depth * glm::dvec3(sine, 0, std::sqrt(1 - sine * sine));
 }
 
-glm::dvec3 looked_up(const glm::dvec3& at, double spacing, double x_offset, double z_offset) {
-    const double x = at.x / spacing + x_offset, z = at.z / spacing + z_offset, i = std::floor(x), k = std::floor(z);
-    const auto sample = [&](double column, double row) {
-        return cylinder_force((i + column - x_offset) * spacing, (k + row - z_offset) * spacing);
+glm::dvec3 looked_up(const glm::dvec3& at, double spacing, const glm::dvec2& offset, double turn) {
+    const auto turned = [](double x, double y, double angle) {
+        return glm::dvec2(std::cos(angle) * x - std::sin(angle) * y, std::sin(angle) * x + std::cos(angle) * y);
     };
-    return (1 - z + k) * ((1 - x + i) * sample(0, 0) + (x - i) * sample(1, 0)) +
-           (z - k) * ((1 - x + i) * sample(0, 1) + (x - i) * sample(1, 1));
+    const glm::dvec2 flat = turned(at.x, at.y, -turn) / spacing + offset.x;
+    const glm::dvec3 place(flat, at.z / spacing + offset.y), first = glm::floor(place);
+    glm::dvec3 sum(0);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 sample = first + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2);
+        const glm::dvec3 share = 1.0 - glm::abs(place - sample);
+        const double x = turned((sample.x - offset.x) * spacing, (sample.y - offset.x) * spacing, turn).x;
+        sum += share.x * share.y * share.z * cylinder_force(x, (sample.z - offset.y) * spacing);
+    }
+    return sum;
 }
 
 // The error of a look-up depends on where its grid lies: a number that were that of one grid would move with it.
@@ -143,15 +154,15 @@ TEST(LookUps, HaveTheErrorsThatTheirGridsHaveWhereverTheyLie) {
     options.cpu = true;
     const std::unique_ptr<Engine> engine = make_engine(options);
     std::vector<Method> methods;
-    add_methods(methods, bump, extents, *engine, *engine);
-    std::erase_if(methods, [&](const Method& one) {
-        return one.variant != &shaded || one.family != "look-up, trilinear" || one.precision != "f32";
-    });
+    add_methods(methods, bump, shaded, 0, {*engine, *engine});
+    std::erase_if(methods,
+                  [](const Method& one) { return one.family != "look-up, trilinear" || one.precision != "f32"; });
     ASSERT_EQ(methods.size(), 1u);
     std::vector<std::optional<MethodErrors>> errors(1);
-    add_errors(errors, methods, bump, shaded, extents);
+    add_errors(errors, methods, bump, shaded, extents, {*engine, *engine});
+    EXPECT_EQ(errors[0]->by_draw.size(), extents.draws);
     const Interval found =
-        *over_offsets(*errors[0], [](const MethodErrors& one) { return std::optional(one.shared.typical->rms); });
+        *over_draws(*errors[0], [](const MethodErrors& one) { return std::optional(one.shared.typical->rms); });
 
     double typical = 0;
     for (const TouchPlace& place : bump.places)
@@ -164,7 +175,8 @@ TEST(LookUps, HaveTheErrorsThatTheirGridsHaveWhereverTheyLie) {
         double square = 0;
         for (const TouchPlace& place : bump.places) {
             const glm::dvec3 off =
-                looked_up(place.at, 0.2e-3, i == 0 ? 0.5 : x, i == 0 ? 0 : z) - cylinder_force(place.at.x, place.at.z);
+                looked_up(place.at, 0.2e-3, i == 0 ? glm::dvec2(0.5, 0) : glm::dvec2(x, z), i == 0 ? 0 : 0.7 * i) -
+                cylinder_force(place.at.x, place.at.z);
             square += reference::dot(off, off);
         }
         (i == 0 ? aligned : all.emplace_back()) = std::sqrt(square / typical);
@@ -174,6 +186,72 @@ TEST(LookUps, HaveTheErrorsThatTheirGridsHaveWhereverTheyLie) {
     EXPECT_GT(found.high, all[20]);
     EXPECT_NEAR(found.median / all[20], 1, 0.25);
     EXPECT_LT(aligned, 0.5 * all[20]) << "samples on the rim and on the plane are the exception";
+}
+
+// The nearest of a cylinder's triangles between equal arcs, turned and moved: the same numbers by other code.
+double direction_error(const Subject& subject, double turn, const glm::dvec2& moved) {
+    constexpr double kRadius = 0.01524, kHalf = 0.0127;
+    const double depth = std::sqrt(kRadius * kRadius - kHalf * kHalf);
+    const glm::dvec2 cell(kRadius * std::asin(kHalf / kRadius) / 4, kHalf / 4); // of 8 cells
+    const auto vertex = [&](double i, double j) {
+        const glm::dvec2 at = (glm::dvec2(i, j) + moved) * cell;
+        const double along = (std::cos(turn) * at.x - std::sin(turn) * at.y) / kRadius;
+        return glm::dvec3(kRadius * std::sin(along), std::sin(turn) * at.x + std::cos(turn) * at.y,
+                          kRadius * std::cos(along) - depth);
+    };
+    std::vector<std::array<glm::dvec3, 3>> triangles;
+    for (int i = -8; i < 8; ++i)
+        for (int j = -8; j < 8; ++j) {
+            const glm::dvec3 a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+            triangles.push_back({a, b, c});
+            triangles.push_back({a, c, d});
+        }
+    double squares = 0, met = 0;
+    for (const TouchPlace& place : subject.places) {
+        double nearest = 1;
+        glm::dvec3 outwards(0);
+        for (const auto& corners : triangles) {
+            const glm::dvec3 up = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+            const double height = glm::dot(up, place.at - corners[0]);
+            const glm::dvec3 foot = place.at - height * up;
+            bool within = height < 0 && -height < nearest;
+            for (std::size_t k = 0; k < 3; ++k)
+                within = within && glm::dot(glm::cross(up, corners[(k + 1) % 3] - corners[k]), foot - corners[k]) >= 0;
+            if (within) {
+                nearest = -height;
+                outwards = up;
+            }
+        }
+        if (nearest == 1) // in front of a facet, or its foot is on an edge
+            continue;
+        const double angle = glm::degrees(angle_between(outwards, subject.force(place)));
+        squares += angle * angle;
+        ++met;
+    }
+    return std::sqrt(squares / met);
+}
+
+// A number that were that of one tessellation would move with it.
+TEST(Meshes, HaveTheErrorsThatTheirTessellationsHave) {
+    Extents extents{{64}, {8}, {}, 1500, 0, 1, 8};
+    const Subject mesh = own_subjects(extents).back();
+    const Variant& flat = variant_named(mesh, "8 cells, none");
+    EngineOptions options;
+    options.cpu = true;
+    const std::unique_ptr<Engine> engine = make_engine(options);
+    std::vector<Method> methods;
+    add_methods(methods, mesh, flat, 0, {*engine, *engine});
+    std::vector<std::optional<MethodErrors>> errors(methods.size());
+    add_errors(errors, methods, mesh, flat, extents, {*engine, *engine});
+    const Interval found = *rms_over_draws(*errors[0], &ForceErrors::direction);
+    std::vector<double> all;
+    for (int i = 0; i < 11; ++i)
+        all.push_back(direction_error(mesh, 0.7 * i, {std::fmod(0.618034 * i, 1), std::fmod(0.754878 * i, 1)}));
+    std::ranges::sort(all);
+    EXPECT_GT(all[5], found.low);
+    EXPECT_LT(all[5], found.high);
+    EXPECT_NEAR(found.median / all[5], 1, 0.1);
+    EXPECT_GT(found.high / found.low, 1.2) << "of one tessellation alone the number is not the study's";
 }
 
 TEST(TouchedPlaces, OfAGodObjectAreReachedFromAbove) {
@@ -367,7 +445,8 @@ TEST(AsMetTimes, AreOfEachLawsFinestVolume) {
     const std::vector<Subject> subjects = own_subjects(extents);
     std::vector<Method> methods;
     for (const Subject& subject : subjects)
-        add_methods(methods, subject, extents, *engine, *engine);
+        for (const Variant& variant : subject.variants)
+            add_methods(methods, subject, variant, 0, {*engine, *engine});
     std::size_t volumes = 0, proxies = 0;
     for (const std::size_t i : met_methods(methods)) {
         EXPECT_TRUE(!methods[i].spacing || *methods[i].spacing == 0.4e-3) << methods[i].name;

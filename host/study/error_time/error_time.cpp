@@ -1,6 +1,7 @@
 #include "host/study/error_time/error_time.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -48,44 +49,51 @@ MethodErrors errors_of(const Forces& forces, const Forces& exact, const KindPlac
     return errors;
 }
 
-// At all offsets of a grid, if the method has one.
-MethodErrors errors_of(const Method& method, const KindPlaces& places, const Forces& truth, double typical) {
-    const Forces exact = method.exact(places.at);
-    if (method.shifted.empty())
-        return errors_of(method.forces(places.at), exact, places, truth, typical);
-    std::vector<MethodErrors> all;
-    for (const ForcesAt& shifted : method.shifted)
-        all.push_back(errors_of(shifted(places.at), exact, places, truth, typical));
+// The median of the draws, if there are several.
+MethodErrors over_all(std::vector<MethodErrors> all) {
+    if (all.size() == 1)
+        return std::move(all.front());
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::ranges::sort(order, {}, [&](std::size_t i) { return all[i].shared.typical ? all[i].shared.typical->rms : 0; });
     MethodErrors errors = all[order[order.size() / 2]];
-    errors.by_offset = std::move(all);
+    errors.by_draw = std::move(all);
     return errors;
 }
 
 } // namespace
 
 void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
-                const Subject& subject, const Variant& variant, const Extents& extents) {
-    const KindPlaces places = places_of(subject, variant, extents);
-    const Forces truth = true_forces(subject, places.at);
+                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines) {
     const double typical = rms_of(true_forces(subject, subject.places));
-    KindOf kind_of(subject, variant);
-    for (std::size_t i = 0; i < methods.size(); ++i) {
-        const Method& method = methods[i];
-        if (method.variant != &variant || !method.forces)
-            continue;
-        if (!method.places) {
-            errors[i] = errors_of(method, places, truth, typical);
-            continue;
+    std::map<std::string, std::vector<MethodErrors>> all; // by method
+    for (std::size_t draw = 0; draw < extents.draws; ++draw) {
+        const Variant& drawn = variant.at(draw);
+        const KindPlaces places = places_of(subject, drawn, extents);
+        const Forces truth = true_forces(subject, places.at);
+        KindOf kind_of(subject, drawn);
+        std::vector<Method> moved;
+        if (draw > 0)
+            add_methods(moved, subject, variant, draw, engines);
+        for (const Method& method : draw > 0 ? moved : methods) {
+            if (!method.forces || (draw > 0 ? !method.drawn || !all.contains(method.name) : method.variant != &variant))
+                continue;
+            if (!method.places) {
+                all[method.name].push_back(
+                    errors_of(method.forces(places.at), method.exact(places.at), places, truth, typical));
+                continue;
+            }
+            KindPlaces own{method.places(), {}, 0};
+            own.shared = own.at.size();
+            for (const TouchPlace& place : own.at)
+                own.kinds.push_back(kind_of(place));
+            all[method.name].push_back(
+                errors_of(method.forces(own.at), method.exact(own.at), own, true_forces(subject, own.at), typical));
         }
-        KindPlaces own{method.places(), {}, 0};
-        own.shared = own.at.size();
-        for (const TouchPlace& place : own.at)
-            own.kinds.push_back(kind_of(place));
-        errors[i] = errors_of(method, own, true_forces(subject, own.at), typical);
     }
+    for (std::size_t i = 0; i < methods.size(); ++i)
+        if (methods[i].variant == &variant && methods[i].forces)
+            errors[i] = over_all(std::move(all.at(methods[i].name)));
 }
 
 Round measure_round(std::span<const Method> methods, std::size_t number) {
@@ -179,15 +187,17 @@ StudyData study_error_time(StudyRun& run) {
     one_thread.threads = 1;
     const std::unique_ptr<Engine> single_thread = make_engine(one_thread);
     std::vector<Method> methods;
+    const Engines engines{run.engine(), *single_thread};
     for (const Subject& subject : subjects)
-        add_methods(methods, subject, extents, run.engine(), *single_thread);
+        for (const Variant& variant : subject.variants)
+            add_methods(methods, subject, variant, 0, engines);
     std::vector<std::optional<MethodErrors>> errors(methods.size());
     std::vector<Round> rounds;
     std::vector<Part> parts;
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
-                             [&] { add_errors(errors, methods, subject, variant, extents); }});
+                             [&] { add_errors(errors, methods, subject, variant, extents, engines); }});
     std::vector<FieldRun> fields;
     std::vector<LoopRun> loops;
     for (const Subject& subject : subjects)

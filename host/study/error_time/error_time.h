@@ -17,8 +17,8 @@ struct MethodErrors {
     ForceErrors shared;                                            /* over the places that all laws share */
     std::array<std::optional<ForceErrors>, kKinds.size()> by_kind; /* empty: no such place */
     std::optional<Summary> precision; /* 1: |F - same law in double| over the root mean square true force; all places */
-    /// Of each offset of its grid; then the others are those of the offset with the median RMS error.
-    std::vector<MethodErrors> by_offset;
+    /// Of each draw of grid or mesh; then the others are those of the draw with the median RMS error.
+    std::vector<MethodErrors> by_draw;
 
     const ForceErrors* of(Kind kind) const {
         const auto& errors = by_kind[static_cast<std::size_t>(kind)];
@@ -26,10 +26,11 @@ struct MethodErrors {
     }
 };
 
-/// Of a number over the offsets of a method's grid: least, median, largest. Empty without offsets or without a number.
-template <typename Number> std::optional<Interval> over_offsets(const MethodErrors& errors, const Number& number) {
+/// Of a number over the draws of a method's grid or mesh: least, median, largest. Empty without draws or without a
+/// number.
+template <typename Number> std::optional<Interval> over_draws(const MethodErrors& errors, const Number& number) {
     std::vector<double> values;
-    for (const MethodErrors& one : errors.by_offset)
+    for (const MethodErrors& one : errors.by_draw)
         if (const std::optional<double> value = number(one))
             values.push_back(*value);
     if (values.empty())
@@ -37,9 +38,18 @@ template <typename Number> std::optional<Interval> over_offsets(const MethodErro
     return Interval{quantile(values, 0), quantile(values, 0.5), quantile(values, 1)};
 }
 
-/// Writes the errors of every method of a law that has errors into `errors`, method by method.
+/// Of a root mean square error.
+inline std::optional<Interval> rms_over_draws(const MethodErrors& errors,
+                                              std::optional<Summary> ForceErrors::*summary) {
+    return over_draws(errors, [&](const MethodErrors& one) {
+        return one.shared.*summary ? std::optional((one.shared.*summary)->rms) : std::nullopt;
+    });
+}
+
+/// Writes the errors of every method of a law that has errors into `errors`, method by method; of those that depend on
+/// the draw, over all draws.
 void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
-                const Subject& subject, const Variant& variant, const Extents& extents);
+                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines);
 
 /// Seconds of an evaluation, method by method.
 using Round = std::vector<double>;

@@ -28,7 +28,7 @@ std::string touched_depths(const Subject& subject) {
                        1e3 * subject.scale.deepest);
 }
 
-// How far a look-up errs over the offsets of its grid.
+// How far a look-up errs over the draws of its grid.
 struct LookUpErrors {
     Interval rms;                /* 1: of the RMS force */
     std::optional<Interval> rim; /* deg */
@@ -37,14 +37,12 @@ struct LookUpErrors {
 
 std::optional<LookUpErrors> lookup_errors(const MethodErrors& errors) {
     const auto at_kind = [&](Kind kind, auto number) {
-        return over_offsets(errors, [&](const MethodErrors& one) {
+        return over_draws(errors, [&](const MethodErrors& one) {
             const ForceErrors* of_kind = one.of(kind);
             return of_kind ? std::invoke(number, *of_kind) : std::optional<double>();
         });
     };
-    const auto rms = over_offsets(errors, [](const MethodErrors& one) {
-        return one.shared.typical ? std::optional(one.shared.typical->rms) : std::nullopt;
-    });
+    const auto rms = rms_over_draws(errors, &ForceErrors::typical);
     const auto rim = at_kind(Kind::rim, [](const ForceErrors& one) {
         return one.direction ? std::optional(one.direction->rms) : std::nullopt;
     });
@@ -88,8 +86,8 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
                                 percents(of_depth->rms), percent(of_depth->phantom.median));
     findings.push_back(
         {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
-         fmt::format("{} places; least and largest of {} random offsets of the volume's grid",
-                     measured.errors[*finest]->shared.places, measured.errors[*finest]->by_offset.size())});
+         fmt::format("{} places; least and largest of {} random offsets and orientations of the volume",
+                     measured.errors[*finest]->shared.places, measured.errors[*finest]->by_draw.size())});
 }
 
 // Benefit and cost of shading a mesh.
@@ -110,13 +108,21 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     if (!without.direction || !with.direction)
         return;
     const Interval cost = measured.times.ratio(shaded[0], plain[0]);
+    const auto degrees = [&](std::size_t i) {
+        const MethodErrors& errors = *measured.errors[i];
+        const auto spread = rms_over_draws(errors, &ForceErrors::direction);
+        return spread ? fmt::format("{:.2g} [{:.2g}, {:.2g}]", spread->median, spread->low, spread->high)
+                      : fmt::format("{:.2g}", errors.shared.direction->rms);
+    };
+    const std::size_t draws = measured.errors[shaded[0]]->by_draw.size();
     findings.push_back(
         {"shading",
          fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
-                     "error from {:.2g} to {:.2g} deg; a god-object's update {}.",
-                     without.direction->rms, with.direction->rms, times_as_long(cost, "without it")),
+                     "error from {} to {} deg; a god-object's update {}.",
+                     degrees(plain[0]), degrees(shaded[0]), times_as_long(cost, "without it")),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
-         fmt::format("{}; {} places", kBootstrap, with.places)});
+         fmt::format("{}; {} places{}", kBootstrap, with.places,
+                     draws > 0 ? fmt::format("; least and largest of {} random tessellations", draws) : "")});
 }
 
 // Of the first surface; the table has the others.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <thread>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
 #include "host/study/error_time/volume.h"
+#include "host/threads.h"
 #include "host/touch/force_at.h"
 
 namespace forceshade::study::error_time {
@@ -61,11 +64,14 @@ enum class Reading { trilinear, tricubic, depth };
 // A look-up volume as a law.
 template <Reading R, typename Stored> class LookUp {
 public:
-    LookUp(const PreparedCase& prepared, const GridSpec& grid)
-        : volume_(grid, values_of(prepared, grid)), stiffness_(float(prepared.one.scene.force.stiffness)) {}
+    LookUp(const PreparedCase& prepared, const TurnedGrid& grid)
+        : grid_(grid), volume_(grid.grid, values_of(prepared, grid)),
+          stiffness_(float(prepared.one.scene.force.stiffness)) {}
     static constexpr std::size_t kChannels = R == Reading::depth ? 4 : 3;
 
-    static reference::Vector<float> input(const TouchPlace& place) { return reference::Vector<float>(place.at); }
+    reference::Vector<float> input(const TouchPlace& place) const {
+        return reference::Vector<float>(grid_.in_grid(place.at));
+    }
     reference::Vector<float> force(const reference::Vector<float>& at) const noexcept {
         if constexpr (R == Reading::tricubic) {
             return volume_.tricubic(at);
@@ -80,12 +86,13 @@ public:
     }
 
 private:
-    static std::vector<Stored> values_of(const PreparedCase& prepared, const GridSpec& grid) {
+    static std::vector<Stored> values_of(const PreparedCase& prepared, const TurnedGrid& grid) {
         const std::vector<float> values =
             R == Reading::depth ? sampled_depths(prepared, grid) : sampled(prepared, grid);
         return {values.begin(), values.end()};
     }
 
+    TurnedGrid grid_;
     Volume<Stored, float, int(kChannels)> volume_;
     float stiffness_; /* N/m */
 };
@@ -97,8 +104,8 @@ struct TouchedVoxels {
 };
 
 template <typename T>
-TouchedVoxels touched_voxels(const Subject& subject, const FieldTables<T>& tables, Engine& engine) {
-    const GridSpec& grid = subject.grid;
+TouchedVoxels touched_voxels(const Subject& subject, const GridSpec& grid, const FieldTables<T>& tables,
+                             Engine& engine) {
     const std::vector<T> field = evaluate(tables.input(), 1, engine).force;
     TouchedVoxels all;
     for (std::size_t i = 0; i < field.size() / 3; ++i) {
@@ -136,8 +143,9 @@ class MethodBuilder {
     }
 
 public:
-    MethodBuilder(std::vector<Method>& methods, const Subject& subject, const Variant& variant)
-        : methods_(methods), subject_(subject), variant_(variant) {}
+    MethodBuilder(std::vector<Method>& methods, const Subject& subject, const Variant& variant, std::size_t draw)
+        : methods_(methods), subject_(subject), variant_(variant.at(draw)), tessellated_(!variant.drawn.empty()),
+          draw_(draw), random_(21 + 1000 * draw) {}
 
     void add_direct() {
         add_laws("direct", 1, [&]<typename T>(T) { return direct_law<T>(); });
@@ -149,32 +157,34 @@ public:
             };
         });
     }
-    void add_lookups(std::size_t offsets) {
-        Random draw(21);
+    void add_lookups() {
         for (const double spacing : subject_.spacings) {
-            std::vector<GridSpec> grids;
-            for (std::size_t i = 0; i < offsets; ++i) {
-                const glm::dvec3 offset(draw(0, 1), draw(0, 1), draw(0, 1));
-                grids.push_back(volume_grid(subject_.low, subject_.high, spacing, offset));
-            }
-            add_lookup<Reading::trilinear, float>(grids);
-            add_lookup<Reading::tricubic, float>(grids);
-            add_lookup<Reading::trilinear, half>(grids);
+            const glm::dvec3 offset(random_(0, 1), random_(0, 1), random_(0, 1));
+            const double turn = random_(0, 2 * std::numbers::pi);
+            const TurnedGrid grid(subject_.low, subject_.high, spacing, offset, draw_ > 0 ? turn : 0);
+            add_lookup<Reading::trilinear, float>(grid);
+            add_lookup<Reading::tricubic, float>(grid);
+            add_lookup<Reading::trilinear, half>(grid);
             if (has_depths(*variant_.prepared))
-                add_lookup<Reading::depth, float>(grids);
+                add_lookup<Reading::depth, float>(grid);
         }
     }
 
     template <typename T> void add_field(const std::string& by, Engine& engine) {
         Method& method = add(Use::volume, "field, " + by, kPrecision<T>);
-        const auto tables = lazily([this_subject = &subject_, &prepared = *variant_.prepared] {
+        method.drawn = true;
+        GridSpec grid = subject_.grid;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            grid.origin[axis] -= draw_ > 0 ? random_(0, 1) * grid.spacing[axis] : 0;
+        const auto tables = lazily([grid, &prepared = *variant_.prepared] {
             Scene scene = prepared.one.scene;
-            scene.grid = this_subject->grid;
+            scene.grid = grid;
             scene.output.channels = layout::kChannelForce;
             return make_tables<T>(scene, prepared.images, Extent::everything);
         });
-        const auto touched = lazily(
-            [this_subject = &subject_, tables, &engine] { return touched_voxels<T>(*this_subject, tables(), engine); });
+        const auto touched = lazily([this_subject = &subject_, grid, tables, &engine] {
+            return touched_voxels<T>(*this_subject, grid, tables(), engine);
+        });
         method.places = [touched] { return touched().at; };
         method.forces = [touched](std::span<const TouchPlace>) { return touched().forces; };
         method.seconds = [tables, &engine] {
@@ -220,8 +230,13 @@ private:
     // A law in both precisions; `updates` a place.
     template <typename MakeOf> void add_laws(const std::string& family, std::size_t updates, const MakeOf& make_of) {
         const ForcesAt exact = forces_of(make_of(0.0));
-        set_law(add(Use::live, family, "f64"), updates, make_of(0.0)).exact = exact;
-        set_law(add(Use::live, family, "f32"), updates, make_of(0.0F)).exact = exact;
+        const auto add_law = [&](const char* precision, const auto& make) {
+            Method& method = set_law(add(Use::live, family, precision), updates, make);
+            method.exact = exact;
+            method.drawn = tessellated_;
+        };
+        add_law("f64", make_of(0.0));
+        add_law("f32", make_of(0.0F));
     }
 
     template <typename Make> Method& set_law(Method& method, std::size_t updates, Make make) const {
@@ -263,28 +278,29 @@ private:
         return method;
     }
 
-    template <Reading R, typename Stored> void add_lookup(const std::vector<GridSpec>& grids) {
+    template <Reading R, typename Stored> void add_lookup(const TurnedGrid& grid) {
         using Law = LookUp<R, Stored>;
         constexpr bool kHalves = std::is_same_v<Stored, half>;
         constexpr const char* kFamilies[] = {"look-up, trilinear", "look-up, tricubic", "look-up, depth and direction"};
-        const GridSpec& grid = grids.front();
+        const GridSpec& samples = grid.grid;
         Method& method = add(Use::live, kFamilies[std::size_t(R)], kHalves ? "f32, half stored" : "f32");
         method.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, method.family,
-                                  grid.spacing[0] * 1e3, kHalves ? ", half stored" : "");
-        method.spacing = grid.spacing[0];
+                                  samples.spacing[0] * 1e3, kHalves ? ", half stored" : "");
+        method.spacing = samples.spacing[0];
         method.bytes =
-            static_cast<double>(Law::kChannels * sizeof(Stored) * grid.size[0] * grid.size[1] * grid.size[2]);
-        const PreparedCase& prepared = *variant_.prepared;
-        for (const GridSpec& shifted : grids) // made anew: all at a time would take too much memory
-            method.shifted.push_back(
-                [&prepared, shifted](std::span<const TouchPlace> at) { return forces_by(Law(prepared, shifted), at); });
-        const auto law = lazily([&prepared, grid] { return std::make_shared<Law>(prepared, grid); });
+            static_cast<double>(Law::kChannels * sizeof(Stored) * samples.size[0] * samples.size[1] * samples.size[2]);
+        method.drawn = true;
+        const auto law =
+            lazily([&prepared = *variant_.prepared, grid] { return std::make_shared<Law>(prepared, grid); });
         set_law(method, 1, [law] { return law(); });
     }
 
     std::vector<Method>& methods_;
     const Subject& subject_;
-    const Variant& variant_;
+    const Variant& variant_; /* of this draw */
+    bool tessellated_;       /* anew in each draw */
+    std::size_t draw_;
+    Random random_;
 };
 
 } // namespace
@@ -300,13 +316,41 @@ GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spaci
     return grid;
 }
 
-std::vector<float> sampled(const PreparedCase& prepared, const GridSpec& grid) {
-    PreparedCase there = prepared;
-    there.one.scene.output.channels = layout::kChannelForce;
-    there.one.scene.grid = grid;
-    EngineOptions oracle;
-    oracle.cpu = true;
-    return evaluate<float>(there, *make_engine(oracle)).force;
+TurnedGrid::TurnedGrid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset,
+                       double turn)
+    : middle(0.5 * (low + high)), cosine(std::cos(turn)), sine(std::sin(turn)) {
+    const glm::dvec3 half = 0.5 * (high - low);
+    const double x = std::abs(cosine), y = std::abs(sine);
+    const glm::dvec3 reach(x * half.x + y * half.y, y * half.x + x * half.y, half.z);
+    grid = volume_grid(middle - reach, middle + reach, spacing, offset);
+}
+
+std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turned) {
+    const GridSpec& grid = turned.grid;
+    if (turned.sine == 0) {
+        PreparedCase there = prepared;
+        there.one.scene.output.channels = layout::kChannelForce;
+        there.one.scene.grid = grid;
+        EngineOptions oracle;
+        oracle.cpu = true;
+        return evaluate<float>(there, *make_engine(oracle)).force;
+    }
+    const CaseLaw<float> law(prepared);
+    const std::size_t layer = grid.size[0] * grid.size[1];
+    std::vector<float> forces(3 * layer * grid.size[2]);
+    std::vector<std::jthread> threads;
+    for (std::size_t thread = 0; thread < most_threads(); ++thread)
+        threads.emplace_back([&, thread] {
+            layout::uint hint = 0;
+            for (std::size_t k = thread; k < grid.size[2]; k += most_threads())
+                for (std::size_t i = 0; i < layer; ++i) {
+                    const auto force = law.at(turned.place_of(i % grid.size[0], i / grid.size[0], k), hint).force;
+                    for (int axis = 0; axis < 3; ++axis)
+                        forces[3 * (k * layer + i) + std::size_t(axis)] = force[axis];
+                }
+        });
+    threads.clear();
+    return forces;
 }
 
 bool has_depths(const PreparedCase& prepared) {
@@ -314,14 +358,15 @@ bool has_depths(const PreparedCase& prepared) {
     return scene.surface.kind != SurfaceKind::mesh && scene.force.depth == DepthReading::vertical && !scene.texture;
 }
 
-std::vector<float> sampled_depths(const PreparedCase& prepared, const GridSpec& grid) {
+std::vector<float> sampled_depths(const PreparedCase& prepared, const TurnedGrid& turned) {
+    const GridSpec& grid = turned.grid;
     const CaseLaw<double> law(prepared);
     const double below = grid.origin[2] - 1; // m: far below any surface
     std::vector<glm::dvec4> columns;         // height above `below`, direction
     for (std::size_t j = 0; j < grid.size[1]; ++j)
         for (std::size_t i = 0; i < grid.size[0]; ++i) {
-            const auto found = law.at(
-                {grid.origin[0] + grid.spacing[0] * double(i), grid.origin[1] + grid.spacing[1] * double(j), below});
+            const glm::dvec3 place = turned.place_of(i, j, 0);
+            const auto found = law.at({place.x, place.y, below});
             const glm::dvec3 direction = glm::dvec3(found.force) / reference::length(found.force);
             columns.emplace_back(found.depth, direction.x, direction.y, direction.z);
         }
@@ -339,29 +384,28 @@ const char* name_of(Use use) {
     return kNames[static_cast<std::size_t>(use)];
 }
 
-void add_methods(std::vector<Method>& methods, const Subject& subject, const Extents& extents, Engine& engine,
-                 Engine& single_thread) {
+void add_methods(std::vector<Method>& methods, const Subject& subject, const Variant& variant, std::size_t draw,
+                 const Engines& engines) {
+    auto& [engine, single_thread] = engines;
     const EngineReport report = engine.report();
     const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores", by_one = "CPU on one thread";
-    for (const Variant& variant : subject.variants) {
-        MethodBuilder law(methods, subject, variant);
-        law.add_direct();
-        if (variant.prepared->images.mesh)
-            law.add_god_object();
-        if (!variant.thorough)
-            continue;
-        law.add_lookups(extents.offsets);
-        law.add_field<float>(by, engine);
-        if (report.f64)
-            law.add_field<double>(by, engine);
-        law.add_field<float>(by_one, single_thread);
-        law.add_field<double>(by_one, single_thread);
-        law.add_closed_loop<float>(by, engine);
-        if (report.f64)
-            law.add_closed_loop<double>(by, engine);
-        law.add_closed_loop<float>(by_one, single_thread);
-        law.add_closed_loop<double>(by_one, single_thread);
-    }
+    MethodBuilder law(methods, subject, variant, draw);
+    law.add_direct();
+    if (variant.prepared->images.mesh)
+        law.add_god_object();
+    if (!variant.thorough)
+        return;
+    law.add_lookups();
+    law.add_field<float>(by, engine);
+    if (report.f64)
+        law.add_field<double>(by, engine);
+    law.add_field<float>(by_one, single_thread);
+    law.add_field<double>(by_one, single_thread);
+    law.add_closed_loop<float>(by, engine);
+    if (report.f64)
+        law.add_closed_loop<double>(by, engine);
+    law.add_closed_loop<float>(by_one, single_thread);
+    law.add_closed_loop<double>(by_one, single_thread);
 }
 
 } // namespace forceshade::study::error_time

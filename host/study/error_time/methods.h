@@ -28,9 +28,8 @@ struct Method {
     std::string precision;                /* "f64", "f32", "f32, half stored" */
     std::optional<double> spacing, bytes; /* m, B: of a look-up's volume */
     ForcesAt forces;                      /* empty: has no errors of its own */
-    /// The same from grids at random offsets, of which `forces` has the first; empty: it has no grid.
-    std::vector<ForcesAt> shifted;
-    ForcesAt exact; /* the same law in double: the reference for precision */
+    bool drawn = false; // its errors depend on where its samples or its mesh's vertices lie: on the draw
+    ForcesAt exact;     /* the same law in double: the reference for precision */
     /// The places at which it has forces, if not any; empty: any.
     std::function<std::vector<TouchPlace>()> places;
     /// s of an evaluation, measured now.
@@ -40,9 +39,15 @@ struct Method {
     std::function<double(std::size_t number)> once;
 };
 
-/// All methods of all laws of a subject, in a fixed order, volumes and kernels' grids at random offsets. `subject` and
-/// the engines must outlive them; `single_thread` is the oracle on one thread.
-void add_methods(std::vector<Method>& methods, const Subject& subject, const Extents& extents, Engine& engine,
-                 Engine& single_thread);
+struct Engines {
+    Engine& engine;
+    Engine& single_thread; /* the oracle on one thread */
+};
+
+/// All methods of a law of a subject, in a fixed order, from volumes and over grids at random offsets; from draw 1 on
+/// volumes are turned about the vertical as well, and the study's own meshes are tessellated anew. `subject` and the
+/// engines must outlive them.
+void add_methods(std::vector<Method>& methods, const Subject& subject, const Variant& variant, std::size_t draw,
+                 const Engines& engines);
 
 } // namespace forceshade::study::error_time

@@ -181,7 +181,7 @@ std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldR
                  {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.run.bytes; }},
                  {"typical_rms_1", "1",
                   "error of the force between the samples (trilinear) over the RMS true force, root mean square, at "
-                  "the median of random offsets of the grid",
+                  "the median of random draws of the grid",
                   [](const R& r) { return r.errors && r.errors->typical ? Cell(r.errors->typical->rms) : Cell(); }}},
                 rows),
             table_of<LoopRun>(

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
+#include <glm/vec2.hpp>
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
+#include "host/random.h"
 #include "host/reference/elementary.h"
 #include "host/touch/true_force.h"
 
@@ -58,6 +61,7 @@ void resample(Subject& subject, std::array<std::uint64_t, 3> size) {
 struct Base {
     std::shared_ptr<const PreparedCase> prepared;
     std::optional<double> elements;
+    std::vector<std::shared_ptr<const PreparedCase>> drawn{}; /* as Variant::drawn */
 };
 
 Variant variant_of(const Base& base, const NamedShading& shading, const std::string& elements) {
@@ -71,8 +75,11 @@ Variant variant_of(const Base& base, const NamedShading& shading, const std::str
     if (!scene.paths->closed() || scene.paths->drive == PathDrive::depth)
         scene.paths->drive = PathDrive::press;
     scene.paths->loop.reset();
-    return {base.elements ? fmt::format("{} {}, {}", *base.elements, elements, shading.second) : shading.second,
-            std::move(prepared), shading.second, base.elements};
+    Variant variant{base.elements ? fmt::format("{} {}, {}", *base.elements, elements, shading.second) : shading.second,
+                    std::move(prepared), shading.second, base.elements};
+    for (const auto& drawn : base.drawn)
+        variant.drawn.push_back(variant_of({drawn, base.elements}, shading, elements));
+    return variant;
 }
 
 // The force K (R - r) along the cylinder's radius.
@@ -103,19 +110,50 @@ void complete(Subject& subject, const std::vector<Base>& bases, const Extents& e
     subject.places = touched_places(subject, *bases.back().prepared, extents.places);
 }
 
+// Cells on the unrolled cylinder, from its middle: a grid that ends with the patch, or one that is turned and moved and
+// goes further.
+struct Cells {
+    unsigned along, across;    // the number of them
+    glm::dvec2 size, moved{0}; /* m; cells */
+    double cosine = 1, sine = 0;
+
+    glm::dvec2 vertex(unsigned i, unsigned j) const {
+        const glm::dvec2 at = size * (glm::dvec2(i, j) - 0.5 * glm::dvec2(along, across) + moved);
+        return {cosine * at.x - sine * at.y, sine * at.x + cosine * at.y};
+    }
+};
+
+Cells whole_patch(const SmoothCylinder& own, unsigned cells) {
+    return {cells, cells, 2.0 / cells * glm::dvec2(own.radius * std::asin(own.half / own.radius), own.half)};
+}
+
+// About the places that are compared: a disc about the middle, whatever the draw.
+Cells drawn_patch(const SmoothCylinder& own, unsigned cells, std::size_t draw) {
+    const double reach = std::hypot(own.radius * std::asin(kMeshHigh.x / own.radius), kMeshHigh.y) + 1e-3; // m
+    Random random(31 + draw);
+    Cells patch = whole_patch(own, cells);
+    const auto enough = [&](double size) { return 2 * static_cast<unsigned>(std::ceil(reach / size) + 1); };
+    patch.along = enough(patch.size.x);
+    patch.across = enough(patch.size.y);
+    patch.moved = {random(0, 1), random(0, 1)};
+    const double turn = random(0, 2 * std::numbers::pi);
+    patch.cosine = std::cos(turn);
+    patch.sine = std::sin(turn);
+    return patch;
+}
+
 // The cylinder's patch as triangles between equal arcs.
-std::shared_ptr<const SceneMesh> cylinder_mesh(const SmoothCylinder& own, unsigned cells) {
-    const double half_angle = std::asin(own.half / own.radius);
+std::shared_ptr<const SceneMesh> cylinder_mesh(const SmoothCylinder& own, const Cells& cells) {
     PolygonSoup polygons;
-    const auto vertex = [&](unsigned i, unsigned j) { return j * (cells + 1) + i; };
-    for (unsigned j = 0; j <= cells; ++j)
-        for (unsigned i = 0; i <= cells; ++i) {
-            const double angle = half_angle * (2.0 * i / cells - 1);
-            polygons.vertices.emplace_back(own.radius * std::sin(angle), own.half * (2.0 * j / cells - 1),
-                                           own.radius * std::cos(angle) - own.centre_depth);
+    const auto vertex = [&](unsigned i, unsigned j) { return j * (cells.along + 1) + i; };
+    for (unsigned j = 0; j <= cells.across; ++j)
+        for (unsigned i = 0; i <= cells.along; ++i) {
+            const glm::dvec2 at = cells.vertex(i, j);
+            polygons.vertices.emplace_back(own.radius * std::sin(at.x / own.radius), at.y,
+                                           own.radius * std::cos(at.x / own.radius) - own.centre_depth);
         }
-    for (unsigned j = 0; j < cells; ++j)
-        for (unsigned i = 0; i < cells; ++i) {
+    for (unsigned j = 0; j < cells.across; ++j)
+        for (unsigned i = 0; i < cells.along; ++i) {
             const unsigned a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
             for (const auto& corners : {std::array{a, b, c}, {a, c, d}}) {
                 polygons.corners.insert(polygons.corners.end(), corners.begin(), corners.end());
@@ -158,10 +196,16 @@ Subject own_mesh(const PreparedCase& own, const Extents& extents) {
                      "meshes' is."};
     std::vector<Base> bases;
     for (const unsigned cells : extents.cells) {
-        auto prepared = std::make_shared<PreparedCase>(own);
-        prepared->one.scene.surface.kind = SurfaceKind::mesh;
-        prepared->images.mesh = cylinder_mesh(SmoothCylinder(own.one.scene), cells);
-        bases.push_back({prepared, cells});
+        const SmoothCylinder smooth(own.one.scene);
+        const auto on_mesh = [&](const Cells& patch) {
+            auto prepared = std::make_shared<PreparedCase>(own);
+            prepared->one.scene.surface.kind = SurfaceKind::mesh;
+            prepared->images.mesh = cylinder_mesh(smooth, patch);
+            return prepared;
+        };
+        Base& base = bases.emplace_back(Base{on_mesh(whole_patch(smooth, cells)), cells});
+        for (std::size_t draw = 1; draw < extents.draws; ++draw)
+            base.drawn.push_back(on_mesh(drawn_patch(smooth, cells, draw)));
     }
     complete(subject, bases, extents, [](const Variant& one) {
         return one.elements == kThoroughCells && (one.shading == "none" || one.shading == "mean_value");

@@ -21,7 +21,7 @@ struct Extents {
     std::size_t places = 0;         /* that all laws of a surface share */
     std::size_t places_of_kind = 0; /* of each kind, if that many are found */
     std::size_t rounds = 0;         /* of timing; each measures everything once */
-    std::size_t offsets = 0;        /* random ones of each volume's grid */
+    std::size_t draws = 1;          /* of grids' offsets and orientations and of the own meshes' tessellations */
     std::size_t runs = 0;           /* of whole fields and loops */
     std::size_t ticks = 0;          /* of a loop that waits, for each method */
     std::size_t colds = 0;          /* evaluations with empty caches, of each method */
@@ -36,6 +36,9 @@ struct Variant {
     std::string shading;
     std::optional<double> elements; /* facets of a bump, cells of a mesh along a side */
     bool thorough = false;          /* also from volumes, over grids and along closed loops */
+    std::vector<Variant> drawn{};   /* the same on a mesh that is tessellated anew: from draw 1 on; empty: only one */
+
+    const Variant& at(std::size_t draw) const { return draw > 0 && !drawn.empty() ? drawn[draw - 1] : *this; }
 };
 
 /// Its force is the truth, its box that of volumes.

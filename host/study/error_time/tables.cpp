@@ -22,6 +22,7 @@ struct ErrorRow {
     std::optional<Summary> precision{};
     std::string on_front{}; /* name, if a front has it */
     Kind kind{};
+    const MethodErrors* all = nullptr; /* over its draws, too */
 };
 using ErrorColumns = std::vector<ColumnOf<ErrorRow>>;
 
@@ -36,6 +37,14 @@ auto of_errors(std::optional<Summary> ForceErrors::*summary, double Summary::*nu
 // Keeps NaN.
 double shown(double error) {
     return error < kLeastShown ? kLeastShown : error;
+}
+
+// Of the RMS error over the draws.
+auto of_draws(std::optional<Summary> ForceErrors::*summary, double Interval::*end) {
+    return [=](const ErrorRow& r) {
+        const auto spread = r.all ? rms_over_draws(*r.all, summary) : std::nullopt;
+        return spread ? Cell(*spread.*end) : Cell();
+    };
 }
 
 const ErrorColumns& method_columns() {
@@ -76,6 +85,11 @@ const ErrorColumns& method_columns() {
         {"local_p95_1", "1", "the same, 95th percentile", of_errors(&ForceErrors::local, &Summary::p95)},
         {"typical_rms_1", "1", "error of the force over the RMS true force, root mean square",
          of_errors(&ForceErrors::typical, &Summary::rms)},
+        {"direction_low_deg", "deg", "direction_rms_deg, the least over draws of grid or mesh (table draws)",
+         of_draws(&ForceErrors::direction, &Interval::low)},
+        {"direction_high_deg", "deg", "the largest", of_draws(&ForceErrors::direction, &Interval::high)},
+        {"typical_low_1", "1", "typical_rms_1, the least over draws", of_draws(&ForceErrors::typical, &Interval::low)},
+        {"typical_high_1", "1", "the largest", of_draws(&ForceErrors::typical, &Interval::high)},
         {"precision_max_1", "1",
          "largest difference from the same law in double, over the RMS true force, at all places of all kinds",
          [](const R& r) { return r.precision ? Cell(r.precision->largest) : Cell(); }},
@@ -234,16 +248,16 @@ Table rounds_table(const Measured& measured) {
                        rows);
 }
 
-Table offsets_table(const Measured& measured) {
+Table draws_table(const Measured& measured) {
     struct R {
         const Method& method;
-        std::size_t offset;
+        std::size_t draw;
         const MethodErrors& errors;
     };
     std::vector<R> rows;
     for (std::size_t i = 0; i < measured.methods.size(); ++i)
-        for (std::size_t offset = 0; measured.errors[i] && offset < measured.errors[i]->by_offset.size(); ++offset)
-            rows.push_back({measured.methods[i], offset + 1, measured.errors[i]->by_offset[offset]});
+        for (std::size_t draw = 0; measured.errors[i] && draw < measured.errors[i]->by_draw.size(); ++draw)
+            rows.push_back({measured.methods[i], draw + 1, measured.errors[i]->by_draw[draw]});
     const auto of_kind = [](Kind kind, std::optional<Summary> ForceErrors::*summary, double Summary::*number) {
         return [=](const R& r) {
             const ForceErrors* errors = r.errors.of(kind);
@@ -251,12 +265,14 @@ Table offsets_table(const Measured& measured) {
         };
     };
     return table_of<R>(
-        "offsets", "Errors of look-ups at random offsets of their grid",
+        "draws", "Errors of volumes and fields at random offsets and orientations, and of meshes tessellated at random",
         {{"way", "", "as in ways", [](const R& r) { return r.method.name; }},
-         {"spacing_mm", "mm", "as in ways", [](const R& r) { return 1e3 * *r.method.spacing; }},
-         {"offset", "1", "its number", &R::offset},
+         {"spacing_mm", "mm", "as in ways", [](const R& r) { return 1e3 * r.method.spacing.value_or(NAN); }},
+         {"draw", "1", "its number; from the second on a volume is turned about the vertical", &R::draw},
          {"typical_rms_1", "1", "as in ways",
           [](const R& r) { return r.errors.shared.typical ? Cell(r.errors.shared.typical->rms) : Cell(); }},
+         {"direction_rms_deg", "deg", "as in ways",
+          [](const R& r) { return r.errors.shared.direction ? Cell(r.errors.shared.direction->rms) : Cell(); }},
          {"rim_direction_rms_deg", "deg", "angle to the true force at the rim, root mean square",
           of_kind(Kind::rim, &ForceErrors::direction, &Summary::rms)},
          {"boundary_p95_1", "1", "error of the force over the true force near the surface, 95th percentile",
@@ -325,7 +341,7 @@ Figure lookup_figure(const Subject& subject, const Variant& variant) {
     Figure figure = make_figure(
         "look-up-" + subject.name,
         fmt::format("{}, {}: error of a trilinear look-up by kind of place", subject.name, variant.name),
-        "95th percentile over the places of a kind, over the force there, at the offset of the volume's grid that "
+        "95th percentile over the places of a kind, over the force there, at the draw of the volume's grid that "
         "has the median error. A finer volume helps least where contact begins and where facets or "
         "surfaces meet.",
         FigureKind::scatter, "kinds",
@@ -366,7 +382,8 @@ std::vector<Table> tables_of(const Measured& measured) {
         const auto& errors = measured.errors[i];
         methods.push_back({method, errors ? &errors->shared : nullptr, measured.times.seconds(i),
                            measured.times.ratio(i, measured.times.unit()), errors ? errors->precision : std::nullopt,
-                           on_front.contains(i) ? method.name.substr(method.subject->name.size() + 2) : ""});
+                           on_front.contains(i) ? method.name.substr(method.subject->name.size() + 2) : "", Kind{},
+                           errors ? &*errors : nullptr});
         for (const Kind kind : kKinds)
             if (const ForceErrors* of_kind = errors ? errors->of(kind) : nullptr)
                 kinds.push_back({.method = method, .errors = of_kind, .kind = kind});
@@ -377,7 +394,7 @@ std::vector<Table> tables_of(const Measured& measured) {
             front_table(measured, front),
             cheapest_table(measured),
             budgets_table(measured),
-            offsets_table(measured),
+            draws_table(measured),
             std::move(tables[0]),
             std::move(tables[1]),
             rounds_table(measured)};

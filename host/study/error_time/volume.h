@@ -18,12 +18,35 @@ namespace forceshade::study::error_time {
 /// by `offset` spacings, 0 to 1 each.
 GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset);
 
-/// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle on all cores.
-std::vector<float> sampled(const PreparedCase& prepared, const GridSpec& grid);
+/// Such a grid turned about the vertical through the middle of the box, large enough to hold it.
+struct TurnedGrid {
+    /// `turn`, rad: 0 leaves it along the axes of the world.
+    TurnedGrid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset, double turn);
+
+    glm::dvec3 in_grid(const glm::dvec3& place) const {
+        const glm::dvec3 from = place - middle;
+        return middle + glm::dvec3(cosine * from.x + sine * from.y, cosine * from.y - sine * from.x, from.z);
+    }
+    /// In the world.
+    glm::dvec3 place_of(std::size_t i, std::size_t j, std::size_t k) const {
+        const glm::dvec3 from =
+            glm::dvec3(grid.origin[0] + grid.spacing[0] * double(i), grid.origin[1] + grid.spacing[1] * double(j),
+                       grid.origin[2] + grid.spacing[2] * double(k)) -
+            middle;
+        return middle + glm::dvec3(cosine * from.x - sine * from.y, cosine * from.y + sine * from.x, from.z);
+    }
+
+    glm::dvec3 middle; /* m */
+    double cosine, sine;
+    GridSpec grid; /* in its own axes */
+};
+
+/// The scene's forces at the samples of a grid, N, 3 a sample, along the world's axes, by the oracle on all cores.
+std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turned);
 
 /// Of a surface over x and y whose depth is read vertically: depth, m, below 0 above the surface, and the direction of
 /// the force below it, 4 a sample.
-std::vector<float> sampled_depths(const PreparedCase& prepared, const GridSpec& grid);
+std::vector<float> sampled_depths(const PreparedCase& prepared, const TurnedGrid& turned);
 bool has_depths(const PreparedCase& prepared);
 
 /// N numbers a sample, as Stored (half, float, double), read in the arithmetic of T at places of the world, m.
