@@ -10,6 +10,7 @@
 
 #include "host/clock.h"
 #include "host/study/error_time/as_met.h"
+#include "host/study/error_time/bricks.h"
 #include "host/study/error_time/runs.h"
 #include "host/study/error_time/sections.h"
 #include "host/study/error_time/volume.h"
@@ -114,6 +115,37 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     }
     EXPECT_LT(force_errors(found[0], truth[0], 1).local->p95, 0.02);
     EXPECT_GT(force_errors(found[1], truth[1], 1).local->p95, 0.5);
+}
+
+// A narrow band gives what the whole volume gives where a hand is; an adaptive one of as many bytes errs less.
+TEST(Bricks, GiveTheForceWhereAHandIs) {
+    const Subject bump = own_subjects(few()).front();
+    const Variant& shaded = variant_named(bump, "64 facets, reference");
+    const float deepest = float(bump.stiffness * bump.scale.deepest);
+    const CaseLaw<float> law(*shaded.prepared);
+    double of_whole = 0, of_adaptive = 0;
+    for (const double turn : {0.0, 0.4, 0.8}) {
+        const TurnedGrid grid(bump.low, bump.high, 0.1e-3, glm::dvec3(turn), turn);
+        const std::vector<float> forces = sampled(*shaded.prepared, grid);
+        const double bytes = double(sizeof(float) * forces.size());
+        const Volume<float, float, 3> whole(grid.grid, forces);
+        const NarrowBand band(grid.grid, forces, 2 * deepest);
+        const AdaptiveVolume adaptive(
+            grid.grid, [&](const glm::dvec3& at) { return law.at(grid.in_world(at)).force; }, 2 * deepest, bytes);
+        for (const TouchPlace& place : bump.places) {
+            const reference::Vector<float> at(grid.in_grid(place.at)), force = whole.trilinear(at);
+            EXPECT_EQ(band(at), force);
+            const glm::dvec3 truth = bump.force(place);
+            of_whole += std::pow(reference::length(glm::dvec3(force) - truth), 2);
+            of_adaptive += std::pow(reference::length(glm::dvec3(adaptive(at)) - truth), 2);
+        }
+        EXPECT_LT(band.bytes(), 0.8 * bytes);
+        EXPECT_LE(adaptive.bytes(), bytes);
+        EXPECT_GT(adaptive.bytes(), 0.95 * bytes);
+        EXPECT_LT(adaptive.finest(), 0.1e-3);
+        EXPECT_EQ(band(reference::Vector<float>(glm::dvec3(0, 0, 7e-3))), reference::Vector<float>(0.0F));
+    }
+    EXPECT_LT(of_adaptive, 0.8 * of_whole);
 }
 
 // The cylinder's force at a place, and a trilinear look-up in samples of it at an offset: the same numbers by other
@@ -455,7 +487,7 @@ TEST(AsMetTimes, AreOfEachLawsFinestVolume) {
         proxies += methods[i].family == "god-object";
         EXPECT_GT(methods[i].once(0), 0);
     }
-    EXPECT_EQ(volumes, 4U + 3) << "of a bump also of depth and direction";
+    EXPECT_EQ(volumes, 6U + 5) << "of a bump also of depth and direction";
     EXPECT_EQ(proxies, 2U);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <thread>
 #include <type_traits>
@@ -13,6 +14,7 @@
 #include "host/field/evaluate.h"
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
+#include "host/study/error_time/bricks.h"
 #include "host/study/error_time/volume.h"
 #include "host/threads.h"
 #include "host/touch/force_at.h"
@@ -58,16 +60,51 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
     };
 }
 
-// How a volume is read.
-enum class Reading { trilinear, tricubic, depth };
+// How a volume is stored and read.
+enum class Reading { trilinear, tricubic, depth, band, adaptive };
+constexpr const char* kFamilies[] = {"look-up, trilinear", "look-up, tricubic", "look-up, depth and direction",
+                                     "look-up, narrow band", "look-up, adaptive"};
+
+struct Sampled {
+    std::vector<float> forces; /* N, 3 a sample */
+    double seconds = 0;        /* that it took */
+};
+
+// s: of as many bytes from a file that the system has just written.
+double loading_seconds(double bytes) {
+    std::vector<char> data(static_cast<std::size_t>(bytes), '\1');
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(),
+                                                               [](std::FILE* f) { return std::fclose(f); });
+    if (!file || std::fwrite(data.data(), 1, data.size(), file.get()) != data.size())
+        return NAN; // nowhere to write
+    data = {};
+    std::rewind(file.get());
+    const Clock::time_point start = Clock::now();
+    data.resize(static_cast<std::size_t>(bytes));
+    const bool whole = std::fread(data.data(), 1, data.size(), file.get()) == data.size();
+    return whole ? seconds_since(start) : NAN;
+}
 
 // A look-up volume as a law.
 template <Reading R, typename Stored> class LookUp {
+    static constexpr bool kInBricks = R == Reading::band || R == Reading::adaptive;
+    static constexpr int kChannels = R == Reading::depth ? 4 : 3;
+    using Stores = std::conditional_t<R == Reading::band, NarrowBand,
+                                      std::conditional_t<kInBricks, AdaptiveVolume, Volume<Stored, float, kChannels>>>;
+
 public:
-    LookUp(const PreparedCase& prepared, const TurnedGrid& grid)
-        : grid_(grid), volume_(grid.grid, values_of(prepared, grid)),
-          stiffness_(float(prepared.one.scene.force.stiffness)) {}
-    static constexpr std::size_t kChannels = R == Reading::depth ? 4 : 3;
+    /// `deepest`, N: the force where a hand is deepest.
+    LookUp(const PreparedCase& prepared, const TurnedGrid& grid, const Sampled& sampled, double deepest)
+        : grid_(grid), begun_(Clock::now()), volume_(stores_of(prepared, grid, sampled.forces, float(deepest))),
+          stiffness_(float(prepared.one.scene.force.stiffness)),
+          built_{bytes(),
+                 seconds_since(begun_) + (R == Reading::depth || R == Reading::adaptive ? 0 : sampled.seconds)} {}
+
+    const Built& built() {
+        if (built_.loading == 0)
+            built_.loading = loading_seconds(built_.bytes);
+        return built_;
+    }
 
     reference::Vector<float> input(const TouchPlace& place) const {
         return reference::Vector<float>(grid_.in_grid(place.at));
@@ -75,26 +112,47 @@ public:
     reference::Vector<float> force(const reference::Vector<float>& at) const noexcept {
         if constexpr (R == Reading::tricubic) {
             return volume_.tricubic(at);
-        } else if constexpr (R == Reading::trilinear) {
-            return volume_.trilinear(at);
-        } else {
+        } else if constexpr (R == Reading::depth) {
             const auto read = volume_.trilinear(at);
             const reference::Vector<float> direction(read.y, read.z, read.w);
             return read.x > 0 ? stiffness_ * read.x / reference::length(direction) * direction
                               : reference::Vector<float>(0.0F);
+        } else if constexpr (R == Reading::trilinear) {
+            return volume_.trilinear(at);
+        } else {
+            return volume_(at);
         }
     }
 
 private:
-    static std::vector<Stored> values_of(const PreparedCase& prepared, const TurnedGrid& grid) {
-        const std::vector<float> values =
-            R == Reading::depth ? sampled_depths(prepared, grid) : sampled(prepared, grid);
-        return {values.begin(), values.end()};
+    static Stores stores_of(const PreparedCase& prepared, const TurnedGrid& grid, const std::vector<float>& forces,
+                            float deepest) {
+        // Depth that is read vertically is up to twice that along the normal.
+        if constexpr (R == Reading::band) {
+            return {grid.grid, forces, 2 * deepest};
+        } else if constexpr (R == Reading::adaptive) {
+            const CaseLaw<float> law(prepared);
+            layout::uint hint = 0;
+            const auto force = [&](const glm::dvec3& at) { return law.at(grid.in_world(at), hint).force; };
+            return {grid.grid, force, 2 * deepest, double(sizeof(float) * forces.size())};
+        } else if constexpr (R == Reading::depth) {
+            return {grid.grid, sampled_depths(prepared, grid)};
+        } else {
+            return {grid.grid, {forces.begin(), forces.end()}};
+        }
+    }
+    double bytes() const {
+        if constexpr (kInBricks)
+            return volume_.bytes();
+        else
+            return double(kChannels * sizeof(Stored) * grid_.grid.size[0] * grid_.grid.size[1] * grid_.grid.size[2]);
     }
 
     TurnedGrid grid_;
-    Volume<Stored, float, int(kChannels)> volume_;
+    Clock::time_point begun_;
+    Stores volume_;
     float stiffness_; /* N/m */
+    Built built_;
 };
 
 // Voxels at which a hand would touch, and the forces there.
@@ -162,11 +220,19 @@ public:
             const glm::dvec3 offset(random_(0, 1), random_(0, 1), random_(0, 1));
             const double turn = random_(0, 2 * std::numbers::pi);
             const TurnedGrid grid(subject_.low, subject_.high, spacing, offset, draw_ > 0 ? turn : 0);
-            add_lookup<Reading::trilinear, float>(grid);
-            add_lookup<Reading::tricubic, float>(grid);
-            add_lookup<Reading::trilinear, half>(grid);
+            const auto values = lazily([&prepared = *variant_.prepared, grid] {
+                const Clock::time_point start = Clock::now();
+                Sampled forces{sampled(prepared, grid)};
+                forces.seconds = seconds_since(start);
+                return forces;
+            });
+            add_lookup<Reading::trilinear, float>(grid, values);
+            add_lookup<Reading::tricubic, float>(grid, values);
+            add_lookup<Reading::trilinear, half>(grid, values);
+            add_lookup<Reading::band, float>(grid, values);
+            add_lookup<Reading::adaptive, float>(grid, values);
             if (has_depths(*variant_.prepared))
-                add_lookup<Reading::depth, float>(grid);
+                add_lookup<Reading::depth, float>(grid, values);
         }
     }
 
@@ -278,21 +344,20 @@ private:
         return method;
     }
 
-    template <Reading R, typename Stored> void add_lookup(const TurnedGrid& grid) {
-        using Law = LookUp<R, Stored>;
+    template <Reading R, typename Stored, typename Values>
+    void add_lookup(const TurnedGrid& grid, const Values& values) {
         constexpr bool kHalves = std::is_same_v<Stored, half>;
-        constexpr const char* kFamilies[] = {"look-up, trilinear", "look-up, tricubic", "look-up, depth and direction"};
-        const GridSpec& samples = grid.grid;
         Method& method = add(Use::live, kFamilies[std::size_t(R)], kHalves ? "f32, half stored" : "f32");
+        method.spacing = grid.grid.spacing[0];
         method.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, method.family,
-                                  samples.spacing[0] * 1e3, kHalves ? ", half stored" : "");
-        method.spacing = samples.spacing[0];
-        method.bytes =
-            static_cast<double>(Law::kChannels * sizeof(Stored) * samples.size[0] * samples.size[1] * samples.size[2]);
+                                  *method.spacing * 1e3, kHalves ? ", half stored" : "");
         method.drawn = true;
-        const auto law =
-            lazily([&prepared = *variant_.prepared, grid] { return std::make_shared<Law>(prepared, grid); });
+        const double deepest = subject_.stiffness * subject_.scale.deepest;
+        const auto law = lazily([&prepared = *variant_.prepared, grid, values, deepest] {
+            return std::make_shared<LookUp<R, Stored>>(prepared, grid, values(), deepest);
+        });
         set_law(method, 1, [law] { return law(); });
+        method.built = [law] { return law()->built(); };
     }
 
     std::vector<Method>& methods_;

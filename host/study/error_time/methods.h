@@ -19,17 +19,24 @@ const char* name_of(Use use);
 /// N, at places.
 using ForcesAt = std::function<std::vector<glm::dvec3>(std::span<const TouchPlace>)>;
 
+/// A volume in memory.
+struct Built {
+    double bytes = 0, seconds = 0; /* B; s: sampled on all cores and put in order */
+    double loading = 0;            /* s: as many bytes read from a file that the system has in memory */
+};
+
 struct Method {
     std::string name; /* unique: "bump, 64 facets, reference: direct f64" */
     const Subject* subject = nullptr;
     const Variant* variant = nullptr;
     Use use = Use::live;
-    std::string family;                   /* "direct", "god-object", "look-up, trilinear", "field, kernel", ... */
-    std::string precision;                /* "f64", "f32", "f32, half stored" */
-    std::optional<double> spacing, bytes; /* m, B: of a look-up's volume */
-    ForcesAt forces;                      /* empty: has no errors of its own */
-    bool drawn = false; // its errors depend on where its samples or its mesh's vertices lie: on the draw
-    ForcesAt exact;     /* the same law in double: the reference for precision */
+    std::string family;            /* "direct", "god-object", "look-up, trilinear", "field, kernel", ... */
+    std::string precision;         /* "f64", "f32", "f32, half stored" */
+    std::optional<double> spacing; /* m: of a look-up's volume */
+    std::function<Built()> built;  /* its volume, measured once; empty: it has none */
+    ForcesAt forces;               /* empty: has no errors of its own */
+    bool drawn = false;            // its errors depend on where its samples or its mesh's vertices lie: on the draw
+    ForcesAt exact;                /* the same law in double: the reference for precision */
     /// The places at which it has forces, if not any; empty: any.
     std::function<std::vector<TouchPlace>()> places;
     /// s of an evaluation, measured now.

@@ -62,7 +62,8 @@ const ErrorColumns& method_columns() {
          [](const R& r) { return r.method.variant->elements; }},
         {"one_element", "1", "1 / elements", [](const R& r) { return 1 / r.method.variant->elements.value_or(0); }},
         {"spacing_mm", "mm", "of a look-up's volume", [](const R& r) { return 1e3 * r.method.spacing.value_or(NAN); }},
-        {"volume_bytes", "B", "of a look-up's volume", [](const R& r) { return r.method.bytes; }},
+        {"volume_bytes", "B", "of a look-up's volume",
+         [](const R& r) { return r.method.built ? Cell(r.method.built().bytes) : Cell(); }},
         {"time_ns", "ns", "of an evaluation, median over the rounds",
          [](const R& r) { return 1e9 * r.seconds.median; }},
         {"time_low_ns", "ns", "low end of its 95 % interval", [](const R& r) { return 1e9 * r.seconds.low; }},
@@ -285,6 +286,50 @@ Table draws_table(const Measured& measured) {
         rows);
 }
 
+// Which volume to take: what each holds, costs and errs by.
+Table volumes_table(const Measured& measured) {
+    struct R {
+        const Method& method;
+        const MethodErrors& errors;
+        Interval seconds;
+        Built built;
+    };
+    std::vector<R> rows;
+    for (std::size_t i = 0; i < measured.methods.size(); ++i)
+        if (const Method& method = measured.methods[i]; method.built && measured.errors[i])
+            rows.push_back({method, *measured.errors[i], measured.times.seconds(i), method.built()});
+    return table_of<R>(
+        "volumes", "Look-up volumes: memory, time to build and load, errors",
+        {{"way", "", "as in ways", [](const R& r) { return r.method.name; }},
+         {"family", "",
+          "trilinear, tricubic: forces at all samples; depth and direction: signed depth; narrow band: bricks of 8 "
+          "cells a side in which a force acts that is at most twice that where a hand is deepest; adaptive: an octree "
+          "of as many bytes as a volume of this spacing, finer where reading between samples is furthest off",
+          [](const R& r) { return r.method.family; }},
+         {"spacing_mm", "mm", "of the samples; adaptive: of a volume of forces of as many bytes",
+          [](const R& r) { return 1e3 * *r.method.spacing; }},
+         {"bytes", "B", "in memory", [](const R& r) { return r.built.bytes; }},
+         {"build_s", "s", "evaluated on all cores and put in order", [](const R& r) { return r.built.seconds; }},
+         {"load_s", "s", "as many bytes read from a file that the system has in memory",
+          [](const R& r) { return r.built.loading; }},
+         {"time_ns", "ns", "of an evaluation, as in ways", [](const R& r) { return 1e9 * r.seconds.median; }},
+         {"typical_rms_1", "1", "as in ways",
+          [](const R& r) { return r.errors.shared.typical ? Cell(r.errors.shared.typical->rms) : Cell(); }},
+         {"missed_1", "1", "share of the places that should have a force and have none",
+          [](const R& r) { return double(r.errors.shared.missed) / double(r.errors.shared.places); }},
+         {"rim_direction_rms_deg", "deg", "angle to the true force at the rim, root mean square",
+          [](const R& r) {
+              const ForceErrors* rim = r.errors.of(Kind::rim);
+              return rim && rim->direction ? Cell(rim->direction->rms) : Cell();
+          }},
+         {"phantom_1", "1", "share of the places just above the surface that have a force",
+          [](const R& r) {
+              const ForceErrors* near = r.errors.of(Kind::boundary);
+              return near && near->above > 0 ? Cell(double(near->phantom) / double(near->above)) : Cell();
+          }}},
+        rows);
+}
+
 // Time budgets: an evaluation per period of a loop, or per voxel of a sweep.
 constexpr std::pair<const char*, double> kBudgets[] = {
     {"loop of 4 kHz", 0.25e-3}, {"loop of 1 kHz", 1e-3}, {"1e9 voxels in 10 min", 600e-9}};
@@ -394,6 +439,7 @@ std::vector<Table> tables_of(const Measured& measured) {
             front_table(measured, front),
             cheapest_table(measured),
             budgets_table(measured),
+            volumes_table(measured),
             draws_table(measured),
             std::move(tables[0]),
             std::move(tables[1]),

@@ -27,13 +27,14 @@ struct TurnedGrid {
         const glm::dvec3 from = place - middle;
         return middle + glm::dvec3(cosine * from.x + sine * from.y, cosine * from.y - sine * from.x, from.z);
     }
+    glm::dvec3 in_world(const glm::dvec3& place) const {
+        const glm::dvec3 from = place - middle;
+        return middle + glm::dvec3(cosine * from.x - sine * from.y, cosine * from.y + sine * from.x, from.z);
+    }
     /// In the world.
     glm::dvec3 place_of(std::size_t i, std::size_t j, std::size_t k) const {
-        const glm::dvec3 from =
-            glm::dvec3(grid.origin[0] + grid.spacing[0] * double(i), grid.origin[1] + grid.spacing[1] * double(j),
-                       grid.origin[2] + grid.spacing[2] * double(k)) -
-            middle;
-        return middle + glm::dvec3(cosine * from.x - sine * from.y, cosine * from.y + sine * from.x, from.z);
+        return in_world({grid.origin[0] + grid.spacing[0] * double(i), grid.origin[1] + grid.spacing[1] * double(j),
+                         grid.origin[2] + grid.spacing[2] * double(k)});
     }
 
     glm::dvec3 middle; /* m */
