@@ -1,12 +1,14 @@
 // The mesh's own structure: how fast it is built and how large it is, and how many nearest points two threads find a
-// second.
+// second, and one beside a peer.
 #include <thread>
 
 #include <benchmark/benchmark.h>
 
 #include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
+#include "host/random.h"
 #include "host/reference/mesh_nearest.h"
+#include "tests/bench/cgal_tree.h"
 #include "tests/bench/measure.h"
 #include "tests/mesh/shapes.h"
 
@@ -99,6 +101,54 @@ template <typename T> void nearest(benchmark::State& state) {
     state.counters["queries_per_s"] = voxels / median(times);
     state.counters["of_wanted"] = voxels / median(times) / kQueries;
 }
+/// One thread beside a peer's tree: along a grid, where each query begins with the last one's triangle and the peer has
+/// a hint of its own, and at places anywhere in its box.
+template <bool kAnywhere> void nearest_against_cgal(benchmark::State& state) {
+    const MeshTables<double> tables = make_mesh_tables<double>(spot(), 1000);
+    const layout::MeshView<double> mesh = tables.view();
+    const CgalTree peer(mesh.vertices, mesh.triangle_corners);
+    const Grid grid = grid_over(spot());
+    Random draw(1);
+    std::vector<glm::dvec3> places;
+    for (std::size_t z = 0; z < grid.size[2]; z += 8)
+        for (std::size_t y = 0; y < grid.size[1]; y += 4)
+            for (std::size_t x = 0; x < grid.size[0]; ++x) {
+                const glm::dvec3 at = kAnywhere ? glm::dvec3(draw(0, 1), draw(0, 1), draw(0, 1)) *
+                                                      glm::dvec3(grid.size[0], grid.size[1], grid.size[2])
+                                                : glm::dvec3(x, y, z);
+                places.push_back(grid.origin + grid.spacing * at);
+            }
+    std::vector<double> ratios, ours;
+    std::vector<double> squares(places.size()), theirs(places.size());
+    for (auto _ : state) {
+        const double mine = seconds([&] {
+            layout::uint hint = 0;
+            for (std::size_t i = 0; i < places.size(); ++i) {
+                const auto found = reference::nearest(mesh, places[i], hint);
+                hint = found.triangle;
+                squares[i] = found.square;
+            }
+        });
+        const double other = seconds([&] {
+            for (std::size_t i = 0; i < places.size(); ++i)
+                theirs[i] = peer.nearest(places[i]).square;
+        });
+        ours.push_back(mine);
+        ratios.push_back(other / mine);
+        state.SetIterationTime(mine);
+    }
+    double apart = 0; // of the distances
+    for (std::size_t i = 0; i < places.size(); ++i)
+        apart = std::max(apart, std::abs(std::sqrt(squares[i]) - std::sqrt(theirs[i])));
+    state.counters["triangles"] = double(spot().triangles());
+    state.counters["queries_per_s"] = double(places.size()) / median(ours);
+    state.counters["times_as_fast"] = median(ratios);
+    state.counters["least"] = *std::ranges::min_element(ratios);
+    state.counters["most"] = *std::ranges::max_element(ratios);
+    state.counters["distances_apart"] = apart;
+}
+BENCHMARK(nearest_against_cgal<false>)->UseManualTime()->Iterations(7)->Unit(benchmark::kMillisecond);
+BENCHMARK(nearest_against_cgal<true>)->UseManualTime()->Iterations(7)->Unit(benchmark::kMillisecond);
 BENCHMARK(nearest<double>)->UseManualTime()->Iterations(3)->Unit(benchmark::kMillisecond);
 BENCHMARK(nearest<float>)->UseManualTime()->Iterations(3)->Unit(benchmark::kMillisecond);
 

@@ -191,7 +191,8 @@ TEST(LookUps, HaveTheErrorsThatTheirGridsHaveWhereverTheyLie) {
                   [](const Method& one) { return one.family != "look-up, trilinear" || one.precision != "f32"; });
     ASSERT_EQ(methods.size(), 1u);
     std::vector<std::optional<MethodErrors>> errors(1);
-    add_errors(errors, methods, bump, shaded, extents, {*engine, *engine});
+    KnownPlaces known;
+    add_errors(errors, methods, bump, shaded, extents, {*engine, *engine}, known);
     EXPECT_EQ(errors[0]->by_draw.size(), extents.draws);
     const Interval found =
         *over_draws(*errors[0], [](const MethodErrors& one) { return std::optional(one.shared.typical->rms); });
@@ -274,7 +275,8 @@ TEST(Meshes, HaveTheErrorsThatTheirTessellationsHave) {
     std::vector<Method> methods;
     add_methods(methods, mesh, flat, 0, {*engine, *engine});
     std::vector<std::optional<MethodErrors>> errors(methods.size());
-    add_errors(errors, methods, mesh, flat, extents, {*engine, *engine});
+    KnownPlaces known;
+    add_errors(errors, methods, mesh, flat, extents, {*engine, *engine}, known);
     const Interval found = *rms_over_draws(*errors[0], &ForceErrors::direction);
     std::vector<double> all;
     for (int i = 0; i < 11; ++i)

@@ -1,7 +1,6 @@
 #include "host/study/error_time/error_time.h"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -64,14 +63,22 @@ MethodErrors over_all(std::vector<MethodErrors> all) {
 } // namespace
 
 void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
-                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines) {
+                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines,
+                KnownPlaces& known) {
     const double typical = rms_of(true_forces(subject, subject.places));
     std::map<std::string, std::vector<MethodErrors>> all; // by method
-    for (std::size_t draw = 0; draw < extents.draws; ++draw) {
+    const bool is_drawn = std::ranges::any_of(
+        methods, [&](const Method& method) { return method.variant == &variant && method.forces && method.drawn; });
+    for (std::size_t draw = 0; draw < (is_drawn ? extents.draws : 1); ++draw) {
         const Variant& drawn = variant.at(draw);
-        const KindPlaces places = places_of(subject, drawn, extents);
+        const auto key = std::tuple(&subject, variant.elements, &drawn == &variant ? 0 : draw);
+        auto at = known.find(key);
+        if (at == known.end())
+            at = known.emplace(key, places_of(subject, drawn, extents)).first;
+        const KindPlaces& places = at->second;
         const Forces truth = true_forces(subject, places.at);
         KindOf kind_of(subject, drawn);
+        std::map<std::string, Forces> in_double; // of the static law and of the god-object
         std::vector<Method> moved;
         if (draw > 0)
             add_methods(moved, subject, variant, draw, engines);
@@ -79,8 +86,13 @@ void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vec
             if (!method.forces || (draw > 0 ? !method.drawn || !all.contains(method.name) : method.variant != &variant))
                 continue;
             if (!method.places) {
-                all[method.name].push_back(
-                    errors_of(method.forces(places.at), method.exact(places.at), places, truth, typical));
+                const Forces forces = method.forces(places.at);
+                const std::string law = method.family == "god-object" ? method.family : "direct";
+                if (method.family == law && method.precision == "f64")
+                    in_double[law] = forces;
+                if (!in_double.contains(law))
+                    in_double[law] = method.exact(places.at);
+                all[method.name].push_back(errors_of(forces, in_double[law], places, truth, typical));
                 continue;
             }
             KindPlaces own{method.places(), {}, 0};
@@ -192,12 +204,13 @@ StudyData study_error_time(StudyRun& run) {
         for (const Variant& variant : subject.variants)
             add_methods(methods, subject, variant, 0, engines);
     std::vector<std::optional<MethodErrors>> errors(methods.size());
+    KnownPlaces known;
     std::vector<Round> rounds;
     std::vector<Part> parts;
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
-                             [&] { add_errors(errors, methods, subject, variant, extents, engines); }});
+                             [&] { add_errors(errors, methods, subject, variant, extents, engines, known); }});
     std::vector<FieldRun> fields;
     std::vector<LoopRun> loops;
     for (const Subject& subject : subjects)

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
 
 #include "host/study/error_time/kinds.h"
 #include "host/study/error_time/methods.h"
@@ -46,10 +49,14 @@ inline std::optional<Interval> rms_over_draws(const MethodErrors& errors,
     });
 }
 
+/// The places of laws that differ in their shading alone: by surface, elements and draw.
+using KnownPlaces = std::map<std::tuple<const Subject*, std::optional<double>, std::size_t>, KindPlaces>;
+
 /// Writes the errors of every method of a law that has errors into `errors`, method by method; of those that depend on
 /// the draw, over all draws.
 void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
-                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines);
+                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines,
+                KnownPlaces& known);
 
 /// Seconds of an evaluation, method by method.
 using Round = std::vector<double>;

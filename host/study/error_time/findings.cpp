@@ -79,11 +79,24 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
                             errors->rim->low, errors->rim->high);
     text += fmt::format("; up to {:.2g} mm above the surface {} of the places have a force, where there is none.",
                         1e3 * method.subject->scale.skin(), percent(errors->phantom.median));
-    for (const std::size_t i : of_family("look-up, depth and direction"))
-        if (const auto of_depth = lookup_errors(*measured.errors[i]);
-            of_depth && measured.methods[i].variant == method.variant && measured.methods[i].spacing == method.spacing)
+    const auto same = [&](const std::string& family) {
+        std::vector<std::size_t> found = of_family(family);
+        std::erase_if(found, [&](std::size_t i) {
+            return measured.methods[i].variant != method.variant || measured.methods[i].spacing != method.spacing;
+        });
+        return found;
+    };
+    for (const std::size_t i : same("look-up, depth and direction"))
+        if (const auto of_depth = lookup_errors(*measured.errors[i]))
             text += fmt::format(" A volume of signed depth and direction errs by {}, with {} of such places.",
                                 percents(of_depth->rms), percent(of_depth->phantom.median));
+    for (const std::size_t i : same("look-up, adaptive"))
+        if (const auto adaptive = lookup_errors(*measured.errors[i]); adaptive && adaptive->rim)
+            text +=
+                fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}, at the rim by {:.0f} "
+                            "deg [{:.0f}, {:.0f}]; an evaluation {}.",
+                            percents(adaptive->rms), adaptive->rim->median, adaptive->rim->low, adaptive->rim->high,
+                            times_as_long(measured.times.ratio(i, *finest), "that of the plain volume"));
     findings.push_back(
         {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
          fmt::format("{} places; least and largest of {} random offsets and orientations of the volume",

@@ -1,6 +1,7 @@
 #include "host/study/omission/omission.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -96,8 +97,13 @@ Table feature_table(const std::vector<Row>& rows) {
     add_sides(columns, "whole_ns_{}", "ns",
               "time a sample of the whole evaluation (planning, uploads, kernel, reading back)",
               per_sample(&MeasuredSide::whole));
-    add_ratio(columns, "kernel", "kernel time", &Row::kernel_ratio);
-    add_ratio(columns, "whole", "time of the whole evaluation", &Row::whole_ratio);
+    for (const auto& [kind, of, ratio] : {std::tuple("kernel", "kernel time", &Row::kernel_ratio),
+                                          {"whole", "time of the whole evaluation", &Row::whole_ratio}}) {
+        add_ratio(columns, kind, of, ratio);
+        columns.push_back({{fmt::format("{}_costs", kind), "",
+                            "yes: its interval lies above 1 and above that of the control, \"nothing\""},
+                           [&rows, ratio](const Row& r) { return costs(rows, r, ratio) ? "yes" : "no"; }});
+    }
     add_sides(columns, "evaluated_{}", "1", "samples that a kernel evaluated",
               [](const MeasuredSide& side) { return side.cost.evaluated; });
     add_sides(columns, "moved_{}_bytes", "B", "tables, plans, positions and results copied to and from the device",
@@ -138,10 +144,10 @@ Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Row>
 }
 
 Figure bars(const std::string& kind, const char* title, const char* caption, const char* label) {
-    Figure figure = make_figure(kind, title, caption, FigureKind::bars, "features", {}, {"feature", "left out"},
-                                {kind + "_saved_percent", label}, "scene");
-    figure.low = kind + "_saved_from_percent";
-    figure.high = kind + "_saved_to_percent";
+    Figure figure = make_figure(kind, title, caption, FigureKind::bars, "features", {{kind + "_costs", "yes"}},
+                                {"feature", "left out"}, {kind + "_ratio", label, true}, "scene");
+    figure.low = kind + "_ratio_from";
+    figure.high = kind + "_ratio_to";
     return figure;
 }
 
@@ -267,12 +273,13 @@ Interval Measurement::whole_ratio() const {
 void add_omissions(StudyData& data, const std::vector<BaseScene>& scenes, const std::vector<Measurement>& rows) {
     data.tables = {feature_table(rows), omitted_table(scenes, rows)};
     data.figures = {
-        bars("whole", "Share of the whole evaluation saved by omissions",
-             "Share of the time with a feature that is saved without it; whiskers are 95 % intervals. \"nothing\" is a "
-             "control: both sides are alike.",
-             "time saved / %"),
-        bars("kernel", "Share of the kernel's time saved by omissions",
-             "The same for the kernel alone, without the host's work for a feature.", "kernel time saved / %")};
+        bars("whole", "What features cost that are left out: the whole evaluation",
+             "Time with a feature over that without it; whiskers are 95 % intervals. Only what costs more than the "
+             "control, two sides that are alike; the table has the others.",
+             "time with it / time without it"),
+        bars("kernel", "What features cost that are left out: the kernel",
+             "The same for the kernel alone, without the host's work for a feature.",
+             "kernel time with it / without it")};
     add_findings(data.findings, rows);
 }
 
