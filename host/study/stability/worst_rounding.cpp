@@ -78,7 +78,8 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, 
     data.tables.push_back(table_of<R>(
         "worst_rounding", "Largest errors of single precision that a search found, 0.02 to 2 mm deep",
         {{"law", "",
-          own ? "R = 2 a, a = 12.7 mm, K = 1000 N/m; god-object: at the end of a straight stroke from the open" : "",
+          fmt::format("{}god-object: at the end of a straight stroke from the open",
+                      own ? "R = 2 a, a = 12.7 mm, K = 1000 N/m; " : "the scene's, static; "),
           &R::law},
          {"facet", "",
           "same: both precisions meet the same facet, away from edges of the law; another: rounding chose between "
