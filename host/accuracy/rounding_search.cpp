@@ -7,7 +7,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <ranges>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -330,15 +329,17 @@ std::vector<WorstRounding> searched(const PreparedCase& prepared, std::size_t pl
     for (std::size_t i = 0; i < places / 10; ++i)
         if (const auto tie = aim.tie())
             keep(ties, tie->facets, looked_at(both, tie));
-    const auto tops = [](const auto& worst) {
-        const auto values = std::views::values(worst);
-        return std::vector(values.begin(), values.end());
-    };
+    std::vector<SeenPlace> top_places;
+    std::vector<SeenTie> top_ties;
+    for (const auto& [part, worst] : smooth)
+        top_places.push_back(worst);
+    for (const auto& [facets, worst] : ties)
+        top_ties.push_back(worst);
     std::vector<WorstRounding> found;
-    add_worst(found, tops(smooth), climbs, scale, [&](const SeenPlace& best, double reach) {
+    add_worst(found, std::move(top_places), climbs, scale, [&](const SeenPlace& best, double reach) {
         return looked_at(both, aim.near({best.worst.place, best.worst.from.value_or(glm::dvec3(0))}, reach));
     });
-    add_worst(found, tops(ties), climbs, scale, [&](const SeenTie& best, double reach) {
+    add_worst(found, std::move(top_ties), climbs, scale, [&](const SeenTie& best, double reach) {
         const glm::dvec3 across = 4 * reach / reference::length(best.tie.way) * best.tie.way;
         return looked_at(both, both.tie_on(aim.near(best.tie.here, reach).moved(-0.5 * across, -0.5 * across), across));
     });

@@ -1,7 +1,6 @@
 #include "host/study/omission/omission.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -97,13 +96,14 @@ Table feature_table(const std::vector<Row>& rows) {
     add_sides(columns, "whole_ns_{}", "ns",
               "time a sample of the whole evaluation (planning, uploads, kernel, reading back)",
               per_sample(&MeasuredSide::whole));
-    for (const auto& [kind, of, ratio] : {std::tuple("kernel", "kernel time", &Row::kernel_ratio),
-                                          {"whole", "time of the whole evaluation", &Row::whole_ratio}}) {
+    const auto add_time = [&](const char* kind, const char* of, Ratio ratio) {
         add_ratio(columns, kind, of, ratio);
         columns.push_back({{fmt::format("{}_costs", kind), "",
                             "yes: its interval lies above 1 and above that of the control, \"nothing\""},
                            [&rows, ratio](const Row& r) { return costs(rows, r, ratio) ? "yes" : "no"; }});
-    }
+    };
+    add_time("kernel", "kernel time", &Row::kernel_ratio);
+    add_time("whole", "time of the whole evaluation", &Row::whole_ratio);
     add_sides(columns, "evaluated_{}", "1", "samples that a kernel evaluated",
               [](const MeasuredSide& side) { return side.cost.evaluated; });
     add_sides(columns, "moved_{}_bytes", "B", "tables, plans, positions and results copied to and from the device",

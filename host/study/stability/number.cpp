@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "host/reference/elementary.h"
+#include "host/reference/surfaces.h"
 #include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
