@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -331,10 +332,8 @@ std::vector<WorstRounding> searched(const PreparedCase& prepared, std::size_t pl
             keep(ties, tie->facets, looked_at(both, tie));
     std::vector<SeenPlace> top_places;
     std::vector<SeenTie> top_ties;
-    for (const auto& [part, worst] : smooth)
-        top_places.push_back(worst);
-    for (const auto& [facets, worst] : ties)
-        top_ties.push_back(worst);
+    std::ranges::transform(smooth, std::back_inserter(top_places), [](const auto& one) { return one.second; });
+    std::ranges::transform(ties, std::back_inserter(top_ties), [](const auto& one) { return one.second; });
     std::vector<WorstRounding> found;
     add_worst(found, std::move(top_places), climbs, scale, [&](const SeenPlace& best, double reach) {
         return looked_at(both, aim.near({best.worst.place, best.worst.from.value_or(glm::dvec3(0))}, reach));

@@ -196,8 +196,10 @@ Table cheapest_table(const Measured& measured) {
     std::vector<R> rows;
     for (const Subject& subject : measured.subjects)
         for (const Use use : kUses)
-            for (const auto& [criterion, bound] :
+            for (const auto& within :
                  {std::pair(&kDirection, 1.0), {&kDirection, 0.1}, {&kLocal, 0.1}, {&kLocal, 0.01}}) {
+                const Criterion* const criterion = within.first;
+                const double bound = within.second;
                 if (subject.against != kSmoothShape)
                     continue;
                 const auto error_of = [&](std::size_t method) {
