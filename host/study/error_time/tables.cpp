@@ -212,6 +212,7 @@ Table cheapest_table(const Measured& measured) {
                     continue;
                 const auto [cheapest, ties] = cheapest_of(measured.times, methods);
                 std::vector<std::string> names;
+                names.reserve(ties.size());
                 for (const std::size_t method : ties)
                     names.push_back(measured.methods[method].name);
                 row.method = measured.methods[cheapest].name;
