@@ -1,19 +1,19 @@
 #include "host/accuracy/rounding_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
-#include <tuple>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "host/field/case_law.h"
 #include "host/mesh/mesh.h"
+#include "host/mesh/structure.h"
 #include "host/touch/angle.h"
 #include "host/touch/places.h"
 
@@ -163,24 +163,27 @@ struct Ridge {
     glm::dvec3 begin, end, one, other; /* m, 1 */
 };
 
-// Corners count as one by their place.
-std::vector<Ridge> ridges_of(const Mesh& mesh) {
-    std::map<std::array<double, 6>, std::size_t> first;
-    std::vector<Ridge> ridges;
+std::vector<Ridge> ridges_of(const MeshStructure& mesh) {
+    const MeshParts& parts = *mesh.parts;
     const auto corner = [&](std::size_t triangle, std::size_t i) {
-        return mesh.polygons.vertices[mesh.triangles.corners[triangle][i % 3]];
+        return mesh.centre + mesh.scale * reference::vector_at(std::span<const double>(mesh.reals->vertices),
+                                                               parts.triangle_corners[3 * triangle + i % 3]);
     };
-    for (std::size_t triangle = 0; triangle < mesh.triangles.corners.size(); ++triangle)
+    const auto normal = [&](std::size_t triangle) {
+        return reference::vector_at(std::span<const double>(mesh.reals->triangle_normals), triangle);
+    };
+    std::vector<Ridge> ridges;
+    for (std::size_t triangle = 0; triangle < mesh.triangles(); ++triangle)
         for (std::size_t i = 0; i < 3; ++i) {
-            std::array<glm::dvec3, 2> ends{corner(triangle, i), corner(triangle, i + 1)};
-            const glm::dvec3 opposite = corner(triangle, i + 2);
-            if (std::tie(ends[1].x, ends[1].y, ends[1].z) < std::tie(ends[0].x, ends[0].y, ends[0].z))
-                std::swap(ends[0], ends[1]);
-            const auto [at, is_first] =
-                first.try_emplace({ends[0].x, ends[0].y, ends[0].z, ends[1].x, ends[1].y, ends[1].z}, triangle);
-            const glm::dvec3 one = mesh.triangles.normals[at->second], other = mesh.triangles.normals[triangle];
-            if (!is_first && reference::dot(one, opposite - ends[0]) < 0 && reference::dot(one, other) > -0.99)
-                ridges.push_back({ends[0], ends[1], one, other});
+            const layout::uint across = parts.triangle_neighbours[3 * triangle + i];
+            if ((across & layout::kMeshManyBit) || across < triangle) // no one triangle; seen from there
+                continue;
+            const glm::dvec3 begin = corner(triangle, i), one = normal(triangle), other = normal(across);
+            double height = 0; // of the corner that is not on the edge
+            for (std::size_t k = 0; k < 3; ++k)
+                height += reference::dot(one, corner(across, k) - begin);
+            if (height < 0 && reference::dot(one, other) > -0.99)
+                ridges.push_back({begin, corner(triangle, i + 1), one, other});
         }
     return ridges;
 }
@@ -192,7 +195,7 @@ public:
         : both_(both), mesh_(prepared.images.mesh ? &prepared.images.mesh->mesh : nullptr),
           places_(both.shape(), prepared, 12), draw_(11) {
         if (mesh_)
-            ridges_ = ridges_of(*mesh_);
+            ridges_ = ridges_of(prepared.images.mesh->structure);
     }
 
     /// Below a facet, an edge or a corner of a mesh, or anywhere below another surface; moved by up to a twentieth of

@@ -12,7 +12,8 @@ namespace forceshade {
 namespace {
 
 using Real = long double;
-constexpr Real kDependent = 1e-13L; // of a unit vector: what is left of it beside those that it depends on
+constexpr Real kDependent = 1e-13L; // length of a unit vector off the span of others, below which it depends on them
+constexpr int kMostRounds = 200;    // a few are needed; rounding could go round for ever
 
 // The shares of the columns whose sum is nearest to a target; false if the last column depends on the others.
 template <int N, std::size_t Most>
@@ -49,7 +50,7 @@ glm::vec<N, Real> off_cone(const std::vector<glm::vec<N, Real>>& columns, const 
     std::vector<glm::vec<N, Real>> active;
     std::array<Real, kMost> held{}, wanted{};
     glm::vec<N, Real> left = target;
-    for (std::size_t round = 0; round < 3 * columns.size() + 30; ++round) {
+    for (int round = 0; round < kMostRounds; ++round) {
         const auto steepest = std::ranges::max_element(
             columns, {}, [&](const glm::vec<N, Real>& column) { return glm::dot(column, left); });
         if (steepest == columns.end() || !(glm::dot(*steepest, left) > 1e-15L * glm::length(target)))

@@ -106,7 +106,6 @@ AdaptiveVolume::AdaptiveVolume(const GridSpec& grid, const ForceAt& force, float
             opened(grid, force, most, {0, node, node, origin + edge * glm::dvec3(root[0], root[1], root[2]), edge}));
         ++node;
     });
-    finest_ = edge / kTreeCells;
     // Eight leaves in place of one.
     while (!open.empty() && open.top().error > 0 &&
            this->bytes() + double(7 * sizeof(float) * kTreeFloats + 8 * sizeof(std::uint32_t)) <= bytes) {
@@ -116,7 +115,6 @@ AdaptiveVolume::AdaptiveVolume(const GridSpec& grid, const ForceAt& force, float
         links_[worst.node] = first;
         links_.resize(links_.size() + 8);
         const double half = worst.edge / 2;
-        finest_ = std::min(finest_, half / kTreeCells);
         for (std::uint32_t child = 0; child < 8; ++child)
             open.push(opened(grid, force, most,
                              {0, first + child,

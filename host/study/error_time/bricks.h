@@ -44,7 +44,6 @@ public:
     /// N, at a place of the grid's axes, m, trilinear within a brick.
     reference::Vector<float> operator()(const reference::Vector<float>& place) const noexcept;
     double bytes() const { return double(sizeof(float) * forces_.size() + sizeof(std::uint32_t) * links_.size()); }
-    double finest() const { return finest_; } /* m: the least distance of samples */
 
 private:
     static constexpr std::uint32_t kLeaf = 1u << 31;
@@ -56,7 +55,6 @@ private:
     std::array<std::size_t, 3> roots_;
     std::vector<std::uint32_t> links_; // of a node: its first child's, or kLeaf and its samples' place in bricks
     std::vector<float> forces_;
-    double finest_ = 0; /* m */
 };
 
 } // namespace forceshade::study::error_time
