@@ -78,6 +78,13 @@ experiment::Experiment read(const ExperimentArguments& arguments, const CommonOp
     return experiment;
 }
 
+experiment::ObserverParameters observer_named(const std::string& participant) {
+    for (std::size_t i = 0; i < experiment::kObserverModelNames.size(); ++i)
+        if (participant == fmt::format("observer-{}", experiment::kObserverModelNames[i]))
+            return experiment::published_observer(static_cast<experiment::ObserverModel>(i));
+    return {};
+}
+
 int run_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
     if (arguments.out.empty())
         throw UsageError("--out is empty: name the folder of the data");
@@ -89,7 +96,7 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
         throw UsageError("--subject: one person at a time; several are for --participant observer");
     const std::unique_ptr<experiment::Participant> participant =
         person ? experiment::make_person(experiment, person_options(arguments, experiment, common))
-               : experiment::make_observer(experiment);
+               : experiment::make_observer(experiment, observer_named(arguments.participant));
     ::umask(0077);                   // data of people are their experimenter's alone
     std::optional<LongRun> long_run; // a person is not left with a device that pushes
     if (!person)
@@ -182,8 +189,9 @@ void describe_run(Options& options, ExperimentArguments& arguments) {
     options.list("--subject ID", arguments.subjects,
                  "who takes part: letters and digits, as 03, no person's name; several between commas", true);
     options.optional("--session N", arguments.session, "of the subject, from 1 on");
-    options.optional("--participant person|observer", arguments.participant,
-                     "person: at a device, answers in a page (default); observer: a simulated one");
+    options.optional("--participant person|observer|observer-two-noises|observer-base-kinks", arguments.participant,
+                     "person: at a device, answers in a page (default); observer: a simulated one; the others are its "
+                     "older form, with two noises, and its rival");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
     options.list("--answer-buttons BUTTON", arguments.buttons,
                  "buttons of the device in the order of the answers, between commas: they answer as the keys do");

@@ -12,15 +12,28 @@
 namespace forceshade::experiment {
 namespace {
 
+constexpr std::array<FreeParameter, 4> kWeberParameters{
+    {{"kappa", "jump of the lateral force ratio for an expected edge", &ObserverParameters::edge},
+     {"g", "events of a wholly level bump", &ObserverParameters::level_gain},
+     {"w", "weight of the path against the force", &ObserverParameters::path_weight},
+     {"W", "Weber fraction: just noticeable share of a force", &ObserverParameters::weber}}};
+constexpr std::array<FreeParameter, 5> kOlderParameters{
+    {kWeberParameters[0],
+     kWeberParameters[1],
+     kWeberParameters[2],
+     {"nu", "noise of the force's direction", &ObserverParameters::weber},
+     {"rho", "threshold for level; of base-kinks b, its gain of kinks at the base", &ObserverParameters::level}}};
+
 ObserverParameters with_logarithms(ObserverParameters observer, const std::vector<double>& logarithms) {
-    for (std::size_t i = 0; i < kFreeParameters.size(); ++i)
-        observer.*kFreeParameters[i].member = std::exp(logarithms[i]);
+    const auto parameters = free_parameters(observer.model);
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+        observer.*parameters[i].member = std::exp(logarithms[i]);
     return observer;
 }
 
 std::vector<double> logarithms_of(const ObserverParameters& observer) {
     std::vector<double> logarithms;
-    for (const NamedParameter& one : kFreeParameters)
+    for (const FreeParameter& one : free_parameters(observer.model))
         logarithms.push_back(std::log(observer.*one.member));
     return logarithms;
 }
@@ -30,40 +43,43 @@ double search_from(std::span<const ConditionAnswers> rows, ObserverParameters& o
     std::function<double(const std::vector<double>&)> cost = [&](const std::vector<double>& logarithms) {
         return deviance(rows, with_logarithms(observer, logarithms));
     };
-    nlopt::opt search(nlopt::LN_NELDERMEAD, kFreeParameters.size());
+    nlopt::opt search(nlopt::LN_NELDERMEAD, static_cast<unsigned>(free_parameters(observer.model).size()));
     search.set_min_objective(
         [](const std::vector<double>& at, std::vector<double>&, void* data) {
             return (*static_cast<std::function<double(const std::vector<double>&)>*>(data))(at);
         },
         &cost);
-    search.set_lower_bounds(std::log(1e-4));
-    search.set_upper_bounds(std::log(1e3));
+    const double low = std::log(1e-4), high = std::log(1e3);
+    search.set_lower_bounds(low);
+    search.set_upper_bounds(high);
     search.set_xtol_rel(tolerance);
     search.set_maxeval(1500);
     std::vector<double> at = logarithms_of(observer);
+    for (double& one : at)
+        one = std::clamp(one, low, high);
     double reached = 0;
     search.optimize(at, reached);
     observer = with_logarithms(observer, at);
     return reached;
 }
 
-std::vector<std::string> groups_of(std::span<const ConditionAnswers> rows) {
+std::vector<std::string> groups_of(std::span<const ConditionAnswers> rows, LeftOut left_out) {
     std::vector<std::string> groups;
     for (const ConditionAnswers& row : rows)
-        if (std::ranges::find(groups, row.group) == groups.end())
-            groups.push_back(row.group);
+        if (std::ranges::find(groups, row.*left_out) == groups.end())
+            groups.push_back(row.*left_out);
     return groups;
 }
 
-Prediction predicted(std::span<const ConditionAnswers> rows,
+Prediction predicted(std::span<const ConditionAnswers> rows, LeftOut left_out,
                      const std::function<std::vector<Shares>(const std::string& group)>& without) {
     Prediction prediction;
     prediction.expected.resize(rows.size());
-    for (const std::string& group : groups_of(rows)) {
+    for (const std::string& group : groups_of(rows, left_out)) {
         const std::vector<Shares> expected = without(group);
         double sum = 0;
         for (std::size_t i = 0; i < rows.size(); ++i)
-            if (rows[i].group == group) {
+            if (rows[i].*left_out == group) {
                 prediction.expected[i] = expected[i];
                 sum += deviance(rows[i], expected[i]);
             }
@@ -131,6 +147,17 @@ double mean_error(std::span<const ConditionAnswers> rows, const std::vector<Shar
     return rows.empty() ? 0 : 100 * sum / static_cast<double>(kPictures * rows.size());
 }
 
+std::span<const FreeParameter> free_parameters(ObserverModel model) {
+    switch (model) {
+    case ObserverModel::weber:
+        return std::span(kWeberParameters).first(3);
+    case ObserverModel::weber_fitted:
+        return kWeberParameters;
+    default:
+        return kOlderParameters;
+    }
+}
+
 ObserverParameters fitted(std::span<const ConditionAnswers> rows, const ObserverParameters& start) {
     if (rows.empty())
         throw UsageError("there are no answers to fit the observer to");
@@ -139,8 +166,11 @@ ObserverParameters fitted(std::span<const ConditionAnswers> rows, const Observer
     double least = INFINITY;
     for (const double factor : {1.0, 0.5, 2.0}) {
         ObserverParameters observer = start;
-        for (std::size_t i = 0; i < kFreeParameters.size(); ++i)
-            observer.*kFreeParameters[i].member *= i % 2 == 0 ? factor : 1 / factor;
+        bool up = true;
+        for (const FreeParameter& one : free_parameters(start.model)) {
+            observer.*one.member *= up ? factor : 1 / factor;
+            up = !up;
+        }
         const double reached = search_from(rows, observer, kTolerance);
         if (reached < least) {
             best = observer;
@@ -153,10 +183,11 @@ ObserverParameters fitted(std::span<const ConditionAnswers> rows, const Observer
 ObserverRange bootstrapped(std::span<const ConditionAnswers> rows, const ObserverParameters& best) {
     constexpr std::size_t kSamples = 200;
     constexpr double kTolerance = 1e-3;
-    const double freedom = double(rows.size() * (kPictures - 1)) - double(kFreeParameters.size());
+    const auto parameters = free_parameters(best.model);
+    const double freedom = double(rows.size() * (kPictures - 1)) - double(parameters.size());
     ObserverRange range{best, best, freedom > 0 ? std::max(1.0, deviance(rows, best) / freedom) : 1};
     Random random(1, "bootstrap of the observer");
-    std::array<std::vector<double>, kFreeParameters.size()> values;
+    std::vector<std::vector<double>> values(parameters.size());
     for (std::size_t sample = 0; sample < kSamples; ++sample) {
         std::vector<ConditionAnswers> drawn(rows.begin(), rows.end());
         for (ConditionAnswers& row : drawn) {
@@ -169,21 +200,22 @@ ObserverRange bootstrapped(std::span<const ConditionAnswers> rows, const Observe
         ObserverParameters observer = best;
         search_from(drawn, observer, kTolerance);
         for (std::size_t i = 0; i < values.size(); ++i)
-            values[i].push_back(observer.*kFreeParameters[i].member);
+            values[i].push_back(observer.*parameters[i].member);
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
         std::ranges::sort(values[i]);
-        range.low.*kFreeParameters[i].member = values[i][kSamples / 40];
-        range.high.*kFreeParameters[i].member = values[i][kSamples - 1 - kSamples / 40];
+        range.low.*parameters[i].member = values[i][kSamples / 40];
+        range.high.*parameters[i].member = values[i][kSamples - 1 - kSamples / 40];
     }
     return range;
 }
 
-Prediction predicted_by_observer(std::span<const ConditionAnswers> rows, const ObserverParameters& start) {
-    return predicted(rows, [&](const std::string& group) {
+Prediction predicted_by_observer(std::span<const ConditionAnswers> rows, const ObserverParameters& start,
+                                 LeftOut left_out) {
+    return predicted(rows, left_out, [&](const std::string& group) {
         std::vector<ConditionAnswers> others;
         std::ranges::copy_if(rows, std::back_inserter(others),
-                             [&](const ConditionAnswers& row) { return row.group != group; });
+                             [&](const ConditionAnswers& row) { return row.*left_out != group; });
         const ObserverParameters observer = fitted(others, start);
         std::vector<Shares> expected;
         for (const ConditionAnswers& row : rows)
@@ -193,7 +225,7 @@ Prediction predicted_by_observer(std::span<const ConditionAnswers> rows, const O
 }
 
 Prediction predicted_by_means(std::span<const ConditionAnswers> rows) {
-    return predicted(rows, [&](const std::string& group) {
+    return predicted(rows, &ConditionAnswers::group, [&](const std::string& group) {
         constexpr double kAdded = 0.5; // answers
         std::vector<Shares> expected;
         for (const ConditionAnswers& row : rows) {

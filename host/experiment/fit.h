@@ -12,7 +12,7 @@ namespace forceshade::experiment {
 /// The answers to one stimulus.
 struct ConditionAnswers {
     std::string name;      /* "two_poly_shaded" */
-    std::string group;     /* "600 mil": conditions that are left out together */
+    std::string group;     /* "600 mil" */
     StrokeSignals signals; /* what is felt */
     Shares answered;       /* of 1 */
     double trials = 0;     /* 1 */
@@ -29,7 +29,7 @@ double deviance(std::span<const ConditionAnswers> rows, const ObserverParameters
 /// Percentage points: the mean of |answered - expected| over rows and pictures.
 double mean_error(std::span<const ConditionAnswers> rows, const std::vector<Shares>& expected);
 
-/// The parameters of least deviance, `start`'s rule and lapse kept: Nelder-Mead (NLopt) from several places, in
+/// The parameters of least deviance, `start`'s model and lapse kept: Nelder-Mead (NLopt) from several places, in
 /// logarithms.
 ObserverParameters fitted(std::span<const ConditionAnswers> rows, const ObserverParameters& start = {});
 
@@ -41,19 +41,15 @@ struct ObserverRange {
 };
 ObserverRange bootstrapped(std::span<const ConditionAnswers> rows, const ObserverParameters& best);
 
-/// The free parameters of an observer, as published.
-struct NamedParameter {
+/// A parameter of an observer that is fitted.
+struct FreeParameter {
     const char *name, *meaning;
     double ObserverParameters::*member;
 };
-inline constexpr std::array<NamedParameter, 5> kFreeParameters{
-    {{"kappa", "jump of the lateral force ratio for an expected edge", &ObserverParameters::edge},
-     {"g", "events of a wholly level bump", &ObserverParameters::level_gain},
-     {"w", "weight of the path beside the force", &ObserverParameters::path_weight},
-     {"nu", "noise of the force's direction", &ObserverParameters::noise},
-     {"rho", "threshold for level; of the rival b, its gain of kinks at the base", &ObserverParameters::level}}};
+/// Those of a model, as published.
+std::span<const FreeParameter> free_parameters(ObserverModel model);
 
-/// What each row is expected to be by those of the other groups alone.
+/// What each row is expected to be by the others alone, groups of them left out in turn.
 struct Prediction {
     std::vector<Shares> expected;                         /* by row */
     std::vector<std::pair<std::string, double>> by_group; /* deviance, in the order of the rows */
@@ -61,8 +57,12 @@ struct Prediction {
     double error = 0; /* percentage points: mean_error() */
 };
 
+/// What rows that are left out together have in common: a radius (`group`) or a stimulus (`name`).
+using LeftOut = std::string ConditionAnswers::*;
+
 /// The observer fitted to the other groups.
-Prediction predicted_by_observer(std::span<const ConditionAnswers> rows, const ObserverParameters& start = {});
+Prediction predicted_by_observer(std::span<const ConditionAnswers> rows, const ObserverParameters& start = {},
+                                 LeftOut left_out = &ConditionAnswers::group);
 
 /// The mean answers to a condition of the same name in the other groups, half an answer added to each picture
 /// (Jeffreys).

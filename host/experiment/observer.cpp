@@ -51,6 +51,19 @@ double level_share(const StrokeSignals& signals, const std::vector<double>& valu
 
 } // namespace
 
+ObserverParameters published_observer(ObserverModel model) {
+    switch (model) {
+    case ObserverModel::weber_fitted:
+        return {model, 0.7586, 7.141, 0.0604, 0.0753};
+    case ObserverModel::two_noises:
+        return {model, 0.7588, 7.162, 0.0603, 0.0754, 0.0745};
+    case ObserverModel::base_kinks:
+        return {model, 0.7678, 6.282, 0.0648, 0.0754, 0.3214};
+    default:
+        return {};
+    }
+}
+
 StrokeSignals rigid_signals(double radius, double width, unsigned facets, bool shaded, Hold hold) {
     constexpr int kSamples = 2000; // apart by much less than kGap
     const double half = width / 2, opening = std::asin(half / radius);
@@ -93,11 +106,11 @@ Cues cues_of(const StrokeSignals& signals, double level) {
 Events events_of(const Cues& cues, const ObserverParameters& observer) {
     const double w = observer.path_weight;
     Events events;
-    events.edges = (cues.force_jump + w * cues.path_jump + observer.noise) / observer.edge;
+    events.edges = (cues.force_jump + w * cues.path_jump + observer.weber) / observer.edge;
     events.levels = observer.level_gain * (cues.force_level + w * cues.path_level);
-    if (observer.rule == LevelRule::base_kinks)
+    if (observer.model == ObserverModel::base_kinks)
         events.levels += std::pow(observer.level * cues.base, 2);
-    events.felt = -std::expm1(-std::pow(cues.steepest / observer.noise, 2) / 2);
+    events.felt = -std::expm1(-std::pow(cues.steepest / observer.weber, 2) / 2);
     return events;
 }
 
@@ -113,7 +126,14 @@ Shares shares_of(const Cues& cues, const ObserverParameters& observer) {
 
 double level_of(const ObserverParameters& observer) {
     constexpr double kExactly = 1e-3; // of the steepest
-    return observer.rule == LevelRule::threshold ? observer.level : kExactly;
+    switch (observer.model) {
+    case ObserverModel::two_noises:
+        return observer.level;
+    case ObserverModel::base_kinks:
+        return kExactly;
+    default:
+        return observer.weber;
+    }
 }
 
 Shares shares_of(const StrokeSignals& signals, const ObserverParameters& observer) {

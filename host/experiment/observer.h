@@ -32,11 +32,15 @@ enum class Hold { force, depth };
 /// width, m, of so many facets of equal angles (0: the cylinder). Shaded: the force has the cylinder's direction.
 StrokeSignals rigid_signals(double radius, double width, unsigned facets, bool shaded, Hold hold = Hold::force);
 
-/// How the observer counts what keeps a top from being level.
-enum class LevelRule {
-    threshold, /* what is below `level` times the steepest is level */
-    base_kinks /* only what is exactly level is; kinks at the base are taken for a facet's edges */
+/// What the observer's noise and its threshold for "level" are. The last two were there before; they have five fitted
+/// parameters, the first three, the second four.
+enum class ObserverModel {
+    weber,        /* one Weber fraction of force, 0.07 (Pang, Tan & Durlach 1991), for both */
+    weber_fitted, /* the same, with the fraction fitted */
+    two_noises,   /* a number for each */
+    base_kinks    /* only what is exactly level is; kinks at the base are taken for a facet's edges */
 };
+inline constexpr std::array<const char*, 4> kObserverModelNames{"weber", "weber-fitted", "two-noises", "base-kinks"};
 
 struct Cues {
     double force_jump = 0, path_jump = 0;   /* 1: across 0.1 mm at the crest */
@@ -45,21 +49,24 @@ struct Cues {
     double base = 0;                        /* 1: |F_x / F_z| at the base */
 };
 
-/// `level`: of the steepest lateral force, as in ObserverParameters. \throws UsageError for fewer than 3 samples.
+/// `level`: of the steepest lateral force, as level_of() gives it. \throws UsageError for fewer than 3 samples.
 Cues cues_of(const StrokeSignals& signals, double level);
 
-/// Fitted to Table 2 (fit.h).
+/// Fitted to Table 2 (fit.h); the default ones are those of `weber`, frozen in predictions.toml before any new data.
 struct ObserverParameters {
-    double edge = 0.7588;        /* 1: kappa, jump of the lateral force ratio for an expected edge */
-    double level_gain = 7.162;   /* 1: g, events of a wholly level bump */
-    double path_weight = 0.0603; /* 1: w, of the path beside the force */
-    double noise = 0.0754;       /* 1: nu, of the force's direction (4.3 deg) */
-    double level = 0.0745;       /* 1: rho, of the steepest: what is less counts as level. Of base_kinks: b */
-    double lapse = 0.02;         /* 1: lambda, answers by chance; not fitted */
-    LevelRule rule = LevelRule::threshold;
+    ObserverModel model = ObserverModel::weber;
+    double edge = 0.7347;        /* 1: kappa, jump of the lateral force ratio for an expected edge */
+    double level_gain = 7.228;   /* 1: g, events of a wholly level bump */
+    double path_weight = 0.0604; /* 1: w, of the path against the force */
+    double weber = 0.07; /* 1: W, just noticeable share of a force; nu, noise of its direction, of the last two */
+    double level = 0;    /* 1: of two_noises rho, threshold for level; of base_kinks b, gain of such a kink */
+    double lapse = 0.02; /* 1: lambda, answers by chance; not fitted */
 };
 
-/// Of the steepest lateral force: what the observer's rule counts as level.
+/// As published for each model.
+ObserverParameters published_observer(ObserverModel model);
+
+/// Of the steepest lateral force: what the observer counts as level.
 double level_of(const ObserverParameters& observer);
 
 /// What is expected to be noticed: whether a bump is felt at all, and then the numbers of the race (Poisson).

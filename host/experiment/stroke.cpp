@@ -92,6 +92,7 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
     const auto coupling = coupling_of<double>(scene.hand, scene.force.stiffness, 1 / manner.rate);
     double lag = -1; /* m: of a virtual coupling */
     std::size_t path = 0;
+    const std::uint64_t digest = scene_digest(stimulus);
     for (LiveSample& sample : samples) {
         const device::Reading reading = hand->read();
         if (reading.begins_path) {
@@ -103,6 +104,7 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
         sample.tick = static_cast<std::uint64_t>(&sample - samples.data());
         sample.time = static_cast<double>(sample.tick) / manner.rate;
         sample.path = static_cast<std::uint32_t>(path);
+        sample.scene = digest;
         sample.flags = found.finished ? 0U : std::uint32_t(device::kUnfinished);
         sample.probe = reading.position;
         sample.proxy = probe->law().in_world(found.contact.proxy);

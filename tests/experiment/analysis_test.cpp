@@ -121,8 +121,8 @@ TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
     for (std::size_t row = 0; row < parameters.rows.size(); ++row)
         if (parameters.word(row, "data") == "measured" && parameters.word(row, "model") == "observer" &&
             parameters.word(row, "parameter") == "kappa") {
-            EXPECT_LT(parameters.needed(row, "from"), 0.7588);
-            EXPECT_GT(parameters.needed(row, "to"), 0.7588);
+            EXPECT_LT(parameters.needed(row, "from"), 0.7347);
+            EXPECT_GT(parameters.needed(row, "to"), 0.7347);
         }
     const study::Table& fits = data.table("observer");
     for (std::size_t row = 0; row < fits.rows.size(); ++row)

@@ -501,7 +501,14 @@ void expect_psych_ds(const Experiment& one, std::size_t trials, const std::strin
     EXPECT_EQ(columns, joined);
     EXPECT_EQ(columns.find("standard") != std::string::npos, one.spec.task == Task::compare);
     EXPECT_EQ(read_rows(files[0]).size(), trials);
-    EXPECT_TRUE(fs::exists(folder / "paths" / path)) << path;
+    const std::string samples = read_file(folder / "paths" / path);
+    const std::size_t last = samples.rfind(',') + 1;
+    EXPECT_TRUE(std::ranges::any_of(one.study.cases,
+                                    [&](const Case& stimulus) {
+                                        return samples.substr(last) ==
+                                               sha256_of(resolved_toml(stimulus)).substr(0, 16) + "\n";
+                                    }))
+        << "of which scene a sample is: " << samples.substr(last);
     EXPECT_EQ(description.at("schemaVersion"), "Psych-DS 1.5.1");
     // Rules of files: in the root these alone, in data/ names of keys and values; some folders are never looked at, and
     // those that .psychds-ignore names.
