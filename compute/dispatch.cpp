@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "compute/plan.h"
 #include "compute/vulkan.h"
 
 namespace forceshade::compute {
@@ -108,7 +107,7 @@ struct Pipeline {
 
 struct Dispatcher::Implementation {
     Device::Implementation& device;
-    Shape shape;
+    DispatchShape shape;
     bool staged; // results are copied to memory of the host's, else the kernel writes there itself
     vk::raii::DescriptorSetLayout set_layout{nullptr};
     vk::raii::PipelineLayout layout{nullptr};
@@ -121,10 +120,10 @@ struct Dispatcher::Implementation {
     std::size_t turn = 0; // the slot at hand is turn % slots
     bool poisoned = false;
 
-    Implementation(Device::Implementation& on, const Shape& wanted)
-        : device(on), shape(wanted),
-          staged(wanted.force_staging || !(on.report.software || on.report.type == "integrated")), transfers(on),
-          unused(make_buffer(on, 16, Usage::eStorageBuffer, Placement::device)), shared(wanted.bindings) {
+    Implementation(Device::Implementation& on, const DispatchShape& wanted, bool force_staging)
+        : device(on), shape(wanted), staged(force_staging || !(on.report.software || on.report.type == "integrated")),
+          transfers(on), unused(make_buffer(on, 16, Usage::eStorageBuffer, Placement::device)),
+          shared(wanted.bindings) {
         std::vector<vk::DescriptorSetLayoutBinding> bindings;
         for (uint binding = 0; binding < shape.bindings; ++binding)
             bindings.emplace_back(binding, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
@@ -293,9 +292,10 @@ void require_poison(Bytes behind) {
     }
 }
 
-Dispatcher::Dispatcher(Device& device, const Shape& shape)
-    : implementation_(checked("preparing a kernel",
-                              [&] { return std::make_unique<Implementation>(device.implementation(), shape); })) {}
+Dispatcher::Dispatcher(Device& device, const DispatchShape& shape, bool force_staging)
+    : implementation_(checked("preparing a kernel", [&] {
+          return std::make_unique<Implementation>(device.implementation(), shape, force_staging);
+      })) {}
 
 Dispatcher::~Dispatcher() = default;
 
@@ -481,6 +481,11 @@ Bytes Dispatcher::result_bytes(uint binding) const {
         return {};
     return {visible_to_host(self.device, self.staged ? own.host : own.device), own.bytes};
 }
+
+Kernel::Kernel(Device& device, const KernelOptions& options, const DispatchShape& shape)
+    : dispatcher_(new Dispatcher(device, shape, options.force_staging)), options_(options) {}
+
+Kernel::~Kernel() = default;
 
 void run_checked(const std::string& doing, const std::function<void()>& call) {
     checked(doing, call);

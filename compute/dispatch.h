@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "compute/inputs.h"
 #include "compute/kernels.h"
+#include "compute/plan.h"
 #include "host/clock.h"
 
 namespace forceshade::compute {
@@ -40,21 +40,22 @@ template <typename T> Code code_for(const DeviceReport& report, Code f32, Code f
 /// Of poisoned memory behind results. \throws DeviceError (differs_in_parts) if something was written there.
 void require_poison(Bytes behind);
 
+struct DispatchShape {
+    static constexpr layout::uint kNoStatus = 0xFFFFFFFFu;
+    layout::uint bindings = 0;
+    layout::uint status = kNoStatus; /* binding of the status word */
+    std::uint32_t push_bytes = 0;    /* of push constants */
+    std::uint32_t in_flight = 2;     /* most dispatches at once */
+};
+
 class Dispatcher {
 public:
-    static constexpr layout::uint kNoStatus = 0xFFFFFFFFu;
     static constexpr layout::uint kPoison = 0xFFFA5A5Au; /* as real, of both precisions, no number; no facet's id */
     static_assert((kPoison & 0x7FF80000u) == 0x7FF80000u && (kPoison & 0x0007FFFFu) != 0); /* NaN, quiet, of both */
     static constexpr std::size_t kPoisonBehind = 4096;                                     /* bytes behind results */
 
-    struct Shape {
-        layout::uint bindings = 0;
-        layout::uint status = kNoStatus; /* binding of the status word */
-        std::uint32_t push_bytes = 0;    /* of push constants */
-        std::uint32_t in_flight = 2;     /* most dispatches at once */
-        bool force_staging = false;      /* copy results even where the host shares the memory */
-    };
-    Dispatcher(Device& device, const Shape& shape);
+    /// `force_staging`: results are copied even where the host shares the memory.
+    Dispatcher(Device& device, const DispatchShape& shape, bool force_staging);
     ~Dispatcher();
 
     const DeviceReport& report() const;

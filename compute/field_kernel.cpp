@@ -1,7 +1,9 @@
+// Fields of analytic surfaces and of meshes.
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "compute/dispatch.h"
-#include "compute/inputs.h"
 #include "compute/plan.h"
 #include "host/threads.h"
 #include "shaders/kernels.h"
@@ -25,7 +27,7 @@ std::uint32_t filling_invocations(const DeviceReport& report) {
 // A field on its way through the device.
 template <typename T> struct FieldRun {
     Dispatcher& dispatcher;
-    const FieldKernelOptions& options;
+    const KernelOptions& options;
     const layout::FieldInput<T>& input;
     const bool packed = sizeof(T) == sizeof(float) && !takes_exact<T>(dispatcher.report()) && options.packed_stores &&
                         dispatcher.report().int64;
@@ -101,14 +103,98 @@ void FieldRun<T>::run(const FieldPlan& plan, std::size_t pipeline, FieldTimes& t
         }
 }
 
+// The plan of this many samples fits into any buffer, however long the planner makes its lists.
+constexpr std::uint64_t kMostBlockSamples = std::uint64_t(1)
+                                            << 18; // 32 768 blocks, each with up to 512 candidates: 65 MiB
+
+Constants free_constants() {
+    layout::Features features;
+    features.channels = layout::kChannelProxy;
+    Constants constants = constants_of(kGroup, features);
+    constants[layout::kSpecFree] = 1;
+    return constants;
+}
+
+template <typename T>
+MeshChunkSteps steps_of(const Dispatcher& dispatcher, const KernelOptions& options, const layout::FieldInput<T>& input,
+                        std::uint64_t x_pitch) {
+    const SampleBytes sample = bytes_per_sample(input.law.features.channels, sizeof(T));
+    const DeviceReport& report = dispatcher.report();
+    const std::size_t wanted =
+        report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
+    const std::uint64_t least = layout::kMeshBlock * x_pitch * sample.all; // a row of blocks always fits
+    std::uint64_t bytes = std::max(least, std::min<std::uint64_t>(wanted, kMostBlockSamples * sample.all));
+    if (options.in_parts)
+        bytes = std::clamp(x_pitch * sample.all * part_of(input.y.size()), least, bytes);
+    return plan_mesh_chunks(x_pitch, input.y.size(), input.z.size(), sample, report.buffer_range, bytes);
+}
+
+// A mesh's field on its way through the device.
+template <typename T> struct MeshFieldRun {
+    Dispatcher& dispatcher;
+    const layout::FieldInput<T>& input;
+    const TakeField<T>& take;
+    FieldTimes& times;
+    std::size_t pipeline, free_pipeline;
+    std::vector<uint> candidates;
+    std::uint32_t x_pitch;
+    MeshChunkSteps steps;
+    bool voxel_by_voxel;
+    MeshChunkPlan part{}; // of the chunk at hand
+
+    void submit(const layout::MeshPlan& plan, uint y, uint z, uint z_end);
+    void slab(const layout::MeshPlan& plan, std::size_t z_first, std::size_t z_count) {
+        const auto z_end = static_cast<uint>(z_first + z_count);
+        for (auto z = static_cast<uint>(z_first); z < z_end; z += steps.z_step)
+            for (uint y = 0; y < input.y.size(); y += steps.y_step)
+                submit(plan, y, z, z_end);
+    }
+};
+
+template <typename T> void MeshFieldRun<T>::submit(const layout::MeshPlan& plan, uint y, uint z, uint z_end) {
+    const auto ny = static_cast<uint>(input.y.size());
+    dispatcher.begin(times);
+    layout::MeshChunkParams chunk{};
+    chunk.x_pitch = x_pitch;
+    chunk.y_first = y;
+    chunk.y_count = std::min(steps.y_step, ny - y);
+    chunk.y_axis = chunk.x_pitch;
+    chunk.z_first = z;
+    chunk.z_count = std::min(steps.z_step, z_end - z);
+    chunk.z_axis = chunk.x_pitch + ny;
+    const Clock::time_point start = Clock::now();
+    cut_plan(plan, chunk, candidates, voxel_by_voxel, part);
+    chunk.blocks = part.blocks;
+    chunk.candidates = layout::kMeshBlockWords * chunk.blocks;
+    const Bytes words = std::as_bytes(std::span<const uint>(part.words));
+    if (words.size() > dispatcher.report().buffer_range)
+        throw DeviceError(DeviceError::Kind::out_of_memory,
+                          fmt::format("the candidates of a part of the grid take {} bytes and a buffer of this device "
+                                      "spans {}: a smaller grid would fit",
+                                      words.size(), dispatcher.report().buffer_range));
+    dispatcher.put(layout::kMeshBindPlan, words);
+    times.uploaded += words.size();
+    const std::uint64_t samples = std::uint64_t(chunk.x_pitch) * chunk.y_count * chunk.z_count;
+    const uint channels = input.law.features.channels;
+    dispatcher.expect_channels(layout::kMeshBindForce, channels, samples, sizeof(T));
+    times.upload += seconds_since(start);
+    // Everything free of contact first; then the blocks that are listed.
+    for (const uint binding : {layout::kMeshBindForce, layout::kMeshBindDepth, layout::kMeshBindUnshaded})
+        dispatcher.fill(binding, 0);
+    dispatcher.fill(layout::kMeshBindFacet, layout::kNoFacet);
+    std::vector<Dispatcher::Run> runs;
+    if (channels & layout::kChannelProxy)
+        runs.push_back({free_pipeline, divide_up(samples, kGroup), bytes_of(chunk), true});
+    if (chunk.blocks != 0)
+        runs.push_back({pipeline, divide_up(chunk.blocks, kGroup), bytes_of(chunk), true, !runs.empty()});
+    dispatcher.submit(
+        runs, [this, chunk] { take(dispatcher.field_chunk<T>(layout::kMeshBindForce, input.x.size(), chunk)); });
+}
+
 } // namespace
 
-FieldKernel::FieldKernel(Device& device, const FieldKernelOptions& options)
-    : dispatcher_(new Dispatcher(
-          device, {layout::kBindCount, layout::kBindStatus, sizeof(layout::ChunkParams), 2, options.force_staging})),
-      options_(options) {}
-
-FieldKernel::~FieldKernel() = default;
+FieldKernel::FieldKernel(Device& device, const KernelOptions& options)
+    : Kernel(device, options, {layout::kBindCount, layout::kBindStatus, sizeof(layout::ChunkParams)}) {}
 
 template <typename T> FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take) {
     Dispatcher& dispatcher = *dispatcher_;
@@ -131,5 +217,51 @@ template <typename T> FieldTimes FieldKernel::evaluate(const layout::FieldInput<
 
 template FieldTimes FieldKernel::evaluate<float>(const layout::FieldInput<float>&, const TakeField<float>&);
 template FieldTimes FieldKernel::evaluate<double>(const layout::FieldInput<double>&, const TakeField<double>&);
+
+MeshKernel::MeshKernel(Device& device, const KernelOptions& options)
+    : Kernel(device, options, {layout::kMeshBindCount, layout::kMeshBindStatus, sizeof(layout::MeshChunkParams)}) {}
+
+template <typename T>
+FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take, const PlanSlab& plan) {
+    Dispatcher& dispatcher = *dispatcher_;
+    check_precision<T>(dispatcher.report());
+    dispatcher.poison(options_.in_parts);
+    FieldTimes times;
+    run_checked("evaluating a field", [&] {
+        const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
+        std::vector<uint> candidates;
+        dispatcher.upload(times, [&](const PutTable& put) { candidates = put_mesh_tables(input, put); });
+        const Code code = code_for<T>(dispatcher.report(), kernels::mesh_field_f32(), kernels::mesh_field_f32_exact(),
+                                      kernels::mesh_field_f64());
+        const auto x_pitch =
+            static_cast<std::uint32_t>(divide_up(input.x.size(), layout::kMeshBlock) * layout::kMeshBlock);
+        MeshFieldRun<T> field{dispatcher,
+                              input,
+                              take,
+                              times,
+                              dispatcher.pipeline(code, constants_of(kGroup, input.law.features, loops), times),
+                              dispatcher.pipeline(code, free_constants(), times),
+                              std::move(candidates),
+                              x_pitch,
+                              steps_of(dispatcher, options_, input, x_pitch),
+                              loops.voxel_by_voxel};
+        const std::size_t nz = input.z.size();
+        const std::size_t layers = std::max<std::size_t>(1, options_.slab_voxels / (input.x.size() * input.y.size()));
+        const std::size_t step = std::max<std::size_t>(layout::kMeshBlock, field.steps.z_step);
+        const std::size_t slab = plan ? std::max<std::size_t>(1, layers / step) * step : nz;
+        dispatcher.complete(times, [&] {
+            for (std::size_t z = 0; z < nz; z += slab) {
+                const std::size_t count = std::min(slab, nz - z);
+                field.slab(plan ? plan(z, count) : input.plan, z, count);
+            }
+        });
+    });
+    return times;
+}
+
+template FieldTimes MeshKernel::evaluate<float>(const layout::FieldInput<float>&, const TakeField<float>&,
+                                                const PlanSlab&);
+template FieldTimes MeshKernel::evaluate<double>(const layout::FieldInput<double>&, const TakeField<double>&,
+                                                 const PlanSlab&);
 
 } // namespace forceshade::compute

@@ -1,11 +1,13 @@
-// How work is cut into dispatches under a device's limits, and what kernels are specialised to. Arithmetic only: no
-// device is touched.
+// How work is cut into dispatches under a device's limits, what kernels are specialised to, and the tables that they
+// read, of which only what the law needs goes to the device. Arithmetic only: no device is touched.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "shaders/shared/law.h"
@@ -134,5 +136,29 @@ Constants constants_of(std::uint32_t group, const layout::Features& law, FacetLo
 /// Of paths.
 template <typename T>
 Constants constants_of(std::uint32_t group, const layout::PathInput<T>& input, FacetLoops loops = {});
+
+// Tables by binding, from a law, a grid, a mesh and a batch of paths.
+
+using PutTable = std::function<void(layout::uint binding, std::span<const std::byte> table)>;
+
+/// A field's law and axes. Rows of the x axis are padded with their last sample to a multiple of `lanes`.
+template <typename T>
+void put_field_tables(const layout::FieldInput<T>& input, std::uint32_t lanes, const PutTable& put);
+
+/// All that a mesh's field reads but the plan; rows are padded to whole blocks. Returns how each triangle is written as
+/// a candidate.
+template <typename T>
+std::vector<layout::uint> put_mesh_tables(const layout::FieldInput<T>& input, const PutTable& put);
+
+/// The law of paths over an analytic surface.
+template <typename T> void put_path_tables(const layout::Law<T>& law, const PutTable& put);
+
+/// The law of paths on a mesh. Returns where the vertices begin in the vectors.
+template <typename T> layout::uint put_mesh_path_tables(const layout::Law<T>& law, const PutTable& put);
+
+/// The motion of a batch of paths, at three bindings from `motions` on: motions, harmonics and hands.
+template <typename T>
+void put_batch_tables(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch, layout::uint motions,
+                      const PutTable& put);
 
 } // namespace forceshade::compute

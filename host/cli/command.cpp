@@ -10,7 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "host/error.h"
-#include "host/field/pipeline_cache.h"
+#include "host/field/engine.h"
 #include "host/mesh/thin_parts.h"
 #include "host/output/files.h"
 #include "host/reference/god_object.h"

@@ -92,7 +92,7 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
     const auto coupling = coupling_of<double>(scene.hand, scene.force.stiffness, 1 / manner.rate);
     double lag = -1; /* m: of a virtual coupling */
     std::size_t path = 0;
-    const std::uint64_t digest = scene_digest(stimulus);
+    const std::uint64_t digest = scene_id(stimulus);
     for (LiveSample& sample : samples) {
         const device::Reading reading = hand->read();
         if (reading.begins_path) {

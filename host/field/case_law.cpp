@@ -119,20 +119,19 @@ template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, doub
 template layout::Coupling<float> coupling_of<float>(const HandSpec&, double, double) noexcept;
 template layout::Coupling<double> coupling_of<double>(const HandSpec&, double, double) noexcept;
 
-std::uint64_t scene_digest(const PreparedCase& prepared) {
-    const std::string digits = sha256_of(prepared.scene);
-    std::uint64_t digest = 0;
-    std::from_chars(digits.data(), digits.data() + 16, digest, 16);
-    return digest;
+std::uint64_t scene_id(const PreparedCase& prepared) {
+    const std::string digest = sha256_of(prepared.scene);
+    std::uint64_t id = 0;
+    std::from_chars(digest.data(), digest.data() + 16, id, 16);
+    return id;
 }
 
 std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared) {
-    std::unique_ptr<ProbeLaw> law;
-    if (prepared.one.scene.precision == Precision::f32)
-        law = std::make_unique<InPrecision<float>>(prepared);
-    else
-        law = std::make_unique<InPrecision<double>>(prepared);
-    law->scene = scene_digest(prepared);
+    auto law =
+        in_precision(prepared.one.scene.precision, [&]<typename T>(std::type_identity<T>) -> std::unique_ptr<ProbeLaw> {
+            return std::make_unique<InPrecision<T>>(prepared);
+        });
+    law->scene = scene_id(prepared);
     return law;
 }
 

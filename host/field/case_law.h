@@ -109,15 +109,15 @@ private:
 /// The hand's virtual coupling in a scene of `stiffness`, N/m, each `period`, s.
 template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, double stiffness, double period) noexcept;
 
-/// The first 64 bits of the SHA-256 of the scene's resolved TOML: of which scene a sample is.
-std::uint64_t scene_digest(const PreparedCase& prepared);
+/// The first 64 bits of the SHA-256 of the scene's resolved TOML.
+std::uint64_t scene_id(const PreparedCase& prepared);
 
 /// A law in the precision of its scene, and its probe. Neither allocates, locks, throws nor logs.
 class ProbeLaw {
 public:
     virtual ~ProbeLaw() = default;
 
-    std::uint64_t scene = 0; /* scene_digest() */
+    std::uint64_t scene = 0; // scene_id(): of which scene a sample is
 
     /// As CaseLaw's and CaseProbe's: the numbers of `explore`, bit for bit.
     virtual bool reaches(const glm::dvec3& probe) const noexcept = 0;

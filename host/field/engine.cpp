@@ -1,15 +1,20 @@
 #include "host/field/engine.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "compute/kernels.h"
 #include "host/clock.h"
-#include "host/field/digests.h"
-#include "host/field/pipeline_cache.h"
+#include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
+#include "host/output/files.h"
+#include "host/output/rows.h"
 #include "host/reference/field.h"
 #include "host/reference/god_object.h"
 #include "host/reference/mesh_field.h"
@@ -133,35 +138,85 @@ private:
     std::vector<layout::uint> lengths_;
 };
 
-// A kernel, made when it is first asked for.
-template <typename Kernel, typename Options> class OnDemand {
+// Whether work that was computed twice came out the same: a number of 64 bits for each row of a field, or each path.
+class Digests {
 public:
-    Options options;
-    Kernel& on(compute::Device& device) {
-        if (!kernel_)
-            kernel_ = std::make_unique<Kernel>(device, options);
-        return *kernel_;
+    explicit Digests(std::size_t rows) : rows_(rows, 0) {}
+
+    // Further values of a row, in their order.
+    template <typename Value> void add(std::size_t row, std::span<const Value> values) {
+        std::uint64_t digest = rows_[row];
+        for (const Value& value : values) {
+            std::uint64_t bits = 0;
+            std::memcpy(&bits, &value, sizeof(Value));
+            digest = (std::rotl(digest, 29) ^ bits) * 0x9E3779B97F4A7C15u;
+        }
+        rows_[row] = digest;
     }
-    void set_in_parts(bool on) {
-        if (kernel_)
-            kernel_->set_in_parts(on);
+
+    // The rows' number if there is none.
+    std::size_t first_difference(const Digests& other) const {
+        return static_cast<std::size_t>(std::ranges::mismatch(rows_, other.rows_).in1 - rows_.begin());
     }
 
 private:
-    std::unique_ptr<Kernel> kernel_;
+    std::vector<std::uint64_t> rows_;
 };
+
+// A field's row is z * ny + y.
+template <typename T> void add(Digests& digests, const layout::FieldChunk<T>& chunk, std::size_t ny) {
+    const auto add_row = [&]<typename Value>(std::size_t row, std::size_t at, std::span<const Value> values,
+                                             std::size_t width) {
+        if (!values.empty())
+            digests.add(row, values.subspan(width * at, width * chunk.x_count));
+    };
+    for (std::size_t z = 0; z < chunk.z_count; ++z)
+        for (std::size_t y = 0; y < chunk.y_count; ++y) {
+            const std::size_t row = (chunk.z_first + z) * ny + chunk.y_first + y;
+            const std::size_t at = (z * chunk.y_count + y) * chunk.x_pitch;
+            add_row(row, at, chunk.force, 3);
+            add_row(row, at, chunk.depth, 1);
+            add_row(row, at, chunk.facet, 1);
+            add_row(row, at, chunk.proxy, 3);
+            add_row(row, at, chunk.unshaded, 3);
+        }
+}
+
+// Some steps of some paths; `lengths` of all paths, behind whose ends may stand anything.
+template <typename T>
+void add(Digests& digests, const layout::PathChunk<T>& chunk, std::span<const layout::uint> lengths) {
+    const auto add_sample = [&]<typename Value>(std::size_t path, std::size_t at, std::span<const Value> values,
+                                                std::size_t width) {
+        if (!values.empty())
+            digests.add(path, values.subspan(width * at, width));
+    };
+    for (std::size_t i = 0; i < chunk.path_count; ++i) {
+        const std::size_t path = chunk.path_first + i;
+        const std::size_t end = std::min<std::size_t>(chunk.step_first + chunk.step_count, lengths[path]);
+        for (std::size_t step = chunk.step_first; step < end; ++step) {
+            const std::size_t at = (step - chunk.step_first) * chunk.pitch + i;
+            add_sample(path, at, chunk.position, 3);
+            add_sample(path, at, chunk.force, 3);
+            add_sample(path, at, chunk.depth, 1);
+            add_sample(path, at, chunk.facet, 1);
+            add_sample(path, at, chunk.proxy, 3);
+        }
+    }
+}
+
+// Metrics have no padding, so that their bytes are theirs alone.
+template <typename T> void add(Digests& digests, std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+    for (std::size_t i = 0; i < metrics.size(); ++i)
+        digests.add(first + i, std::span(reinterpret_cast<const layout::uint*>(&metrics[i]),
+                                         sizeof(metrics[i]) / sizeof(layout::uint)));
+}
 
 class GpuEngine final : public Engine {
 public:
     explicit GpuEngine(const EngineOptions& options)
         : cache_(options.cache), twice_(options.twice),
           chosen_(compute::choose_device(compute::list_devices(), options.gpu, options.needs_f64)),
-          device_(open(options)) {
-        fields_.options.chunk_bytes = options.chunk_bytes;
-        mesh_fields_.options.chunk_bytes = options.chunk_bytes;
-        paths_.options.chunk_bytes = options.chunk_bytes;
-        mesh_paths_.options.chunk_bytes = options.chunk_bytes;
-    }
+          device_(open(options)), options_{.chunk_bytes = options.chunk_bytes} {}
 
     ~GpuEngine() override {
         try {
@@ -180,8 +235,9 @@ public:
     }
 
 private:
-    template <typename Work> EngineTimes run_once(const Work& work) {
+    template <typename Work> EngineTimes run_once(const Work& work, bool in_parts = false) {
         EngineTimes spent;
+        options_.in_parts = in_parts;
         const compute::FieldTimes times = run_kernel(work, spent);
         if (const auto complaints = device_.validation_messages(); !complaints.empty())
             throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
@@ -191,6 +247,7 @@ private:
         spent.kernel = times.kernel;
         spent.read_back = times.read_back;
         spent.uploaded = times.uploaded;
+        spent.host_updates = times.host_updates;
         print_times(report(), spent);
         return spent;
     }
@@ -206,7 +263,7 @@ private:
             add(parts, chunk, ny);
         };
         const EngineTimes times = run_once(FieldWork<T>{work.input, take});
-        in_parts([&] { run_once(FieldWork<T>{work.input, again}); });
+        run_once(FieldWork<T>{work.input, again}, true);
         if (const std::size_t row = parts.first_difference(whole); row != rows)
             throw differs(fmt::format("the field at y {}, z {}", row % ny, row / ny));
         return times;
@@ -231,27 +288,18 @@ private:
         };
         const EngineTimes times = run_once(PathWork<T>{input, take, take_metrics});
         digests = &parts;
-        in_parts([&] { run_once(PathWork<T>{input, take, take_metrics}); });
+        run_once(PathWork<T>{input, take, take_metrics}, true);
         if (const std::size_t path = parts.first_difference(whole); path != input.paths)
             throw differs(fmt::format("path {}", path));
         return times;
     }
 
-    void in_parts(const std::function<void()>& work) {
-        set_in_parts(true);
-        try {
-            work();
-        } catch (...) {
-            set_in_parts(false);
-            throw;
-        }
-        set_in_parts(false);
-    }
-    void set_in_parts(bool on) {
-        fields_.set_in_parts(on);
-        mesh_fields_.set_in_parts(on);
-        paths_.set_in_parts(on);
-        mesh_paths_.set_in_parts(on);
+    // Made when it is first asked for.
+    template <typename Kernel> Kernel& made(std::unique_ptr<Kernel>& kernel) {
+        if (!kernel)
+            kernel = std::make_unique<Kernel>(device_, options_);
+        kernel->set_in_parts(options_.in_parts);
+        return *kernel;
     }
     compute::DeviceError differs(const std::string& what) const {
         return {compute::DeviceError::Kind::differs_in_parts,
@@ -275,8 +323,8 @@ private:
     template <typename T> compute::FieldTimes run_kernel(const FieldWork<T>& work, EngineTimes& spent) {
         const layout::FieldInput<T>& input = work.input;
         if (input.law.features.surface != layout::kSurfaceMesh)
-            return fields_.on(device_).evaluate(input, work.take);
-        compute::MeshKernel& kernel = mesh_fields_.on(device_);
+            return made(fields_).evaluate(input, work.take);
+        compute::MeshKernel& kernel = made(mesh_fields_);
         if (!input.plan.blocks.empty())
             return kernel.evaluate<T>(input, work.take);
         SlabPlanner<T> planner(input, 0, spent);
@@ -284,27 +332,25 @@ private:
             input, work.take, [&](std::size_t z_first, std::size_t z_count) { return planner.plan(z_first, z_count); });
     }
 
-    template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes& spent) {
+    template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes&) {
         if (work.input.law.features.surface != layout::kSurfaceMesh)
-            return paths_.on(device_).explore(work.input, work.take, work.take_metrics);
+            return made(paths_).explore(work.input, work.take, work.take_metrics);
         // The oracle does the updates that the kernel leaves: few steps need its many cases.
         const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
             reference::finish_updates(work.input.law.mesh, updates, most_threads());
         };
-        const compute::MeshPathTimes times =
-            mesh_paths_.on(device_).explore(work.input, finish, work.take, work.take_metrics);
-        spent.host_updates = times.host_updates;
-        return times;
+        return made(mesh_paths_).explore(work.input, finish, work.take, work.take_metrics);
     }
 
     std::filesystem::path cache_;
     bool twice_;
     compute::DeviceReport chosen_;
     compute::Device device_;
-    OnDemand<compute::FieldKernel, compute::FieldKernelOptions> fields_;
-    OnDemand<compute::MeshKernel, compute::MeshKernelOptions> mesh_fields_;
-    OnDemand<compute::PathKernel, compute::PathKernelOptions> paths_;
-    OnDemand<compute::MeshPathKernel, compute::MeshPathOptions> mesh_paths_;
+    compute::KernelOptions options_;
+    std::unique_ptr<compute::FieldKernel> fields_;
+    std::unique_ptr<compute::MeshKernel> mesh_fields_;
+    std::unique_ptr<compute::PathKernel> paths_;
+    std::unique_ptr<compute::MeshPathKernel> mesh_paths_;
 };
 
 } // namespace
@@ -319,6 +365,85 @@ std::unique_ptr<Engine> make_engine(const EngineOptions& options) {
     spdlog::debug("device: {}{}{}", report.device, report.driver.empty() ? "" : ", " + report.driver,
                   options.cpu || options.cache.empty() ? "" : ", compiled kernels in " + options.cache.string());
     return engine;
+}
+
+template <typename T> void Field<T>::append(const layout::FieldChunk<T>& chunk, std::size_t repeats) {
+    append_rows(chunk, chunk.force, 3, repeats, force);
+    append_rows(chunk, chunk.depth, 1, repeats, depth);
+    append_rows(chunk, chunk.proxy, 3, repeats, proxy);
+    append_rows(chunk, chunk.unshaded, 3, repeats, unshaded);
+    append_rows(chunk, chunk.facet, 1, repeats, facet);
+}
+
+template <typename T> Field<T> evaluate(const layout::FieldInput<T>& input, std::size_t repeats, Engine& engine) {
+    Field<T> field;
+    field.times = engine.evaluate<T>(input, [&](const layout::FieldChunk<T>& chunk) { field.append(chunk, repeats); });
+    return field;
+}
+
+template <typename T> Field<T> evaluate(const PreparedCase& prepared, Engine& engine) {
+    const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies);
+    const layout::FieldInput<T> input = tables.input();
+    return evaluate<T>(input, prepared.one.scene.grid.size[1] / input.y.size(), engine);
+}
+
+template struct Field<float>;
+template struct Field<double>;
+template Field<float> evaluate(const layout::FieldInput<float>&, std::size_t, Engine&);
+template Field<double> evaluate(const layout::FieldInput<double>&, std::size_t, Engine&);
+template Field<float> evaluate<float>(const PreparedCase&, Engine&);
+template Field<double> evaluate<double>(const PreparedCase&, Engine&);
+
+namespace {
+
+constexpr std::size_t kDigest = 64;             // hex digits of the SHA-256 that the file begins with
+constexpr std::uintmax_t kLargest = 256u << 20; // bytes; a larger file is not ours
+
+} // namespace
+
+std::filesystem::path pipeline_cache_path(const std::filesystem::path& folder, const std::string& device) {
+    return folder / ("pipelines-" + sha256_of(device).substr(0, 16) + ".bin");
+}
+
+std::vector<std::byte> read_pipeline_cache(const std::filesystem::path& folder, const std::string& device) {
+    if (folder.empty())
+        return {};
+    const std::filesystem::path path = pipeline_cache_path(folder, device);
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(path, error);
+    if (error || size < kDigest || size > kLargest)
+        return {};
+    std::string content(size, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(content.data(), static_cast<std::streamsize>(size));
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(content)).subspan(kDigest);
+    if (!file || content.substr(0, kDigest) != sha256_of(bytes)) {
+        spdlog::info("{} is damaged: kernels are compiled anew", path.string());
+        return {};
+    }
+    return {bytes.begin(), bytes.end()};
+}
+
+void write_pipeline_cache(const std::filesystem::path& folder, const std::string& device,
+                          std::span<const std::byte> bytes) {
+    if (folder.empty() || bytes.empty())
+        return;
+    try {
+        std::filesystem::create_directories(folder);
+        std::string content = sha256_of(bytes);
+        content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        write_file_atomically(pipeline_cache_path(folder, device), content);
+    } catch (const std::exception& error) {
+        spdlog::debug("compiled kernels are not kept: {}", error.what());
+    }
+}
+
+std::filesystem::path default_cache_folder() {
+    if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder)
+        return std::filesystem::path(folder) / "forceshade";
+    if (const char* home = std::getenv("HOME"); home && *home)
+        return std::filesystem::path(home) / ".cache" / "forceshade";
+    return {};
 }
 
 } // namespace forceshade

@@ -21,7 +21,6 @@
 #include "host/library/forceshade.h"
 #include "host/limits/critical_stiffness.h"
 #include "host/mesh/mesh_file.h"
-#include "host/output/files.h"
 #include "host/reference/chunks.h"
 
 namespace forceshade {
@@ -30,21 +29,18 @@ namespace {
 using Law = std::variant<CaseLaw<float>, CaseLaw<double>>;
 
 Law law_of(const PreparedCase& prepared) {
-    if (prepared.one.scene.precision == Precision::f32)
-        return CaseLaw<float>(prepared);
-    return CaseLaw<double>(prepared);
+    return in_precision(prepared.one.scene.precision,
+                        [&]<typename T>(std::type_identity<T>) -> Law { return CaseLaw<T>(prepared); });
 }
 
 /// What handles of a scene share; nothing that is seen changes.
 class SceneTables {
 public:
     SceneTables(const Case& one, const std::vector<std::string>& remarks, const PolygonFile* mesh = nullptr)
-        : prepared_(CasePreparation().prepare(one, mesh)), law_(law_of(prepared_)) {
+        : prepared_(CasePreparation().prepare(one, mesh)), law_(law_of(prepared_)), id_(scene_id(prepared_)) {
         for (const auto& lines : {remarks, prepared_.warnings})
             for (const std::string& line : lines)
                 warnings_ += (warnings_.empty() ? "" : "\n") + line;
-        const std::string digest = sha256_of(prepared_.scene);
-        id_ = std::stoull(digest.substr(0, 16), nullptr, 16);
     }
 
     const std::string& toml() const { return prepared_.scene; }
@@ -64,8 +60,8 @@ public:
 private:
     PreparedCase prepared_;
     Law law_;
+    std::uint64_t id_;
     std::string warnings_;
-    std::uint64_t id_ = 0;
     mutable std::once_flag path_law_once_;
     mutable std::optional<Law> path_law_;
 };

@@ -135,7 +135,7 @@ TEST_F(Limits, AFieldMayBeLargerThanABuffer) {
         GTEST_SKIP() << "this device's buffers span more";
     const FieldTables<double> tables = textured<double>({512, 512, 64}, false);
     const layout::FieldInput<double> input = tables.input();
-    compute::FieldKernelOptions options;
+    compute::KernelOptions options;
     options.chunk_bytes = options.software_chunk_bytes = std::size_t(1) << 30;
     compute::FieldKernel kernel(device(), options);
     test::HeldField<double> held(input);
@@ -186,7 +186,7 @@ TEST_F(Limits, FacetsWithTooManyCornersAreRefused) {
 
 // What the consumer throws comes through with chunks still in flight, and the kernel serves on.
 TEST_F(Limits, AConsumerMayThrow) {
-    compute::FieldKernelOptions options;
+    compute::KernelOptions options;
     options.chunk_bytes = options.software_chunk_bytes = 20000;
     compute::FieldKernel kernel(device(), options);
     const FieldTables<float> tables = textured<float>({37, 9, 23});

@@ -47,8 +47,8 @@ protected:
 
     static constexpr std::size_t kMebibyte = std::size_t(1) << 20;
 
-    static compute::FieldKernelOptions options() {
-        compute::FieldKernelOptions options;
+    static compute::KernelOptions options() {
+        compute::KernelOptions options;
         options.chunk_bytes = options.software_chunk_bytes = 128 * kMebibyte;
         return options;
     }

@@ -55,7 +55,7 @@ struct Way {
     bool packed = true;                 /* two reals a store, of fields of analytic surfaces */
     bool staged = false;                /* results travel through a buffer of the host's */
     std::size_t batch = 0;              /* paths, or voxels of a slab */
-    std::uint32_t pause = 0, limit = 0; /* loops: MeshPathOptions */
+    std::uint32_t pause = 0, limit = 0; /* loops: KernelOptions */
     friend auto operator<=>(const Way&, const Way&) = default;
 };
 

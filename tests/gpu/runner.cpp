@@ -36,37 +36,22 @@ template <typename T> void add_maps(FieldTables<T>& tables, const Maps& maps) {
     tables.mesh = std::make_shared<const MeshTables<T>>(std::move(mesh));
 }
 
-// Becomes what a kernel takes.
-struct AnyOptions {
-    Way way;
-    template <typename Options> operator Options() const;
-};
-
-template <typename Options> AnyOptions::operator Options() const {
-    Options options;
+compute::KernelOptions options_of(const Way& way) {
+    compute::KernelOptions options;
     const auto set = [](auto& option, auto value) {
         if (value)
             option = value;
     };
     set(options.chunk_bytes, way.chunk_bytes);
-    if constexpr (requires { options.software_chunk_bytes; })
-        set(options.software_chunk_bytes, way.chunk_bytes);
-    if constexpr (requires { options.rows; })
-        set(options.rows, way.rows);
-    if constexpr (requires { options.steps; })
-        set(options.steps, way.rows);
-    if constexpr (requires { options.packed_stores; })
-        options.packed_stores = way.packed;
-    if constexpr (requires { options.force_staging; })
-        options.force_staging = way.staged;
-    if constexpr (requires { options.slab_voxels; })
-        set(options.slab_voxels, way.batch);
-    if constexpr (requires { options.batch_paths; })
-        set(options.batch_paths, way.batch);
-    if constexpr (requires { options.limit; }) {
-        set(options.pause, way.pause);
-        set(options.limit, way.limit);
-    }
+    set(options.software_chunk_bytes, way.chunk_bytes);
+    set(options.rows, way.rows);
+    set(options.steps, way.rows);
+    set(options.slab_voxels, way.batch);
+    set(options.batch_paths, way.batch);
+    set(options.pause, way.pause);
+    set(options.limit, way.limit);
+    options.packed_stores = way.packed;
+    options.force_staging = way.staged;
     return options;
 }
 
@@ -121,7 +106,7 @@ template FieldTables<double> tables_of<double>(const Ground&, const MeshGrid&);
 // The channels of paths on meshes stand one behind the other in a buffer.
 template <typename Kernel>
 Kernels::Kept<Kernel>::Kept(compute::Device& device, const Way& way)
-    : kernel(device, AnyOptions{way}), sentinels(std::is_same_v<Kernel, compute::MeshPathKernel>) {}
+    : kernel(device, options_of(way)), sentinels(std::is_same_v<Kernel, compute::MeshPathKernel>) {}
 
 template <typename Kernel> Kernels::Kept<Kernel>& Kernels::kept(const Way& way) {
     auto& all = std::get<std::map<Way, Kept<Kernel>>>(kept_);

@@ -28,7 +28,7 @@ TEST_F(Validation, IsSilent) {
     compute::Device device = test::open_software_device(true);
     for (const bool packed : {false, true})
         for (const bool staged : {false, true}) {
-            compute::FieldKernelOptions options;
+            compute::KernelOptions options;
             options.chunk_bytes = options.software_chunk_bytes = 100000;
             options.packed_stores = packed;
             options.force_staging = staged;

@@ -6,7 +6,8 @@
 
 #include <fmt/ranges.h>
 
-#include "host/field/evaluate.h"
+#include "host/field/engine.h"
+#include "host/field/prepared_case.h"
 #include "host/output/exr_volume.h"
 #include "host/program.h"
 

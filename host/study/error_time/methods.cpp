@@ -11,7 +11,7 @@
 
 #include "host/clock.h"
 #include "host/field/case_law.h"
-#include "host/field/evaluate.h"
+#include "host/field/engine.h"
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
 #include "host/study/error_time/bricks.h"

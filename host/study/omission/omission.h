@@ -2,7 +2,8 @@
 // repeatedly, and their results compared.
 #pragma once
 
-#include "host/field/evaluate.h"
+#include "host/field/engine.h"
+#include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
 #include "host/study/data/medians.h"
 #include "host/study/run/study_run.h"
