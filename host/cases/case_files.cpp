@@ -5,9 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/cases/path_run.h"
 #include "host/error.h"
-#include "host/field/comparison.h"
-#include "host/program.h"
 
 namespace forceshade {
 namespace {
@@ -94,17 +93,6 @@ std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormat
     add_field_files(stem, kAll, also, names);
     add_path_files(stem, kAll, also, names);
     return names;
-}
-
-PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads) {
-    const std::string stem = volume.stem().string();
-    PathRunOptions options;
-    options.samples = volume.parent_path() / (stem + ".paths.exr");
-    options.stem = volume.parent_path() / stem;
-    options.label = ".paths";
-    options.also = also;
-    options.threads = threads;
-    return options;
 }
 
 CaseRecord empty_record(const PreparedCase& prepared) {

@@ -1,17 +1,49 @@
-// The files that a case leaves: their names, what is asked for, and the record that lists them.
+// The files that a case leaves, of a field or of paths: their names, what is asked for; what writes them together, with
+// the comparison of [compare] and pictures; and the record that lists them all.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
-#include "host/cases/case_output.h"
-#include "host/cases/path_run.h"
-#include "host/field/prepared_case.h"
+#include <fmt/format.h>
+
+#include "host/field/comparison.h"
 #include "host/output/exr_volume.h"
 #include "host/output/record.h"
+#include "host/output/rows.h"
+#include "host/picture/scene_picture.h"
+#include "host/program.h"
 
 namespace forceshade {
+
+/// The files that a case leaves in addition to its EXR.
+struct AlsoFormats {
+    bool vti = false, vtp = false, npy = false;
+    picture::Endings pictures{};
+
+    /// False if there is no such format.
+    bool add(std::string_view name) {
+        if (name == "vti")
+            return vti = true;
+        if (name == "vtp")
+            return vtp = true;
+        if (name == "npy")
+            return npy = true;
+        return pictures.add(name);
+    }
+};
+
+/// What a channel's file has after the stem: ".force.npy".
+inline std::string npy_kind(layout::uint channel) {
+    return fmt::format(".{}.npy", name_of_channel(channel));
+}
 
 /// \throws UsageError for a name that is none of vti, vtp, npy, png, svg, pdf.
 AlsoFormats parse_also(const std::vector<std::string>& names);
@@ -20,9 +52,6 @@ AlsoFormats parse_also(const std::vector<std::string>& names);
 std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also);
 /// Every name that a case may leave.
 std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also);
-
-/// Where the paths of such a case go: STEM.paths.exr, STEM.paths.csv and what else is asked for.
-PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads);
 
 /// Attributes and compression of the EXR of a case's field or paths; `written`: the part of the scene that it holds.
 void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads);
@@ -33,5 +62,81 @@ CaseRecord empty_record(const PreparedCase& prepared);
 /// "left out: 94 % of the voxels (15 of 16 y samples, alike); shading, texture; channels depth, facet": what the scene
 /// did not need.
 std::string left_out_text(const CaseRecord& record);
+
+/// A published file.
+template <typename Record> void add_file(Record& record, const std::string& name, const VolumeResult& result) {
+    record.files.push_back({name, result.sha256, result.bytes});
+    record.volume_times += result.timings;
+}
+
+/// Sink: ChunkSink of a field or PathSink of paths. Files are published in the order in which they were opened.
+template <typename Sink> class CaseOutput {
+public:
+    /// `stem`: FOLDER/NAME, with which all names begin. `threads`: for [compare], if the scene has it and `compares`.
+    CaseOutput(const PreparedCase& prepared, std::filesystem::path stem, const picture::Endings& pictures,
+               const picture::Look& look, unsigned threads, bool compares = true)
+        : prepared_(prepared), stem_(std::move(stem)), pictures_(pictures), look_(look) {
+        if (prepared.one.scene.compare && compares)
+            compared_.emplace(prepared, threads);
+    }
+
+    const PreparedCase& prepared() const { return prepared_; }
+    const Scene& scene() const { return prepared_.one.scene; }
+    /// STEM.kind
+    std::filesystem::path path_of(const std::string& kind) const { return stem_.string() + kind; }
+    Compared* compared() { return compared_ ? &*compared_ : nullptr; }
+
+    /// One more file, which the arguments describe.
+    template <typename Writer, typename... Arguments>
+    void open(const std::filesystem::path& file, const Arguments&... arguments) {
+        sinks_.emplace_back(file.filename().string(), std::make_unique<Writer>(file, arguments...));
+    }
+    /// What the sinks take. \throws what they throw, Interrupted.
+    template <typename... Rows> void write(const Rows&... rows) {
+        for (const auto& [name, sink] : sinks_) {
+            check_interrupt();
+            sink->write(rows...);
+        }
+    }
+
+    /// Publishes the first file, which refuses what must not be published, and adds it to a CaseRecord or PathRecord.
+    template <typename Record> VolumeResult finish_first(Record& record) { return finish(sinks_.at(next_++), record); }
+    /// Then the others; and what [compare] says.
+    template <typename Record> void finish_others(Record& record) {
+        while (next_ < sinks_.size())
+            finish(sinks_[next_++], record);
+        if (compared_)
+            record.deviation = compared_->record();
+    }
+
+    /// How a picture of it looks; without a title of its own that.
+    picture::Look look(const std::string& title) const {
+        picture::Look titled = look_;
+        if (titled.title.empty())
+            titled.title = title;
+        return titled;
+    }
+    /// Writes a picture, STEM.kind.png and so on.
+    template <typename Record> void draw(const std::string& kind, const picture::Picture& drawn, Record& record) const {
+        std::ranges::move(picture::write_picture(path_of(kind), pictures_, drawn), std::back_inserter(record.files));
+    }
+
+private:
+    using Named = std::pair<std::string, std::unique_ptr<Sink>>;
+
+    template <typename Record> static VolumeResult finish(Named& one, Record& record) {
+        VolumeResult result = one.second->finish();
+        add_file(record, one.first, result);
+        return result;
+    }
+
+    const PreparedCase& prepared_;
+    std::filesystem::path stem_;
+    picture::Endings pictures_;
+    picture::Look look_;
+    std::vector<Named> sinks_;
+    std::size_t next_ = 0;             // to be published
+    std::optional<Compared> compared_; // with [compare]
+};
 
 } // namespace forceshade

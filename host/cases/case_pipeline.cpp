@@ -7,16 +7,138 @@
 #include <optional>
 #include <thread>
 
-#include "host/cases/case_files.h"
+#include <fmt/format.h>
+
 #include "host/cases/chunk_queue.h"
-#include "host/error.h"
+#include "host/cases/path_run.h"
+#include "host/cases/surface_file.h"
+#include "host/clock.h"
 #include "host/long_run.h"
+#include "host/numbers.h"
+#include "host/output/raw_formats.h"
+#include "host/picture/ticks.h"
+#include "host/referee/oracle_check.h"
 #include "host/threads.h"
 #include "host/touch/force_errors.h"
 
 namespace forceshade {
 
 namespace {
+
+// What the field of a case leaves: the volume, what `--also` asks for, the check against the oracle, the record.
+class FieldOutput {
+public:
+    // Files go to the job's volume and its folder. `threads`: that compress it, 0 for the calling one alone.
+    // `exact_bits`: as in OracleCheck.
+    FieldOutput(const CaseJob& job, int threads, bool exact_bits)
+        : job_(job), threads_(static_cast<unsigned>(std::max(1, threads))),
+          output_(job.prepared, job.volume.parent_path() / job.volume.stem(), job.also.pictures, job.pictures.look,
+                  threads_),
+          check_(job.prepared, exact_bits) {
+        const Scene& scene = output_.scene();
+        const GridSpec& grid = scene.grid;
+        const bool repeats = !depends_on_y(features_of(scene)); // one y stands for all
+        repeat_y_ = repeats ? grid.size[1] : 1;
+        VolumeHeader header;
+        header.size = grid.size;
+        header.origin = grid.origin;
+        header.spacing = grid.spacing;
+        header.channels = written_channels(scene);
+        set_options(header, job.prepared, scene, threads);
+        output_.open<VolumeWriter>(job.volume, header);
+        if (job.also.vti)
+            output_.open<VtiWriter>(output_.path_of(".vti"),
+                                    VtiHeader{header.size, header.origin, header.spacing, header.channels,
+                                              scene.precision, header.place_origin});
+        if (job.also.npy)
+            for (const layout::uint channel : kFieldChannels)
+                if (header.channels & channel)
+                    output_.open<NpyWriter>(output_.path_of(npy_kind(channel)), header.size, channel, scene.precision,
+                                            header.place_origin);
+        if (job.also.pictures.any())
+            slices_.emplace(grid, repeats, job.pictures.slice);
+    }
+
+    template <typename T> void write(const layout::FieldChunk<T>& chunk) {
+        const auto write = [&](const layout::FieldChunk<T>& rows, std::size_t repeat_y) {
+            output_.write(rows, repeat_y);
+        };
+        if (Compared* const compared = output_.compared())
+            compared->field<T>(chunk, repeat_y_, write);
+        else
+            write(chunk, repeat_y_);
+        if (slices_)
+            slices_->add(chunk);
+        timed(checking_, [&] { check_.add(chunk); });
+    }
+
+    // Publishes every file and returns the record, without what only the caller knows (fingerprint, engine and its
+    // times). \throws UsageError, IoError, Error. The volume is published first, so it may stand where another file
+    // failed.
+    CaseRecord finish() {
+        const auto& size = output_.scene().grid.size;
+        CaseRecord record = empty_record(job_.prepared);
+        record.voxels = size[0] * size[1] * size[2];
+        record.evaluated = record.voxels / repeat_y_;
+        timed(checking_, [&] { record.error = check_.compare(threads_); });
+        const VolumeResult volume = output_.finish_first(record);
+        record.largest_force = volume.largest_force;
+        record.largest_voxel = volume.largest_voxel;
+        output_.finish_others(record);
+        record.volume_times.check = checking_;
+        if (job_.also.vtp)
+            add_surface(record);
+        if (slices_)
+            add_pictures(record);
+        return record;
+    }
+
+private:
+    void add_surface(CaseRecord& record) const {
+        const Stage stage("writing the surface of " + job_.prepared.one.name);
+        const std::filesystem::path file = output_.path_of(".vtp");
+        const VolumeResult result = write_surface(file, job_.prepared);
+        record.files.push_back({file.filename().string(), result.sha256, result.bytes});
+    }
+    void add_pictures(CaseRecord& record) const;
+
+    const CaseJob& job_;
+    unsigned threads_;
+    CaseOutput<ChunkSink> output_; // the volume first
+    double checking_ = 0;          /* s */
+    std::size_t repeat_y_;
+    std::optional<picture::SliceCollector> slices_;
+    OracleCheck check_;
+};
+
+void FieldOutput::add_pictures(CaseRecord& record) const {
+    const PreparedCase& prepared = job_.prepared;
+    const Stage stage("drawing " + prepared.one.name);
+    const GridSpec& grid = output_.scene().grid;
+    const picture::SliceChoice& choice = job_.pictures.slice;
+    const picture::FieldSlice &slice = slices_->slice(), &unshaded = slices_->unshaded();
+    const picture::SurfaceLines lines =
+        choice.axis == 1 ? surface_lines(prepared, slice.axes.at) : picture::SurfaceLines{};
+    const auto look = [&](bool with_shading, const char* more = "") {
+        return output_.look(picture::title_of(prepared.one, with_shading) + more);
+    };
+    output_.draw(".mosaic", picture::draw_mosaic(look(true), slices_->tiles(), choice.quantity), record);
+    output_.draw(".arrows", picture::draw_arrows(look(true), slice, lines, choice.quantity, unshaded), record);
+    const auto middle = static_cast<double>((grid.size[1] - 1) / 2); // sample, rounded down
+    const double y = choice.axis == 1 ? slice.axes.at : grid.origin[1] + grid.spacing[1] * middle; /* m */
+    const SceneStroke stroke = stroke_of(prepared, y);
+    const std::string depth = numbers::quantity_text(stroke.depth, "m");
+    const std::string at_y =
+        picture::position_labels("y", {y}, slice.axes.at_spacing, numbers::choose_unit(stroke.depth, "m")).front();
+    output_.draw(".stroke",
+                 picture::draw_stroke(look(true, ", stroked along x"),
+                                      {fmt::format("probe {} below the surface, {}", depth, at_y)}, stroke.forces,
+                                      output_.scene().force.shading != Shading::none),
+                 record);
+    if (!unshaded.force.empty())
+        output_.draw(".shading", picture::draw_shading(look(false, ": what shading changes"), unshaded, slice, lines),
+                     record);
+}
 
 constexpr std::size_t kWaitingCases = 4;
 
@@ -131,8 +253,7 @@ private:
     }
 
     bool encode_field(Transfer& transfer, CaseRecord& record) {
-        FieldOutput output(transfer.job->prepared, transfer.job->volume, transfer.job->also, transfer.job->pictures,
-                           threads_a_volume_, engine_.software);
+        FieldOutput output(*transfer.job, threads_a_volume_, engine_.software);
         while (const auto waiting = transfer.chunks.pop()) {
             check_interrupt();
             std::visit([&](const auto& owned) { output.write(owned.view); }, waiting->chunk);
@@ -173,11 +294,14 @@ private:
     std::vector<std::jthread> workers_;
 };
 
-template <typename T> EngineTimes compute(Engine& engine, const CaseJob& job, ChunkQueue& chunks) {
-    const FieldTables<T> tables = make_tables<T>(job.prepared.one.scene, job.prepared.images, Extent::what_varies);
-    return engine.evaluate(tables.input(), [&](const layout::FieldChunk<T>& chunk) {
-        check_interrupt();
-        chunks.push(chunk);
+EngineTimes compute_field(Engine& engine, const CaseJob& job, ChunkQueue& chunks) {
+    const Scene& scene = job.prepared.one.scene;
+    return in_precision(scene.precision, [&]<typename T>(std::type_identity<T>) {
+        const FieldTables<T> tables = make_tables<T>(scene, job.prepared.images, Extent::what_varies);
+        return engine.evaluate(tables.input(), [&](const layout::FieldChunk<T>& chunk) {
+            check_interrupt();
+            chunks.push(chunk);
+        });
     });
 }
 
@@ -218,9 +342,7 @@ void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& 
             continue;
         }
         try {
-            transfer->times = transfer->job->prepared.one.scene.precision == Precision::f32
-                                  ? compute<float>(engine, *transfer->job, transfer->chunks)
-                                  : compute<double>(engine, *transfer->job, transfer->chunks);
+            transfer->times = compute_field(engine, *transfer->job, transfer->chunks);
             transfer->chunks.close(true);
         } catch (const EncoderFailed&) {
             transfer->chunks.close(false); // its encoder reports why

@@ -7,10 +7,17 @@
 #include <memory>
 #include <string>
 
-#include "host/cases/field_output.h"
+#include "host/cases/case_files.h"
 #include "host/field/engine.h"
+#include "host/picture/slice_collector.h"
 
 namespace forceshade {
+
+/// What the pictures of a case show and how.
+struct PictureChoice {
+    picture::Look look; /* without a title: the case in words */
+    picture::SliceChoice slice;
+};
 
 struct CaseJob {
     PreparedCase prepared;

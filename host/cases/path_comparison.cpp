@@ -45,10 +45,7 @@ const std::string& first_of(const PathComparison& one) {
 
 PathComparison compare_paths(Engine& engine, const PreparedCase& prepared, Precision precision) {
     PathComparison comparison{prepared.one.name, precision, {}, {}, false};
-    if (precision == Precision::f32)
-        compare_in<float>(engine, prepared, comparison);
-    else
-        compare_in<double>(engine, prepared, comparison);
+    in_precision(precision, [&]<typename T>(std::type_identity<T>) { compare_in<T>(engine, prepared, comparison); });
     comparison.passed = comparison.error.passed() && comparison.contacts.wrong() == 0;
     return comparison;
 }

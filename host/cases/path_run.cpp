@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -11,7 +12,7 @@
 #include "host/cases/path_comparison.h"
 #include "host/error.h"
 #include "host/long_run.h"
-#include "host/output/rows.h"
+#include "host/paths/path_files.h"
 #include "host/paths/recorded.h"
 #include "host/paths/scene_paths.h"
 #include "host/picture/scene_picture.h"
@@ -20,6 +21,134 @@
 namespace forceshade {
 
 namespace {
+
+constexpr layout::uint kAlways = layout::kChannelForce | layout::kChannelPosition;
+
+bool is_csv(const std::filesystem::path& path) {
+    return path.extension() == ".csv";
+}
+
+} // namespace
+
+layout::uint path_channels(const PathRunOptions& options, layout::uint asked) {
+    if (options.samples.empty())
+        return 0;
+    return is_csv(options.samples) ? kSampled | (asked & kComparedChannels)
+                                   : (asked & (kSampled | kComparedChannels)) | kAlways;
+}
+
+std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
+    std::vector<std::string> names;
+    const std::string stem = options.stem.filename().string();
+    if (!options.samples.empty())
+        names.push_back(options.samples.filename().string());
+    names.push_back(stem + ".paths.csv");
+    if (options.also.npy)
+        for (const layout::uint channel : kPathChannels)
+            if (path_channels(options, channels) & channel)
+                names.push_back(stem + options.label + npy_kind(channel));
+    if (options.also.vtp)
+        names.push_back(stem + options.label + ".vtp");
+    std::ranges::move(picture::names_with(stem + ".paths", options.also.pictures), std::back_inserter(names));
+    return names;
+}
+
+PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads) {
+    const std::string stem = volume.stem().string();
+    PathRunOptions options;
+    options.samples = volume.parent_path() / (stem + ".paths.exr");
+    options.stem = volume.parent_path() / stem;
+    options.label = ".paths";
+    options.also = also;
+    options.threads = threads;
+    return options;
+}
+
+namespace {
+
+// What files say of all paths.
+struct WrittenPaths {
+    std::uint64_t paths, steps; /* of the longest */
+    std::uint64_t samples;      /* in all */
+    double rate;                /* 1/s; 0: samples come at times of their own */
+    PathLabels labels;
+    std::string title; /* what paths they are, for a picture */
+};
+
+class PathOutput {
+public:
+    PathOutput(const PreparedCase& prepared, const PathRunOptions& options, const WrittenPaths& written)
+        : options_(options), written_(written),
+          output_(prepared, options.stem, options.also.pictures, options.look, static_cast<unsigned>(options.threads),
+                  !options.samples.empty()),
+          summary_(output_.path_of(".paths.csv"), prepared.one.scene.precision) {
+        const Precision precision = prepared.one.scene.precision;
+        const bool compared = prepared.one.scene.compare.has_value();
+        const layout::uint channels = path_channels(options, written_channels(prepared.one.scene));
+        const glm::dvec3 origin = scene_origin(prepared);
+        if (is_csv(options.samples))
+            output_.open<PathCsvWriter>(options.samples, written_.labels, origin, compared);
+        else if (!options.samples.empty())
+            output_.open<PathVolumeWriter>(options.samples, header(channels));
+        if (options.also.npy)
+            for (const layout::uint channel : kPathChannels)
+                if (channels & channel)
+                    output_.open<PathNpyWriter>(output_.path_of(options.label + npy_kind(channel)), written_.paths,
+                                                written_.steps, channel, precision, origin);
+        if (options.also.vtp)
+            output_.open<PathVtpWriter>(output_.path_of(options.label + ".vtp"),
+                                        PathVtpHeader{written_.paths, written_.samples,
+                                                      (channels & layout::kChannelProxy) != 0, precision, compared,
+                                                      origin},
+                                        written_.labels);
+        if (options.also.pictures.any())
+            collector_.emplace(written_.paths, written_.steps, origin);
+    }
+
+    // Rows as a RowGatherer hands them on; and what each path was like, when it has ended.
+    template <typename T> void write(const PathRows<T>& rows) {
+        Compared* const compared = output_.compared();
+        output_.write(compared ? compared->paths(rows) : rows);
+        if (collector_)
+            collector_->add(rows);
+    }
+    void add(std::uint64_t id, const PathFigures& figures) { summary_.add(id, figures); }
+
+    // Publishes every file, and adds them and what [compare] says to the record. \throws as FieldOutput::finish().
+    void finish(PathRecord& record) {
+        if (!options_.samples.empty())
+            output_.finish_first(record);
+        add_file(record, output_.path_of(".paths.csv").filename().string(), summary_.finish());
+        output_.finish_others(record);
+        if (!collector_)
+            return;
+        const PathCollector::Reach reach = collector_->reach();
+        const double border = std::max(0.05 * (reach.to - reach.from), 1e-9);
+        const PreparedCase& prepared = output_.prepared();
+        const picture::Look look = output_.look(fmt::format("{}, {}", picture::title_of(prepared.one), written_.title));
+        const picture::SurfaceLines lines = surface_lines(prepared, {reach.from - border, reach.to + border, reach.y});
+        output_.draw(".paths", collector_->draw(look, lines), record);
+    }
+
+private:
+    PathVolumeHeader header(layout::uint channels) const {
+        PathVolumeHeader header;
+        header.steps = written_.steps;
+        header.paths = written_.paths;
+        header.rate = written_.rate;
+        header.channels = channels;
+        Scene of_paths = output_.scene();
+        of_paths.field = false;
+        set_options(header, output_.prepared(), of_paths, options_.threads);
+        return header;
+    }
+
+    PathRunOptions options_;
+    WrittenPaths written_;
+    CaseOutput<PathSink> output_; // the samples first, if they are asked for
+    PathSummary summary_;
+    std::optional<PathCollector> collector_;
+};
 
 double rate_of(const Scene& scene) {
     return scene.paths ? scene.paths->rate : PathsSpec{}.rate;
@@ -42,14 +171,35 @@ public:
         : file_(std::move(file)), cursor_(*file_), later_(*file_) {}
 
     // The times of these rows, which come in order; they need the channel of facets.
-    template <typename T> void add(const PathRows<T>& rows);
+    template <typename T> void add(const PathRows<T>& rows) {
+        first_ = rows.path_first;
+        step_first_ = rows.step_first;
+        if (rows.step_first == 0)
+            contact_.assign(rows.path_count, ContactTime{});
+        begins_.clear();
+        times_.clear();
+        for (std::size_t path = 0; path < rows.path_count; ++path) {
+            begins_.push_back(times_.size());
+            for (std::size_t i = 0; i < rows.samples(path); ++i) {
+                times_.push_back(cursor_.next().time);
+                contact_[path].add(times_.back(), rows.facet[path * rows.pitch + i] != layout::kNoFacet);
+            }
+        }
+    }
 
     // s: of a sample of the rows added last.
-    double at(std::uint64_t path, std::uint64_t step) const;
+    double at(std::uint64_t path, std::uint64_t step) const {
+        return times_[begins_[path - first_] + (step - step_first_)];
+    }
     // s: how long a path of the rows added last was in contact, once they end it.
     double contact_time(std::uint64_t path) const { return contact_[path - first_].total(); }
     // s: of a sample of a path, wherever it is; paths come in order.
-    double later(std::uint64_t path, std::uint64_t step);
+    double later(std::uint64_t path, std::uint64_t step) {
+        for (; later_path_ < path; ++later_path_)
+            later_begin_ += file_->steps()[later_path_];
+        later_.go_to(later_begin_ + step);
+        return later_.next().time;
+    }
 
 private:
     std::shared_ptr<const RecordedFile> file_;
@@ -61,33 +211,6 @@ private:
     std::vector<ContactTime> contact_;               // by path
     std::uint64_t later_path_ = 0, later_begin_ = 0; // a path, and its first sample in the file
 };
-
-template <typename T> void RecordedTimes::add(const PathRows<T>& rows) {
-    first_ = rows.path_first;
-    step_first_ = rows.step_first;
-    if (rows.step_first == 0)
-        contact_.assign(rows.path_count, ContactTime{});
-    begins_.clear();
-    times_.clear();
-    for (std::size_t path = 0; path < rows.path_count; ++path) {
-        begins_.push_back(times_.size());
-        for (std::size_t i = 0; i < rows.samples(path); ++i) {
-            times_.push_back(cursor_.next().time);
-            contact_[path].add(times_.back(), rows.facet[path * rows.pitch + i] != layout::kNoFacet);
-        }
-    }
-}
-
-double RecordedTimes::at(std::uint64_t path, std::uint64_t step) const {
-    return times_[begins_[path - first_] + (step - step_first_)];
-}
-
-double RecordedTimes::later(std::uint64_t path, std::uint64_t step) {
-    for (; later_path_ < path; ++later_path_)
-        later_begin_ += file_->steps()[later_path_];
-    later_.go_to(later_begin_ + step);
-    return later_.next().time;
-}
 
 template <typename T> class Run : EngineAndOracle<T> {
 public:
@@ -265,7 +388,7 @@ private:
     Stage stage_{"exploring paths", total_ / kMillion, "million samples"};
     RowGatherer<T> gatherer_;
     std::optional<RecordedTimes> times_;
-    PathOutput<T> output_;
+    PathOutput output_;
     double depth_ = 0, depth_square_ = 0; // m, m^2: sums over the samples in contact
     PathRecord record_;
 };
@@ -273,9 +396,8 @@ private:
 } // namespace
 
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options) {
-    if (prepared.one.scene.precision == Precision::f32)
-        return Run<float>(engine, prepared, options).run();
-    return Run<double>(engine, prepared, options).run();
+    return in_precision(prepared.one.scene.precision,
+                        [&]<typename T>(std::type_identity<T>) { return Run<T>(engine, prepared, options).run(); });
 }
 
 } // namespace forceshade

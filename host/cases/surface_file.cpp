@@ -282,11 +282,9 @@ template <typename T> VolumeResult write_section(const std::filesystem::path& pa
 } // namespace
 
 VolumeResult write_surface(const std::filesystem::path& path, const PreparedCase& prepared) {
-    const auto write = [&]<typename T>(std::type_identity<T>) {
+    return in_precision(prepared.one.scene.precision, [&]<typename T>(std::type_identity<T>) {
         return prepared.images.mesh ? write_mesh<T>(path, prepared) : write_section<T>(path, prepared);
-    };
-    return prepared.one.scene.precision == Precision::f32 ? write(std::type_identity<float>{})
-                                                          : write(std::type_identity<double>{});
+    });
 }
 
 double most_surface_bytes(const Scene& scene) {
