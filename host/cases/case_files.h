@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -25,6 +26,7 @@ namespace forceshade {
 
 /// The files that a case leaves in addition to its EXR.
 struct AlsoFormats {
+    static constexpr std::array kNames{"vti", "vtp", "npy", "png", "svg", "pdf"};
     bool vti = false, vtp = false, npy = false;
     picture::Endings pictures{};
 

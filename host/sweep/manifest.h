@@ -1,17 +1,18 @@
-// The account of a sweep's folder, manifest.json and summary.csv, and what goes into it: the records of its cases, this
-// process and its machine.
+// The account of a sweep's folder, manifest.json and summary.csv, and what goes into it: the records of its cases, and
+// which of them count as done (the same scene and files, the same program); this process and its machine.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "host/output/record.h"
 #include "host/scene/study.h"
-#include "host/sweep/identity.h"
 
 namespace forceshade {
 
@@ -33,6 +34,18 @@ struct RunAccount {
     double output = 0;             /* s over all encoder threads: encoding, flushing, reading back, hashing */
     std::uint64_t peak_memory = 0; /* bytes resident */
 };
+
+/// Of everything that decides the bytes of a case. `scene`: as resolved_toml() writes it, with the SHA-256 of its
+/// files.
+std::string fingerprint(const std::string& scene, bool cpu_engine);
+
+/// For each case of a study that counts, the fingerprints of which its record must have one. Records of other scenes or
+/// programs under the same name do not.
+using Fingerprints = std::map<std::string, std::set<std::string>>;
+
+/// Sets in the scenes of a study the SHA-256 of the files that they name, each read once, and returns what records
+/// must say. Cases whose files cannot be read, or are not those that the scene means, are missing in the result.
+Fingerprints identify(Study& study);
 
 /// The records of the study's cases that count, shards' and earlier runs' too, in the study's order; empty where a
 /// case has none. On all cores.

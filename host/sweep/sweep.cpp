@@ -51,27 +51,27 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
 
 // Files that belong to a volume are made again with it, so that none of an earlier scene stays under the case's name.
 AlsoFormats with_present(AlsoFormats also, const std::filesystem::path& folder, const std::string& stem) {
-    const auto any = [&](AlsoFormats one) {
-        const std::vector<std::string> plain = possible_file_names(stem, {}), names = possible_file_names(stem, one);
-        return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-            return std::find(plain.begin(), plain.end(), name) == plain.end() && std::filesystem::exists(folder / name);
-        });
-    };
-    return {also.vti || any({.vti = true}),
-            also.vtp || any({.vtp = true}),
-            also.npy || any({.npy = true}),
-            {also.pictures.png || any({.pictures = {.png = true}}),
-             also.pictures.svg || any({.pictures = {.svg = true}}),
-             also.pictures.pdf || any({.pictures = {.pdf = true}})}};
+    const std::vector<std::string> plain = possible_file_names(stem, {});
+    for (const char* const format : AlsoFormats::kNames) {
+        AlsoFormats one;
+        one.add(format);
+        for (const std::string& name : possible_file_names(stem, one))
+            if (std::ranges::find(plain, name) == plain.end() && std::filesystem::exists(folder / name))
+                also.add(format);
+    }
+    return also;
 }
 
 // Removes the record, which must not outlive the files that it vouches for, and files that the case no longer has.
 void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats also) {
     std::error_code ignored;
     std::filesystem::remove(record_path(folder, one.name), ignored);
+    AlsoFormats every;
+    for (const char* const format : AlsoFormats::kNames)
+        every.add(format);
     const std::vector<std::string> keep = file_names(one.name, one.scene, also);
-    for (const std::string& name : possible_file_names(one.name, {true, true, true, {true, true, true}}))
-        if (std::find(keep.begin(), keep.end(), name) == keep.end())
+    for (const std::string& name : possible_file_names(one.name, every))
+        if (std::ranges::find(keep, name) == keep.end())
             std::filesystem::remove(folder / name, ignored);
 }
 
