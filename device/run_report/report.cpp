@@ -10,7 +10,7 @@
 #include "host/output/files.h"
 #include "host/picture/canvas.h"
 #include "host/program.h"
-#include "host/report/run_page.h"
+#include "host/report/report.h"
 
 namespace forceshade::device {
 

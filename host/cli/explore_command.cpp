@@ -19,7 +19,7 @@
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
 #include "host/program.h"
-#include "host/report/run_page.h"
+#include "host/report/report.h"
 #include "host/threads.h"
 
 namespace forceshade {

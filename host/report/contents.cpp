@@ -1,4 +1,4 @@
-#include "host/report/contents.h"
+#include "host/report/sections.h"
 
 #include <algorithm>
 #include <optional>
@@ -10,7 +10,6 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/json.h"
-#include "host/report/sections.h"
 #include "host/study/data/data_files.h"
 
 namespace forceshade::report {

@@ -11,7 +11,6 @@
 #include "host/picture/colours.h"
 #include "host/program.h"
 #include "host/report/sections.h"
-#include "host/report/words.h"
 #include "report_assets.h"
 
 namespace forceshade::report {
@@ -171,8 +170,8 @@ std::string page_script(bool in_space) {
     if (in_space)
         for (const std::string_view part : {assets::three_js, assets::orbit_js})
             text += part;
-    for (const std::string_view part : {assets::volume_js, assets::pane_js, assets::solids_js, assets::space_js,
-                                        assets::viewer_js, assets::controls_js, assets::start_js})
+    for (const std::string_view part :
+         {assets::volume_js, assets::pane_js, assets::solids_js, assets::space_js, assets::viewer_js})
         text += part;
     return text;
 }

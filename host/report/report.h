@@ -1,9 +1,13 @@
-// report.html of a results folder: one file that opens anywhere, offline.
+// Pages that open anywhere, offline, one file each: report.html of a results folder, and the forces on the probe of a
+// run.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "host/study/data/study_data.h"
 
 namespace forceshade::report {
 
@@ -18,5 +22,15 @@ struct ReportResult {
 /// so. A report.html that another program wrote stays, the report is then forceshade-report.html. \throws IoError if
 /// the folder is not there or the file cannot be written.
 ReportResult write_report(const std::filesystem::path& folder);
+
+// The page of a run: the forces on a probe, over time and over place.
+
+/// The table "samples" of a file that `explore` or the log of `live` wrote, CSV or EXR, evenly thinned, and its
+/// figures: force, direction and position. \throws IoError, UsageError for a file that is missing or none of these.
+void add_samples(study::StudyData& data, const std::filesystem::path& file);
+
+/// Facts: terms and their values. Of `data` tables, figures and notes are shown.
+std::string run_page(const std::string& title, const std::vector<std::pair<std::string, std::string>>& facts,
+                     const study::StudyData& data);
 
 } // namespace forceshade::report

@@ -1,5 +1,4 @@
-#include "host/report/run_page.h"
-
+// The page of a run.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -11,9 +10,8 @@
 #include "host/error.h"
 #include "host/output/exr_volume.h"
 #include "host/paths/path_reader.h"
+#include "host/report/report.h"
 #include "host/report/sections.h"
-#include "host/report/viewer_data.h"
-#include "host/report/words.h"
 
 namespace forceshade::report {
 namespace {

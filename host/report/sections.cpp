@@ -1,19 +1,32 @@
-// A study: its findings next to the figure that shows them; how it was measured, its tables and files. Figures and
-// tables are drawn by the page, out of the study's data.
+// Markup, and a study: its findings next to the figure that shows them; how it was measured, its tables and files.
+// Figures and tables are drawn by the page, out of the study's data.
 #include "host/report/sections.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <openssl/evp.h>
 
-#include "host/report/words.h"
+#include "host/picture/canvas.h"
 #include "host/study/data/data_files.h"
 
 namespace forceshade::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
+
+bool is_no_character(std::string_view sequence) {
+    if (sequence.size() == 1)
+        return static_cast<std::uint8_t>(sequence[0]) < 0x20 && sequence != "\t" && sequence != "\n" &&
+               sequence != "\r";
+    return sequence == "\xEF\xBF\xBE" || sequence == "\xEF\xBF\xBF";
+}
+
+constexpr std::pair<char, std::string_view> kEntities[] = {
+    {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
 
 constexpr std::size_t kMostRows = 3000; // of a table that no figure shows; the CSV file has all
 
@@ -46,6 +59,51 @@ std::string plain_id(const std::string& name) {
 }
 
 } // namespace
+
+std::string escaped(std::string_view text) {
+    std::string result;
+    while (!text.empty()) {
+        const std::size_t length = picture::character_length(text);
+        const std::string_view sequence = text.substr(0, length ? length : 1);
+        const auto* const found = std::ranges::find(kEntities, sequence[0], [](const auto& one) { return one.first; });
+        if (length == 0 || is_no_character(sequence))
+            result += kReplacement;
+        else
+            result += found != std::end(kEntities) ? found->second : sequence;
+        text.remove_prefix(sequence.size());
+    }
+    return result;
+}
+
+std::string address(std::string_view path) {
+    std::string text;
+    for (const char c : path) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                           std::string_view("-._~").find(c) != std::string_view::npos ||
+                           (c == '/' && !text.empty()); // two at the beginning lead to another host
+        text += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    }
+    return text;
+}
+
+std::string link(std::string_view path, std::string_view text) {
+    return fmt::format("<a href=\"{}\">{}</a>", address(path), escaped(text));
+}
+
+std::string base64(std::string_view bytes) {
+    std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0'); // and the 0 that is written behind it
+    const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
+    text.resize(static_cast<std::size_t>(
+        EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), from, static_cast<int>(bytes.size()))));
+    return text;
+}
+
+std::string script_text(const Json& json) {
+    std::string text;
+    for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace))
+        text += c == '<' ? "\\u003c" : std::string(1, c);
+    return text;
+}
 
 std::string title(const StudyPart& part) {
     const std::string& name = part.data.study;
@@ -126,6 +184,13 @@ std::string findings_list(const std::string& id, const std::vector<study::Findin
     return html.empty() ? "<p>This gives no findings.</p>\n" : "<ol class=\"findings\">\n" + html + "</ol>\n";
 }
 
+std::string section_start(const std::string& id, const std::string& title, const std::string& answer) {
+    return fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div>"
+                       "<div id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" "
+                       "id=\"{0}-data-figures\"></div>\n",
+                       id, escaped(title), answer);
+}
+
 std::string study_section(const std::filesystem::path& root, const StudyPart& part) {
     const study::StudyData& data = part.data;
     const std::string id = anchor(part);
@@ -134,10 +199,7 @@ std::string study_section(const std::filesystem::path& root, const StudyPart& pa
         method += fmt::format("<p class=\"note\">{}</p>\n", escaped(note));
     if (!data.scene.empty())
         method += "<pre>" + escaped(data.scene) + "</pre>\n";
-    std::string html = fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div>"
-                                   "<div id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" "
-                                   "id=\"{0}-data-figures\"></div>\n",
-                                   id, escaped(title(part)), findings_list(id, data.findings));
+    std::string html = section_start(id, title(part), findings_list(id, data.findings));
     html += folded("How it was measured", method);
     if (data.tables.empty())
         html += "<p>This study holds no table.</p>\n";

@@ -1,30 +1,199 @@
-// A sweep: the facts of its manifest, its cases, their errors and times, what was left out, the files.
+// A sweep: the facts of its manifest, its cases, their errors and times, what was left out, the files; what it varies,
+// and how far its forces are from those that should be, where a hand touches.
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
 #include <span>
 
 #include <fmt/format.h>
 
 #include "host/report/sections.h"
-#include "host/report/words.h"
 
 namespace forceshade::report {
 namespace {
 
-std::vector<const CaseRecord*> with_field(const Sweep& sweep) {
-    std::vector<const CaseRecord*> cases;
+using R = const CaseRecord*;
+using Rows = std::vector<R>;
+using Columns = std::vector<study::ColumnOf<R>>;
+
+template <typename Has> Rows cases_with(const Sweep& sweep, const Has& has) {
+    Rows cases;
     for (const CaseRecord& record : sweep.cases)
-        if (record.voxels > 0)
+        if (has(record))
             cases.push_back(&record);
     return cases;
 }
+Rows with_field(const Sweep& sweep) {
+    return cases_with(sweep, [](const CaseRecord& record) { return record.voxels > 0; });
+}
+Rows with_touch(const Sweep& sweep) {
+    return cases_with(sweep, [](const CaseRecord& record) { return record.touch.has_value(); });
+}
+Rows with_paths(const Sweep& sweep) {
+    return cases_with(sweep, [](const CaseRecord& record) { return record.paths.has_value(); });
+}
 
-std::string agreement(const std::vector<const CaseRecord*>& cases) {
-    std::uint64_t compared = 0, differing = 0, beyond = 0;
-    for (const CaseRecord* one : cases) {
-        compared += one->error.compared;
-        differing += one->error.differing;
-        beyond += one->error.beyond;
+template <typename Count> std::uint64_t sum_of(const Rows& cases, const Count& count) {
+    std::uint64_t sum = 0;
+    for (const CaseRecord* one : cases)
+        sum += std::invoke(count, *one);
+    return sum;
+}
+
+// The number that a parameter begins with: of "600 mil" 600.
+std::optional<double> leading_number(const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() ? std::optional(value) : std::nullopt;
+}
+
+std::string parameter(const CaseRecord& record, const std::string& key) {
+    const auto found = std::ranges::find(record.parameters, key, [](const auto& one) { return one.first; });
+    return found == record.parameters.end() ? "" : found->second;
+}
+
+struct Touched {
+    const CaseRecord* record = nullptr;
+    double x = 0;
+    std::string series; /* the other parameters */
+};
+
+// The parameter with the most numbers; empty: none varies.
+std::string axis_of(const Rows& cases) {
+    std::map<std::string, std::set<double>> numbers;
+    for (const CaseRecord* record : cases)
+        for (const auto& [key, text] : record->parameters)
+            if (const auto value = leading_number(text))
+                numbers[key].insert(*value);
+    std::string axis;
+    std::size_t most = 1;
+    for (const auto& [key, values] : numbers)
+        if (values.size() > most) {
+            most = values.size();
+            axis = key;
+        }
+    return axis;
+}
+
+std::vector<Touched> touched_of(const Rows& cases, const std::string& axis) {
+    std::map<std::string, std::set<std::string>> values;
+    for (const CaseRecord* record : cases)
+        for (const auto& [key, value] : record->parameters)
+            values[key].insert(value);
+    std::vector<Touched> rows;
+    for (const CaseRecord* record : cases) {
+        const auto x = leading_number(parameter(*record, axis));
+        if (!x)
+            continue;
+        Touched row{record, *x, {}};
+        for (const auto& [key, value] : record->parameters)
+            if (key != axis && values[key].size() > 1)
+                row.series += (row.series.empty() ? "" : ", ") + (key == "shading" ? value : key + " " + value);
+        rows.push_back(std::move(row));
     }
+    std::vector<std::string> order; // in which series come
+    for (const Touched& row : rows)
+        if (std::ranges::find(order, row.series) == order.end())
+            order.push_back(row.series);
+    std::ranges::stable_sort(rows, {}, [&](const Touched& row) {
+        return std::pair(std::ranges::find(order, row.series) - order.begin(), row.x);
+    });
+    return rows;
+}
+
+std::string unit_of(const Rows& cases, const std::string& axis) {
+    const std::string text = parameter(*cases.front(), axis);
+    const std::size_t space = text.find(' ');
+    return space == std::string::npos ? axis : axis + " / " + text.substr(space + 1);
+}
+
+study::Figure figure_of(const std::string& name, const std::string& title, const study::FigureAxis& x,
+                        const study::FigureAxis& y, const CaseRecord& first) {
+    study::Figure figure = study::make_figure(
+        name, title,
+        fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform.",
+                    first.touch->against, first.touch->places, 10 * first.touch->deepest, 1e3 * first.touch->deepest),
+        study::FigureKind::scatter, "touch", {}, x, y, "series");
+    figure.joined = true;
+    return figure;
+}
+
+// The least and the largest of some numbers, of one alone that.
+std::string range_text(std::vector<double> values, double factor) {
+    constexpr double kNothing = 1e-9; // deg or 1: rounding
+    const auto [least, most] = std::ranges::minmax(values);
+    const auto text = [&](double value) { return number_text(value < kNothing ? 0 : factor * value, 2); };
+    const std::string low = text(least), high = text(most);
+    return low == high ? low : low + " to " + high;
+}
+
+// Errors where a hand touches, in a sentence; empty without such errors.
+std::string touch_finding(const Sweep& sweep) {
+    const Rows cases = with_touch(sweep);
+    std::vector<double> plain_angles, shaded_angles, plain_errors, shaded_errors, angles, errors;
+    for (const CaseRecord* record : cases) {
+        const std::string shading = parameter(*record, "shading");
+        angles.push_back(record->touch->direction_rms);
+        errors.push_back(record->touch->median_error);
+        if (shading.empty())
+            continue;
+        (shading == "none" ? plain_angles : shaded_angles).push_back(record->touch->direction_rms);
+        (shading == "none" ? plain_errors : shaded_errors).push_back(record->touch->median_error);
+    }
+    if (cases.empty())
+        return "";
+    const std::string against = cases.front()->touch->against;
+    if (plain_angles.empty() || shaded_angles.empty())
+        return fmt::format("Where a hand touches, the force's direction is {} deg (RMS) from that of {}, and the force "
+                           "{} % (median).",
+                           range_text(angles, 1), against, range_text(errors, 100));
+    return fmt::format(
+        "Where a hand touches, the force's direction is {} deg from that of {} without shading and {} deg "
+        "with it (RMS, by case); the whole force errs by {} % and by {} % (median).",
+        range_text(plain_angles, 1), against, range_text(shaded_angles, 1), range_text(plain_errors, 100),
+        range_text(shaded_errors, 100));
+}
+
+} // namespace
+
+void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
+    const Rows cases = with_touch(sweep);
+    const std::string axis = axis_of(cases);
+    if (axis.empty())
+        return;
+    const std::vector<Touched> rows = touched_of(cases, axis);
+    using Row = Touched;
+    data.tables.push_back(
+        study::table_of<Row>("touch", "Errors where a hand touches",
+                             {{"case", "", "", [](const Row& r) { return r.record->name; }},
+                              {axis, "1", "", &Row::x},
+                              {"series", "", "the other parameters", &Row::series},
+                              {"direction_deg", "deg", "angle to the force that should be there, root mean square",
+                               [](const Row& r) { return r.record->touch->direction_rms; }},
+                              {"force_percent", "%", "|F - F_true| / |F_true|, median",
+                               [](const Row& r) { return 100 * r.record->touch->median_error; }},
+                              {"force_p95_percent", "%", "the same, 95th percentile",
+                               [](const Row& r) { return 100 * r.record->touch->p95_error; }}},
+                             rows));
+    const auto [least, most] = std::ranges::minmax(rows, {}, &Row::x);
+    const study::FigureAxis x{axis, unit_of(cases, axis), least.x > 0 && most.x / least.x > 16};
+    data.figures.push_back(figure_of("touch-direction", "Error of the force's direction over " + axis, x,
+                                     {"direction_deg", "RMS error of the direction / deg"}, *cases.front()));
+    data.figures.push_back(figure_of("touch-force", "Error of the force over " + axis, x,
+                                     {"force_percent", "median error of the force / % of the force there"},
+                                     *cases.front()));
+}
+
+namespace {
+
+std::string agreement(const Rows& cases) {
+    const std::uint64_t compared = sum_of(cases, [](const CaseRecord& one) { return one.error.compared; });
+    const std::uint64_t differing = sum_of(cases, [](const CaseRecord& one) { return one.error.differing; });
+    const std::uint64_t beyond = sum_of(cases, [](const CaseRecord& one) { return one.error.beyond; });
     std::string text =
         fmt::format("Of {} voxels compared with the CPU oracle in the same precision, ", count_text(compared));
     if (compared == 0)
@@ -38,7 +207,7 @@ std::string agreement(const std::vector<const CaseRecord*>& cases) {
                                              count_text(beyond)));
 }
 
-std::string error(const std::vector<const CaseRecord*>& cases) {
+std::string error(const Rows& cases) {
     const CaseRecord& worst =
         **std::ranges::max_element(cases, {}, [](const CaseRecord* one) { return one->error.relative(); });
     if (worst.error.relative() == 0)
@@ -48,7 +217,7 @@ std::string error(const std::vector<const CaseRecord*>& cases) {
                        number_text(worst.error.relative(), 2), number_text(worst.error.largest, 2), worst.name);
 }
 
-std::string force(const std::vector<const CaseRecord*>& cases) {
+std::string force(const Rows& cases) {
     const auto largest = [](const CaseRecord* one) { return one->largest_force; };
     const CaseRecord &most = **std::ranges::max_element(cases, {}, largest),
                      &least = **std::ranges::min_element(cases, {}, largest);
@@ -58,7 +227,7 @@ std::string force(const std::vector<const CaseRecord*>& cases) {
                        number_text(most.largest_force, 3), most.name, least.name, number_text(least.largest_force, 3));
 }
 
-std::string cost(const std::vector<const CaseRecord*>& cases) {
+std::string cost(const Rows& cases) {
     const auto kernel = [](const CaseRecord* one) { return one->engine_times.kernel; };
     const CaseRecord &dearest = **std::ranges::max_element(cases, {}, kernel),
                      &cheapest = **std::ranges::min_element(cases, {}, kernel);
@@ -72,12 +241,8 @@ std::string cost(const std::vector<const CaseRecord*>& cases) {
     return text + ".";
 }
 
-std::string left_out(const std::vector<const CaseRecord*>& cases) {
-    std::uint64_t voxels = 0, evaluated = 0;
-    for (const CaseRecord* one : cases) {
-        voxels += one->voxels;
-        evaluated += one->evaluated;
-    }
+std::string left_out(const Rows& cases) {
+    const std::uint64_t voxels = sum_of(cases, &CaseRecord::voxels), evaluated = sum_of(cases, &CaseRecord::evaluated);
     if (evaluated >= voxels)
         return "";
     return fmt::format("Only {} of {} voxels had to be evaluated ({} %); the others are copies or free space.",
@@ -86,22 +251,16 @@ std::string left_out(const std::vector<const CaseRecord*>& cases) {
 }
 
 std::string paths(const Sweep& sweep) {
-    std::uint64_t count = 0, unstable = 0, samples = 0;
-    for (const CaseRecord& one : sweep.cases)
-        if (one.paths) {
-            count += one.paths->paths;
-            unstable += one.paths->unstable;
-            samples += one.paths->samples;
-        }
+    const Rows cases = with_paths(sweep);
+    const std::uint64_t count = sum_of(cases, [](const CaseRecord& one) { return one.paths->paths; });
+    const std::uint64_t unstable = sum_of(cases, [](const CaseRecord& one) { return one.paths->unstable; });
+    const std::uint64_t samples = sum_of(cases, [](const CaseRecord& one) { return one.paths->samples; });
     if (count == 0)
         return "";
     return fmt::format("{} paths with {} samples were followed; {} left {} bound.", count_text(count),
                        count_text(samples), unstable == 0 ? "none" : count_text(unstable),
                        unstable == 1 ? "its" : "their");
 }
-using Rows = std::vector<const CaseRecord*>;
-using Columns = std::vector<study::ColumnOf<const CaseRecord*>>;
-using R = const CaseRecord*;
 
 constexpr std::size_t kMostCases = 3000; // a page of more would not open
 
@@ -175,11 +334,9 @@ study::Table paths_table(const Rows& rows) {
 
 // What the page draws of it.
 study::StudyData tables_of(const Sweep& sweep) {
-    Rows fields, paths;
-    for (const CaseRecord& record : sweep.cases)
-        for (const auto& [rows, has] : {std::pair(&fields, record.voxels > 0), {&paths, record.paths.has_value()}})
-            if (has && rows->size() < kMostCases)
-                rows->push_back(&record);
+    Rows fields = with_field(sweep), paths = with_paths(sweep);
+    for (Rows* const rows : {&fields, &paths})
+        rows->resize(std::min(rows->size(), kMostCases));
     study::StudyData data;
     add_touch_figures(sweep, data);
     if (!fields.empty()) {
@@ -224,7 +381,7 @@ std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
             findings.push_back({name, text});
     };
     add("touch", touch_finding(sweep));
-    if (const std::vector<const CaseRecord*> cases = with_field(sweep); !cases.empty()) {
+    if (const Rows cases = with_field(sweep); !cases.empty()) {
         add("agreement", agreement(cases));
         add("largest_error", error(cases));
         add("largest_force", force(cases));
@@ -237,11 +394,7 @@ std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
 
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep) {
     const std::string id = anchor(sweep);
-    std::string html =
-        fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div>"
-                    "<div id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" "
-                    "id=\"{0}-data-figures\"></div>\n",
-                    id, escaped(title(sweep)), sweep.findings.empty() ? "" : findings_list(id, sweep.findings));
+    std::string html = section_start(id, title(sweep), sweep.findings.empty() ? "" : findings_list(id, sweep.findings));
     html += facts({{"Program", sweep.program.empty() ? "" : "forceshade " + sweep.program},
                    {"Device", sweep.device},
                    {"Driver", sweep.driver},

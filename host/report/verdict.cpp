@@ -1,14 +1,14 @@
-// Which shading to take: the studies' numbers of each, side by side.
+// Which shading to take: the studies' numbers of each, side by side, under a drawing of what the studies press: a bump
+// of facets, cut across, and the forces on it, unshaded and shaded.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
-#include <span>
 
 #include <fmt/format.h>
 
 #include "host/report/sections.h"
-#include "host/report/words.h"
 #include "host/study/data/medians.h"
 
 namespace forceshade::report {
@@ -22,22 +22,15 @@ struct Scheme {
     const char *name, *use_when;
     const char *surface, *shading;     /* of error-time */
     const char *felt_on, *energy_name; /* of stability, of energy */
+    double elements, energy_elements;  /* whose errors and whose energy are shown: coarse surfaces, as shading is for */
 };
 constexpr Scheme kSchemes[] = {
-    {"bump, unshaded", "its edges should be felt", "bump", "none", "bump", "unshaded"},
-    {"bump, shaded", "it stands for a cylinder", "bump", "reference", "shaded bump", "shaded"},
-    {"mesh, unshaded", "its edges should be felt", "mesh", "none", "mesh", "unshaded"},
-    {"mesh, mean_value", "it should feel round", "mesh", "mean_value", "shaded mesh", "mean_value"},
-    {"mesh, morgenbesser", "the paper is to be repeated", "mesh", "morgenbesser", "", "morgenbesser"},
-    {"mesh, two_pass", "all of its edges are blunt", "mesh", "two_pass", "", "two_pass"}};
-
-// The elements whose errors are shown, for the coarse surfaces that shading is for.
-constexpr std::pair<const char*, double> kElements[] = {{"bump", 16}, {"mesh", 8}};
-constexpr std::pair<const char*, double> kEnergyElements[] = {{"bump", 8}, {"mesh", 16}};
-
-double elements_of(std::span<const std::pair<const char*, double>> list, const std::string& surface) {
-    return std::ranges::find(list, surface, [](const auto& one) { return std::string(one.first); })->second;
-}
+    {"bump, unshaded", "its edges should be felt", "bump", "none", "bump", "unshaded", 16, 8},
+    {"bump, shaded", "it stands for a cylinder", "bump", "reference", "shaded bump", "shaded", 16, 8},
+    {"mesh, unshaded", "its edges should be felt", "mesh", "none", "mesh", "unshaded", 8, 16},
+    {"mesh, mean_value", "it should feel round", "mesh", "mean_value", "shaded mesh", "mean_value", 8, 16},
+    {"mesh, morgenbesser", "the paper is to be repeated", "mesh", "morgenbesser", "", "morgenbesser", 8, 16},
+    {"mesh, two_pass", "all of its edges are blunt", "mesh", "two_pass", "", "two_pass", 8, 16}};
 
 const StudyData* own_study(const Contents& contents, const char* name) {
     for (const StudyPart& part : contents.studies)
@@ -52,7 +45,7 @@ std::optional<std::size_t> way_of(const Table& ways, const Scheme& scheme) {
     for (std::size_t row = 0; row < ways.rows.size(); ++row)
         if (ways.word(row, "surface") == surface && ways.word(row, "family") == family &&
             ways.word(row, "precision") == "f64" && ways.word(row, "shading") == scheme.shading &&
-            ways.number(row, "elements") == elements_of(kElements, surface))
+            ways.number(row, "elements") == scheme.elements)
             return row;
     return std::nullopt;
 }
@@ -91,8 +84,7 @@ std::optional<double> gain_of(const StudyData& energy, const Scheme& scheme) {
     const Table& gains = energy.table("energy");
     for (std::size_t row = 0; row < gains.rows.size(); ++row)
         if (gains.word(row, "surface") == scheme.surface && gains.word(row, "scheme") == scheme.energy_name &&
-            gains.word(row, "felt") != "god-object" &&
-            gains.number(row, "elements") == elements_of(kEnergyElements, scheme.surface))
+            gains.word(row, "felt") != "god-object" && gains.number(row, "elements") == scheme.energy_elements)
             return gains.number(row, "gain_mJ");
     return std::nullopt;
 }
@@ -134,6 +126,79 @@ std::string verdict_rows(const Contents& contents) {
                             time, force ? number_text(*force, 2) : "–", gain ? shown(*gain) : "–");
     }
     return rows;
+}
+
+constexpr double kHalf = 12.7, kRadius = 25.4; /* mm: the paper's width, and the radius of the studies' bump */
+constexpr int kFacets = 5;
+constexpr double kScale = 10, kBorder = 4; /* px/mm, mm */
+constexpr double kArrow = 30, kHead = 5;   /* px */
+constexpr double kGround = 78, kHeight = 88, kWidth = 2 * (kHalf + kBorder) * kScale;
+
+struct Place {
+    double x, y; // px
+};
+
+double arc_height(double x) {
+    const double deep = std::sqrt(kRadius * kRadius - kHalf * kHalf);
+    return std::abs(x) < kHalf ? std::sqrt(kRadius * kRadius - x * x) - deep : 0;
+}
+double vertex(int i) {
+    const double half = std::asin(kHalf / kRadius); // by equal arcs
+    return kRadius * std::sin(half * (2.0 * i / kFacets - 1));
+}
+Place place_at(double x, double z) {
+    return {(x + kHalf + kBorder) * kScale, kGround - z * kScale};
+}
+
+std::string line_to(const char* command, Place place) {
+    return fmt::format("{}{:.1f},{:.1f}", command, place.x, place.y);
+}
+
+// From the surface outwards; `x` and `z` of a unit vector.
+std::string arrow(Place from, double x, double z) {
+    const Place tip{from.x + kArrow * x, from.y - kArrow * z};
+    const auto barb = [&](double side) {
+        return Place{tip.x - kHead * (x + 0.6 * side * z), tip.y + kHead * (z - 0.6 * side * x)};
+    };
+    return line_to("M", from) + line_to("L", tip) + line_to("M", barb(1)) + line_to("L", tip) + line_to("L", barb(-1));
+}
+
+// `direction`: of the force at x on the facet from `left` to `right`, x over z.
+using Direction = std::function<double(double x, double left, double right)>;
+
+std::string panel(const std::string& words, const Direction& direction) {
+    std::string facets = line_to("M", place_at(-kHalf - kBorder, 0)), smooth, forces;
+    for (int i = 0; i <= kFacets; ++i)
+        facets += line_to("L", place_at(vertex(i), arc_height(vertex(i))));
+    facets += line_to("L", place_at(kHalf + kBorder, 0));
+    for (int i = 0; i <= 40; ++i) {
+        const double x = kHalf * (i / 20.0 - 1);
+        smooth += line_to(i == 0 ? "M" : "L", place_at(x, arc_height(x)));
+    }
+    for (int i = 0; i < kFacets; ++i)
+        for (const double share : {1 / 6.0, 0.5, 5 / 6.0}) {
+            const double left = vertex(i), right = vertex(i + 1), x = left + share * (right - left);
+            const double z = arc_height(left) + share * (arc_height(right) - arc_height(left));
+            const double tilt = direction(x, left, right), size = std::hypot(1, tilt);
+            forces += arrow(place_at(x, z), tilt / size, 1 / size);
+        }
+    // Readers of HTML know the attribute by its small letters, too.
+    return fmt::format(
+        "<figure class=\"surface\"><svg viewbox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"><path class=\"smooth\" "
+        "d=\"{}\"></path><path class=\"facets\" d=\"{}\"></path><path class=\"forces\" d=\"{}\"></path></svg>"
+        "<figcaption>{}</figcaption></figure>\n",
+        kWidth, kHeight, words, smooth, facets, forces, words);
+}
+
+std::string surfaces_drawing() {
+    return "<div class=\"surfaces\">\n" +
+           panel("unshaded: the force jumps from facet to facet",
+                 [](double, double left, double right) {
+                     return (arc_height(left) - arc_height(right)) / (right - left);
+                 }) +
+           panel("shaded: as large, and turned to the smooth shape (dashed)",
+                 [](double x, double, double) { return x / std::sqrt(kRadius * kRadius - x * x); }) +
+           "</div>\n";
 }
 
 } // namespace

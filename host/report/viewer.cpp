@@ -14,8 +14,6 @@
 #include "host/output/exr_volume.h"
 #include "host/picture/scene_picture.h"
 #include "host/report/sections.h"
-#include "host/report/viewer_data.h"
-#include "host/report/words.h"
 #include "host/scene/study.h"
 #include "report_assets.h"
 

@@ -11,10 +11,8 @@
 
 #include "host/output/json.h"
 #include "host/output/reading.h"
-#include "host/report/contents.h"
 #include "host/report/report.h"
 #include "host/report/sections.h"
-#include "host/report/words.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace forceshade {

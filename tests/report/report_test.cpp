@@ -10,7 +10,7 @@
 
 #include "host/error.h"
 #include "host/report/report.h"
-#include "host/report/words.h"
+#include "host/report/sections.h"
 #include "tests/io/folder.h"
 #include "tests/report/sample_folder.h"
 

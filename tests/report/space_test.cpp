@@ -4,7 +4,7 @@
 
 #include "host/error.h"
 #include "host/output/exr_volume.h"
-#include "host/report/viewer_data.h"
+#include "host/report/sections.h"
 #include "tests/report/page_test.h"
 
 namespace forceshade::report {

@@ -6,8 +6,6 @@
 #include <zlib.h>
 
 #include "host/report/sections.h"
-#include "host/report/viewer_data.h"
-#include "host/report/words.h"
 #include "tests/io/folder.h"
 #include "tests/report/sample_folder.h"
 

@@ -10,7 +10,7 @@ function solid(positions, index) {
   return geometry;
 }
 
-// Heights over x and y (host/report/viewer_data.h); one row of heights stands for every y from `low` to `high` (m).
+// Heights over x and y (host/report/sections.h); one row of heights stands for every y from `low` to `high` (m).
 function sheetSolid({ unit_m, x, z }, [low, high]) {
   const rows = z.length > 1 ? z : [z[0], z[0]], positions = [], index = [], n = x.length;
   rows.forEach((heights, row) => heights.forEach((height, i) => {

@@ -20,7 +20,7 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// The three components of vectors, packed row by row (host/report/viewer_data.h).
+// The three components of vectors, packed row by row (host/report/sections.h).
 function components(planes, width, scale) {
   const count = planes.length / 6;
   return [0, 1, 2].map((c) => {
