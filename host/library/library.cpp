@@ -116,10 +116,11 @@ fs_touch no_answer(const glm::dvec3& place) noexcept {
     return touch;
 }
 
-/// What a law remembers of a probe.
-template <typename T> struct Memory {
-    typename CaseLaw<T>::Path path;
-    reference::Neighbourhood<T> around;
+/// A law, and what it remembers of a probe.
+template <typename T> struct Followed {
+    const CaseLaw<T>& law;
+    typename CaseLaw<T>::Path path{};
+    reference::Neighbourhood<T> around{};
 };
 
 template <typename T>
@@ -129,12 +130,12 @@ fs_touch touch_without_history(const CaseLaw<T>& law, const Pose& pose, const gl
     return law.reaches(probe) ? touch_of(pose, law.widened({law.at(probe, hint)}), place) : no_answer(place);
 }
 
-template <typename T>
-fs_touch next_touch(const CaseLaw<T>& law, Memory<T>& memory, const Pose& pose, const glm::dvec3& place) noexcept {
+template <typename T> fs_touch next_touch(Followed<T>& followed, const Pose& pose, const glm::dvec3& place) noexcept {
+    auto& [law, path, around] = followed;
     const glm::dvec3 probe = pose.to_object(place);
     if (law.reaches(probe))
-        return touch_of(pose, law.widened(law.follow(memory.path, memory.around, probe)), place);
-    memory.path.begun = false;
+        return touch_of(pose, law.widened(law.follow(path, around, probe)), place);
+    path.begun = false;
     return no_answer(place);
 }
 
@@ -263,27 +264,18 @@ struct fs_scene {
 };
 
 struct fs_probe {
-    template <typename T> using Memory = forceshade::Memory<T>;
+    template <typename T> using Followed = forceshade::Followed<T>;
+    using InPrecision = std::variant<Followed<float>, Followed<double>>;
 
-    explicit fs_probe(const fs_scene& scene) : tables(scene.tables), pose(scene.pose), law(tables->path_law()) {
-        if (law.index() == 1)
-            memory.emplace<1>();
-    }
-
-    /// work(law, memory) of the scene's precision.
-    template <typename Work> auto with_memory(const Work& work) const noexcept {
-        return law.index() == 0 ? work(*std::get_if<0>(&law), *std::get_if<0>(&memory))
-                                : work(*std::get_if<1>(&law), *std::get_if<1>(&memory));
-    }
-    template <typename Work> auto with_memory(const Work& work) noexcept {
-        return law.index() == 0 ? work(*std::get_if<0>(&law), *std::get_if<0>(&memory))
-                                : work(*std::get_if<1>(&law), *std::get_if<1>(&memory));
-    }
+    explicit fs_probe(const fs_scene& scene)
+        : tables(scene.tables), pose(scene.pose),
+          followed(
+              std::visit([]<typename T>(const forceshade::CaseLaw<T>& law) -> InPrecision { return Followed<T>{law}; },
+                         tables->path_law())) {}
 
     std::shared_ptr<const forceshade::SceneTables> tables;
     std::shared_ptr<const forceshade::Pose> pose;
-    const forceshade::Law& law;
-    std::variant<Memory<float>, Memory<double>> memory;
+    InPrecision followed;
 };
 
 using namespace forceshade; // of C's functions alone
@@ -437,27 +429,29 @@ void fs_probe_free(fs_probe* probe) {
 }
 
 fs_touch fs_probe_step(fs_probe* probe, const double place[3]) {
-    return probe->with_memory(
-        [&](const auto& law, auto& memory) { return next_touch(law, memory, *probe->pose, vector_of(place)); });
+    return std::visit([&](auto& followed) { return next_touch(followed, *probe->pose, vector_of(place)); },
+                      probe->followed);
 }
 
 void fs_probe_reset(fs_probe* probe) {
-    probe->with_memory([](const auto&, auto& memory) { memory.path.begun = false; });
+    std::visit([](auto& followed) { followed.path.begun = false; }, probe->followed);
 }
 
 fs_probe_state fs_probe_get_state(const fs_probe* probe) {
     fs_probe_state state{};
     state.scene = probe->tables->id();
-    probe->with_memory([&](const auto&, const auto& memory) {
-        const auto& proxy = memory.path.proxy;
-        if (!memory.path.begun)
-            return;
-        state.begun = 1;
-        state.count = proxy.count;
-        state.cornered = proxy.cornered;
-        store(glm::dvec3(proxy.proxy), state.proxy);
-        std::copy_n(proxy.triangles, proxy.count, state.triangles);
-    });
+    std::visit(
+        [&](const auto& followed) {
+            const auto& proxy = followed.path.proxy;
+            if (!followed.path.begun)
+                return;
+            state.begun = 1;
+            state.count = proxy.count;
+            state.cornered = proxy.cornered;
+            store(glm::dvec3(proxy.proxy), state.proxy);
+            std::copy_n(proxy.triangles, proxy.count, state.triangles);
+        },
+        probe->followed);
     return state;
 }
 
@@ -470,7 +464,7 @@ fs_error fs_probe_set_state(fs_probe* probe, const fs_probe_state* state) {
     possible = possible && (state->begun == 0 || triangles > 0) && (state->cornered == 0 || state->count > 0);
     for (std::uint32_t i = 0; i < 3 && possible; ++i)
         possible = i >= state->count || state->triangles[i] < triangles;
-    return probe->with_memory([&]<typename T>(const CaseLaw<T>&, Memory<T>& memory) {
+    const auto set = [&]<typename T>(Followed<T>& followed) {
         if (!possible || !(reference::largest_coordinate(reference::Vector<T>(place)) <= T(kMeshReach<T>)))
             return fail(FS_ARGUMENT, "no probe has such a state");
         typename CaseLaw<T>::Path path;
@@ -480,9 +474,10 @@ fs_error fs_probe_set_state(fs_probe* probe, const fs_probe_state* state) {
         path.proxy.count = state->count;
         path.proxy.cornered = state->cornered != 0;
         std::copy_n(state->triangles, state->count, path.proxy.triangles);
-        memory.path = path;
+        followed.path = path;
         return FS_OK;
-    });
+    };
+    return std::visit(set, probe->followed);
 }
 
 double fs_critical_stiffness(double mass, double damping, double sample_time, unsigned delay_samples) {

@@ -141,35 +141,41 @@ std::uint32_t channels_named(const std::vector<std::string>& names) {
     return channels;
 }
 
-// Channels of a field, filled chunk by chunk.
-template <typename T> class FieldArrays {
+using forceshade::ids_of;
+template <typename T> std::span<const layout::uint> ids_of(const PathRows<T>& rows) {
+    return rows.facet;
+}
+
+// Channels of a field or of paths, filled part by part.
+template <typename T> class SampleArrays {
 public:
-    FieldArrays(py::dict& into, std::uint32_t channels, const Shape& shape, const glm::dvec3& origin)
-        : rows_(std::size_t(shape[1])), columns_(std::size_t(shape[2])) {
-        for (const std::uint32_t channel :
-             {layout::kChannelForce, layout::kChannelDepth, layout::kChannelUnshaded, layout::kChannelProxy})
+    SampleArrays(py::dict& into, std::uint32_t channels, const Shape& shape, const glm::dvec3& origin) {
+        for (const std::uint32_t channel : {layout::kChannelPosition, layout::kChannelForce, layout::kChannelDepth,
+                                            layout::kChannelUnshaded, layout::kChannelProxy})
             if (channels & channel)
                 reals_.emplace_back(channel, Channel<T>(into, channel, shape, origin));
         if (channels & layout::kChannelFacet)
             facet_.emplace(into, layout::kChannelFacet, shape);
     }
 
-    void put(const layout::FieldChunk<T>& chunk) {
-        for (std::size_t z = 0; z < chunk.z_count; ++z)
-            for (std::size_t y = 0; y < chunk.y_count; ++y) {
-                const std::size_t from = (z * chunk.y_count + y) * chunk.x_pitch;
-                const std::size_t to = ((chunk.z_first + z) * rows_ + chunk.y_first + y) * columns_;
-                for (auto& [channel, array] : reals_)
-                    array.put(
-                        to,
-                        values_of(chunk, channel).subspan(from * array.components(), columns_ * array.components()));
-                if (facet_)
-                    facet_->put(to, ids_of(chunk).subspan(from, columns_));
-            }
+    // From sample `to` on `count` samples of a chunk or of rows, from their sample `from` on.
+    template <typename Samples> void put(std::size_t to, const Samples& samples, std::size_t from, std::size_t count) {
+        for (auto& [channel, array] : reals_)
+            array.put(to, values_of(samples, channel).subspan(from * array.components(), count * array.components()));
+        if (facet_)
+            facet_->put(to, ids_of(samples).subspan(from, count));
+    }
+    // NaN, and no facet.
+    void put_nothing(std::size_t to) {
+        constexpr T kNaN = std::numeric_limits<T>::quiet_NaN();
+        const T missing[] = {kNaN, kNaN, kNaN};
+        for (auto& [channel, array] : reals_)
+            array.put(to, std::span(missing).first(array.components()));
+        if (facet_)
+            facet_->put(to, layout::kNoFacet);
     }
 
 private:
-    std::size_t rows_, columns_;
     std::vector<std::pair<std::uint32_t, Channel<T>>> reals_;
     std::optional<Channel<layout::uint>> facet_;
 };
@@ -215,12 +221,15 @@ py::dict PreparedScene::field(const std::vector<std::string>& channels, const En
         for (std::uint32_t channel = 1; channel <= layout::kChannelUnshaded; channel *= 2)
             reals += wanted & channel ? components_of(channel) : 0;
         require_memory_for(fmt::format("{} samples", samples), double(samples) * double(reals * sizeof(T)));
-        FieldArrays<T> arrays(result, wanted,
-                              {py::ssize_t(input.z.size()), py::ssize_t(input.y.size()), py::ssize_t(input.x.size())},
-                              scene_origin(prepared));
+        const std::size_t ny = input.y.size(), nx = input.x.size();
+        SampleArrays<T> arrays(result, wanted, {py::ssize_t(input.z.size()), py::ssize_t(ny), py::ssize_t(nx)},
+                               scene_origin(prepared));
         const py::gil_scoped_release release;
         make_engine(options)->evaluate<T>(input, [&](const layout::FieldChunk<T>& chunk) {
-            arrays.put(chunk);
+            for (std::size_t z = 0; z < chunk.z_count; ++z)
+                for (std::size_t y = 0; y < chunk.y_count; ++y)
+                    arrays.put(((chunk.z_first + z) * ny + chunk.y_first + y) * nx, chunk,
+                               (z * chunk.y_count + y) * chunk.x_pitch, nx);
             check_signals();
         });
     });
@@ -283,11 +292,8 @@ namespace {
 // All samples of paths, by path, and a row of figures each.
 template <typename T> class PathArrays {
 public:
-    PathArrays(py::dict& into, std::size_t paths, std::size_t steps, Precision precision, const glm::dvec3& origin)
-        : steps_(steps), precision_(precision), facet_(into, layout::kChannelFacet, shape(paths, steps)) {
-        for (const std::uint32_t channel :
-             {layout::kChannelPosition, layout::kChannelProxy, layout::kChannelForce, layout::kChannelDepth})
-            reals_.emplace_back(channel, Channel<T>(into, channel, shape(paths, steps), origin));
+    PathArrays(py::dict& into, std::uint32_t channels, std::size_t paths, std::size_t steps, const glm::dvec3& origin)
+        : steps_(steps), samples_(into, channels, {py::ssize_t(paths), py::ssize_t(steps)}, origin) {
         py::dict figures;
         for_each_figure(0, {}, [&](const char* name, const auto&) {
             Array<double> column(static_cast<py::ssize_t>(paths));
@@ -299,18 +305,11 @@ public:
 
     void put(const PathRows<T>& rows) {
         for (std::size_t path = 0; path < rows.path_count; ++path) {
-            const std::size_t from = path * rows.pitch, count = rows.samples(path);
-            const std::size_t to = (rows.path_first + path) * steps_ + rows.step_first;
-            for (auto& [channel, array] : reals_)
-                array.put(to, values_of(rows, channel).subspan(from * array.components(), count * array.components()));
-            facet_.put(to, rows.facet.subspan(from, count));
-            if (rows.ends(path))
-                for (std::size_t rest = to + count; rest < (rows.path_first + path + 1) * steps_; ++rest) {
-                    const T missing[] = {nan_, nan_, nan_};
-                    for (auto& [channel, array] : reals_)
-                        array.put(rest, std::span(missing).first(array.components()));
-                    facet_.put(rest, layout::kNoFacet);
-                }
+            const std::size_t count = rows.samples(path), end = (rows.path_first + path + 1) * steps_;
+            const std::size_t to = end - steps_ + rows.step_first;
+            samples_.put(to, rows, path * rows.pitch, count);
+            for (std::size_t rest = to + count; rows.ends(path) && rest < end; ++rest)
+                samples_.put_nothing(rest);
         }
     }
 
@@ -319,23 +318,19 @@ public:
         for_each_figure(path, figures, [&]<typename Value>(const char*, const Value& value) {
             double& cell = columns_[column++][path];
             if constexpr (std::is_same_v<Value, SampleTime>)
-                cell = value.seconds.value_or(std::numeric_limits<double>::quiet_NaN());
+                cell = value.seconds.value_or(kNaN);
             else if constexpr (std::is_same_v<Value, std::optional<double>>)
-                cell = precision_ == Precision::f32 ? double(float(value.value_or(double(nan_))))
-                                                    : value.value_or(double(nan_));
+                cell = double(T(value.value_or(kNaN)));
             else
                 cell = double(value);
         });
     }
 
 private:
-    static constexpr T nan_ = std::numeric_limits<T>::quiet_NaN();
-    static Shape shape(std::size_t paths, std::size_t steps) { return {py::ssize_t(paths), py::ssize_t(steps)}; }
+    static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
     std::size_t steps_;
-    Precision precision_;
-    std::vector<std::pair<std::uint32_t, Channel<T>>> reals_;
-    Channel<layout::uint> facet_;
+    SampleArrays<T> samples_;
     std::vector<double*> columns_; // of the figures
 };
 
@@ -370,7 +365,7 @@ py::dict PreparedScene::explore(const std::optional<std::vector<Points>>& given,
         input.features.channels = kChannels;
         require_memory_for(fmt::format("{} paths of {} steps", input.paths, input.steps),
                            double(input.paths) * double(input.steps) * double(path_sample_bytes(kChannels, sizeof(T))));
-        PathArrays<T> arrays(result, input.paths, input.steps, scene.precision, scene_origin(prepared_));
+        PathArrays<T> arrays(result, kChannels, input.paths, input.steps, scene_origin(prepared_));
         const py::gil_scoped_release release;
         BatchedSource<T> source(paths, input.steps, paths_that_fit(input));
         input.source = &source;
