@@ -19,13 +19,6 @@ template <typename Value> Bytes bytes_of(const Value& value) {
 /// Runs a call and turns Vulkan's exceptions into DeviceError with `doing` as context.
 void run_checked(const std::string& doing, const std::function<void()>& call);
 
-/// \throws DeviceError (unsupported) if kernels compute in T and this device cannot.
-template <typename T> void check_precision(const DeviceReport& report) {
-    if (sizeof(T) == sizeof(double) && !report.f64)
-        throw DeviceError(DeviceError::Kind::unsupported,
-                          report.name + " has no double precision in kernels: use --precision f32");
-}
-
 /// Whether kernels take quotients and roots through double precision: where the device's own of floats may be off.
 template <typename T> bool takes_exact(const DeviceReport& report) {
     return sizeof(T) == sizeof(float) && !report.nearest && report.f64;
@@ -144,5 +137,18 @@ private:
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
 };
+
+/// Does a kernel's `work(times)`, which computes in T; `in_parts` as its options say. \throws DeviceError: also
+/// unsupported if the device cannot compute in T.
+template <typename T, typename Work>
+FieldTimes run_kernel(Dispatcher& dispatcher, bool in_parts, const std::string& doing, const Work& work) {
+    if (sizeof(T) == sizeof(double) && !dispatcher.report().f64)
+        throw DeviceError(DeviceError::Kind::unsupported,
+                          dispatcher.report().name + " has no double precision in kernels: use --precision f32");
+    dispatcher.poison(in_parts);
+    FieldTimes times;
+    run_checked(doing, [&] { work(times); });
+    return times;
+}
 
 } // namespace forceshade::compute

@@ -198,10 +198,7 @@ FieldKernel::FieldKernel(Device& device, const KernelOptions& options)
 
 template <typename T> FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take) {
     Dispatcher& dispatcher = *dispatcher_;
-    check_precision<T>(dispatcher.report());
-    dispatcher.poison(options_.in_parts);
-    FieldTimes times;
-    run_checked("evaluating a field", [&] {
+    return run_kernel<T>(dispatcher, options_.in_parts, "evaluating a field", [&](FieldTimes& times) {
         const FieldRun<T> field{dispatcher, options_, input};
         FieldPlan plan;
         dispatcher.upload(times, [&](const PutTable& put) {
@@ -212,7 +209,6 @@ template <typename T> FieldTimes FieldKernel::evaluate(const layout::FieldInput<
             dispatcher.pipeline(field.code(), constants_of(plan.group, input.law.features), times);
         dispatcher.complete(times, [&] { field.run(plan, pipeline, times, take); });
     });
-    return times;
 }
 
 template FieldTimes FieldKernel::evaluate<float>(const layout::FieldInput<float>&, const TakeField<float>&);
@@ -224,10 +220,7 @@ MeshKernel::MeshKernel(Device& device, const KernelOptions& options)
 template <typename T>
 FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take, const PlanSlab& plan) {
     Dispatcher& dispatcher = *dispatcher_;
-    check_precision<T>(dispatcher.report());
-    dispatcher.poison(options_.in_parts);
-    FieldTimes times;
-    run_checked("evaluating a field", [&] {
+    return run_kernel<T>(dispatcher, options_.in_parts, "evaluating a field", [&](FieldTimes& times) {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         std::vector<uint> candidates;
         dispatcher.upload(times, [&](const PutTable& put) { candidates = put_mesh_tables(input, put); });
@@ -256,7 +249,6 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeFi
             }
         });
     });
-    return times;
 }
 
 template FieldTimes MeshKernel::evaluate<float>(const layout::FieldInput<float>&, const TakeField<float>&,

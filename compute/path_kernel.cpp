@@ -302,10 +302,7 @@ template <typename T>
 FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePaths<T>& take,
                                const TakeMetrics<T>& take_metrics) {
     Dispatcher& dispatcher = *dispatcher_;
-    check_precision<T>(dispatcher.report());
-    dispatcher.poison(options_.in_parts);
-    FieldTimes times;
-    run_checked("evaluating paths", [&] {
+    return run_kernel<T>(dispatcher, options_.in_parts, "evaluating paths", [&](FieldTimes& times) {
         dispatcher.upload(times, [&](const PutTable& put) { put_path_tables(input.law, put); });
         const Code code =
             code_for<T>(dispatcher.report(), kernels::path_f32(), kernels::path_f32_exact(), kernels::path_f64());
@@ -318,7 +315,6 @@ FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePath
             }
         });
     });
-    return times;
 }
 
 template FieldTimes PathKernel::explore<float>(const layout::PathInput<float>&, const TakePaths<float>&,
@@ -334,9 +330,7 @@ template <typename T>
 FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const FinishUpdates<T>& finish,
                                    const TakePaths<T>& take, const TakeMetrics<T>& take_metrics) {
     Dispatcher& dispatcher = *dispatcher_;
-    check_precision<T>(dispatcher.report());
-    FieldTimes times;
-    run_checked("evaluating paths", [&] {
+    return run_kernel<T>(dispatcher, options_.in_parts, "evaluating paths", [&](FieldTimes& times) {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         layout::MeshPathChunkParams chunk{};
         chunk.own_hands = input.hands.size() > 1;
@@ -385,7 +379,6 @@ FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const Fini
             first += batch.paths();
         }
     });
-    return times;
 }
 
 template FieldTimes MeshPathKernel::explore<float>(const layout::PathInput<float>&, const FinishUpdates<float>&,

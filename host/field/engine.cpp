@@ -163,44 +163,39 @@ private:
     std::vector<std::uint64_t> rows_;
 };
 
+// Of a field or of paths: `count` samples from `at` on.
+template <typename Chunk>
+void add_samples(Digests& digests, std::size_t row, const Chunk& chunk, std::size_t at, std::size_t count) {
+    const auto add_channel = [&]<typename Value>(std::span<const Value> values, std::size_t width) {
+        if (!values.empty())
+            digests.add(row, values.subspan(width * at, width * count));
+    };
+    add_channel(chunk.force, 3);
+    add_channel(chunk.depth, 1);
+    add_channel(chunk.facet, 1);
+    add_channel(chunk.proxy, 3);
+    if constexpr (requires { chunk.unshaded; })
+        add_channel(chunk.unshaded, 3);
+    else
+        add_channel(chunk.position, 3);
+}
+
 // A field's row is z * ny + y.
 template <typename T> void add(Digests& digests, const layout::FieldChunk<T>& chunk, std::size_t ny) {
-    const auto add_row = [&]<typename Value>(std::size_t row, std::size_t at, std::span<const Value> values,
-                                             std::size_t width) {
-        if (!values.empty())
-            digests.add(row, values.subspan(width * at, width * chunk.x_count));
-    };
     for (std::size_t z = 0; z < chunk.z_count; ++z)
-        for (std::size_t y = 0; y < chunk.y_count; ++y) {
-            const std::size_t row = (chunk.z_first + z) * ny + chunk.y_first + y;
-            const std::size_t at = (z * chunk.y_count + y) * chunk.x_pitch;
-            add_row(row, at, chunk.force, 3);
-            add_row(row, at, chunk.depth, 1);
-            add_row(row, at, chunk.facet, 1);
-            add_row(row, at, chunk.proxy, 3);
-            add_row(row, at, chunk.unshaded, 3);
-        }
+        for (std::size_t y = 0; y < chunk.y_count; ++y)
+            add_samples(digests, (chunk.z_first + z) * ny + chunk.y_first + y, chunk,
+                        (z * chunk.y_count + y) * chunk.x_pitch, chunk.x_count);
 }
 
 // Some steps of some paths; `lengths` of all paths, behind whose ends may stand anything.
 template <typename T>
 void add(Digests& digests, const layout::PathChunk<T>& chunk, std::span<const layout::uint> lengths) {
-    const auto add_sample = [&]<typename Value>(std::size_t path, std::size_t at, std::span<const Value> values,
-                                                std::size_t width) {
-        if (!values.empty())
-            digests.add(path, values.subspan(width * at, width));
-    };
     for (std::size_t i = 0; i < chunk.path_count; ++i) {
         const std::size_t path = chunk.path_first + i;
         const std::size_t end = std::min<std::size_t>(chunk.step_first + chunk.step_count, lengths[path]);
-        for (std::size_t step = chunk.step_first; step < end; ++step) {
-            const std::size_t at = (step - chunk.step_first) * chunk.pitch + i;
-            add_sample(path, at, chunk.position, 3);
-            add_sample(path, at, chunk.force, 3);
-            add_sample(path, at, chunk.depth, 1);
-            add_sample(path, at, chunk.facet, 1);
-            add_sample(path, at, chunk.proxy, 3);
-        }
+        for (std::size_t step = chunk.step_first; step < end; ++step)
+            add_samples(digests, path, chunk, (step - chunk.step_first) * chunk.pitch + i, 1);
     }
 }
 
