@@ -1,10 +1,9 @@
-#include "host/accuracy/precision_errors.h"
+#include "host/accuracy/accuracy.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "host/error.h"
@@ -68,15 +67,13 @@ Forces by_referee(const PreparedCase& home) {
         return true_forces(home, [&](const Vector& place) { return vector_of(referee.at(place)); });
     }
     const brute::Referee referee(home.one.scene, home.images);
-    std::optional<brute::Column> column; // finding it loops over all facets
-    Forces forces;
     const std::size_t columns = home.one.scene.grid.size[0];
     const std::vector<Vector> places = voxels_of(home);
-    forces.resize(places.size());
+    Forces forces(places.size());
     for (std::size_t i = 0; i < columns; ++i) {
-        column = referee.column(places[i].x, places[i].y);
+        const brute::Column column = referee.column(places[i].x, places[i].y); // loops over all facets
         for (std::size_t at = i; at < places.size(); at += columns)
-            forces[at] = vector_of(referee.at(*column, places[at].z));
+            forces[at] = vector_of(referee.at(column, places[at].z));
     }
     return forces;
 }
@@ -125,9 +122,9 @@ PrecisionErrors errors_of(Engine& engine, std::span<const FieldAtHome> fields, P
         if (!home.images.mesh)
             sums.bound = std::max(sums.bound, bound_of(field.prepared, precision));
     }
+    errors.force = sums.largest > 0 ? sums.off / sums.largest : 0;
     if (!(sums.largest > 0))
         return errors;
-    errors.force = sums.off / sums.largest;
     if (sums.step > kAlike * sums.largest)
         errors.step = sums.step_off / sums.step;
     if (!fields.front().prepared.images.mesh)

@@ -1,9 +1,8 @@
-#include "host/accuracy/rounding_search.h"
+#include "host/accuracy/accuracy.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -261,12 +260,33 @@ private:
     Random draw_;
 };
 
+// What was found at a place; at a tie, on the worse of its sides.
+struct Seen : WorstRounding {
+    Tie tie{};
+};
+
+// Where both precisions meet the same facet.
+std::optional<Seen> seen_at(BothLaws& both, const Probed& place) {
+    const auto found = both(place);
+    return found && found->same_facet ? std::optional(Seen{*found}) : std::nullopt;
+}
+
+// Where they do not.
+std::optional<Seen> seen_at(BothLaws& both, const std::optional<Tie>& tie) {
+    std::optional<Seen> worse;
+    if (tie)
+        for (const Probed& side : {tie->here, tie->there})
+            if (const auto found = both(side); found && !found->same_facet && !(worse && worse->error >= found->error))
+                worse = Seen{*found, *tie};
+    return worse;
+}
+
 // Climbs to worse places: `moved` gives the worst near the best one so far, within a reach, m.
-template <typename Best, typename Moved> Best climbed(double scale, Best best, const Moved& moved) {
+template <typename Moved> Seen climbed(double scale, Seen best, const Moved& moved) {
     double reach = 0.5 * scale;
     for (std::size_t step = 0; step < kClimbSteps; ++step) {
-        const std::optional<Best> next = moved(best, reach);
-        if (next && next->error() > best.error()) {
+        const std::optional<Seen> next = moved(best, reach);
+        if (next && next->error > best.error) {
             best = *next;
             reach *= 1.5;
         } else {
@@ -276,88 +296,55 @@ template <typename Best, typename Moved> Best climbed(double scale, Best best, c
     return best;
 }
 
-// The same facet in both precisions.
-struct SeenPlace {
-    WorstRounding worst;
-    double error() const { return worst.error; }
+// The worst of each of some groups, by the group's key.
+template <typename Key> struct WorstOfGroups : std::map<Key, Seen> {
+    void keep(const Key& key, const std::optional<Seen>& seen) {
+        if (seen)
+            if (const auto at = this->try_emplace(key, *seen).first; seen->error > at->second.error)
+                at->second = *seen;
+    }
+
+    // Adds the worst that climbs reach from them, from those with the worst first.
+    template <typename Moved>
+    void add_climbed(std::vector<WorstRounding>& found, std::size_t climbs, double scale, const Moved& moved) const {
+        std::vector<Seen> tops;
+        for (const auto& [key, seen] : *this)
+            tops.push_back(seen);
+        std::ranges::sort(tops, std::greater<>(), &Seen::error);
+        tops.resize(std::min(tops.size(), climbs));
+        for (Seen& top : tops)
+            top = climbed(scale, top, moved);
+        if (const auto worst = std::ranges::max_element(tops, {}, &Seen::error); worst != tops.end())
+            found.push_back(*worst);
+    }
 };
-// On either side of a tie, the worse one.
-struct SeenTie {
-    Tie tie;
-    WorstRounding worst;
-    double error() const { return worst.error; }
-};
 
-std::optional<SeenPlace> looked_at(BothLaws& both, const Probed& place) {
-    const auto found = both(place);
-    return found && found->same_facet ? std::optional(SeenPlace{*found}) : std::nullopt;
-}
+} // namespace
 
-std::optional<SeenTie> looked_at(BothLaws& both, const std::optional<Tie>& tie) {
-    std::optional<SeenTie> worse;
-    if (tie)
-        for (const Probed& side : {tie->here, tie->there})
-            if (const auto found = both(side);
-                found && !found->same_facet && !(worse && worse->error() >= found->error))
-                worse = SeenTie{*tie, *found};
-    return worse;
-}
-
-// The worst that climbs reach from the worst of each of some groups, those with the worst first.
-template <typename Seen, typename Moved>
-void add_worst(std::vector<WorstRounding>& found, std::vector<Seen> tops, std::size_t climbs, double scale,
-               const Moved& moved) {
-    std::ranges::sort(tops, std::greater<>(), &Seen::error);
-    tops.resize(std::min(tops.size(), climbs));
-    for (Seen& top : tops)
-        top = climbed(scale, top, moved);
-    if (const auto worst = std::ranges::max_element(tops, {}, &Seen::error); worst != tops.end())
-        found.push_back(worst->worst);
-}
-
-std::vector<WorstRounding> searched(const PreparedCase& prepared, std::size_t places, bool strokes) {
+std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::size_t places, bool strokes) {
     BothLaws both(prepared, strokes);
     Aim aim(both, prepared);
     const double scale = both.shape().scale.deepest;
     const std::size_t climbs = std::clamp<std::size_t>(places / 1000, 4, 64);
-    std::map<std::size_t, SeenPlace> smooth;                       // the worst of each part of the draw
-    std::map<std::pair<layout::uint, layout::uint>, SeenTie> ties; // and of each two facets
-    const auto keep = [](auto& worst, const auto& key, const auto& seen) {
-        if (seen)
-            if (const auto at = worst.try_emplace(key, *seen).first; seen->error() > at->second.error())
-                at->second = *seen;
-    };
+    WorstOfGroups<std::size_t> smooth;                         // parts of the draw
+    WorstOfGroups<std::pair<layout::uint, layout::uint>> ties; // each two facets
     for (std::size_t i = 0; i < places; ++i)
         if (const auto at = aim.below_the_surface())
-            keep(smooth, i * climbs / places, looked_at(both, *at));
+            smooth.keep(i * climbs / places, seen_at(both, *at));
     for (std::size_t i = 0; i < places / 10; ++i)
         if (const auto tie = aim.tie())
-            keep(ties, tie->facets, looked_at(both, tie));
-    std::vector<SeenPlace> top_places;
-    std::vector<SeenTie> top_ties;
-    std::ranges::transform(smooth, std::back_inserter(top_places), [](const auto& one) { return one.second; });
-    std::ranges::transform(ties, std::back_inserter(top_ties), [](const auto& one) { return one.second; });
+            ties.keep(tie->facets, seen_at(both, tie));
     std::vector<WorstRounding> found;
-    add_worst(found, std::move(top_places), climbs, scale, [&](const SeenPlace& best, double reach) {
-        return looked_at(both, aim.near({best.worst.place, best.worst.from.value_or(glm::dvec3(0))}, reach));
+    smooth.add_climbed(found, climbs, scale, [&](const Seen& best, double reach) {
+        return seen_at(both, aim.near({best.place, best.from.value_or(glm::dvec3(0))}, reach));
     });
-    add_worst(found, std::move(top_ties), climbs, scale, [&](const SeenTie& best, double reach) {
+    ties.add_climbed(found, climbs, scale, [&](const Seen& best, double reach) {
         const glm::dvec3 across = 4 * reach / reference::length(best.tie.way) * best.tie.way;
-        return looked_at(both, both.tie_on(aim.near(best.tie.here, reach).moved(-0.5 * across, -0.5 * across), across));
+        return seen_at(both, both.tie_on(aim.near(best.tie.here, reach).moved(-0.5 * across, -0.5 * across), across));
     });
     for (WorstRounding& one : found)
         one.evaluations = both.evaluations();
     return found;
-}
-
-} // namespace
-
-std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::size_t places) {
-    return searched(prepared, places, false);
-}
-
-std::vector<WorstRounding> worst_rounding_of_strokes(const PreparedCase& prepared, std::size_t strokes) {
-    return searched(prepared, strokes, true);
 }
 
 } // namespace forceshade

@@ -124,7 +124,6 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
     if (known.many && !arguments.scene.empty())
         options.cases = load_study(arguments.scene, common).cases;
     options.quick = arguments.quick;
-    options.quiet = common.quiet;
     options.engine = device_options(common, true);
     const std::optional<study::StudyData> before = study_in(options.folder);
     study::StudyRun study_run(known.name, options);

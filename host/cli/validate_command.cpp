@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compute/device.h"
-#include "host/accuracy/rounding_search.h"
+#include "host/accuracy/accuracy.h"
 #include "host/cases/path_comparison.h"
 #include "host/cli/command.h"
 #include "host/long_run.h"

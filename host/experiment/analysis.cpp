@@ -13,7 +13,6 @@
 #include "host/experiment/stroke.h"
 #include "host/output/reading.h"
 #include "host/program.h"
-#include "host/study/data/medians.h"
 #include "host/threads.h"
 
 namespace forceshade::experiment {

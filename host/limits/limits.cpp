@@ -115,7 +115,7 @@ std::optional<HoldLimit> least_of_any_press(const LoopCell& cell, const std::vec
 
 std::size_t settling_steps(const LoopCell& cell, double patience) {
     constexpr double kLeast = 2000, kMost = 1e6;
-    const double loses = -std::expm1(-(cell.hand.damping + cell.hand.grip_damping) / (cell.rate * cell.hand.mass));
+    const double loses = -std::expm1(-damping_of(cell.hand) / (cell.rate * cell.hand.mass));
     return static_cast<std::size_t>(std::clamp(patience / loses, kLeast, kMost));
 }
 

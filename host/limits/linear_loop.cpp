@@ -62,25 +62,22 @@ Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, cons
         map(i, 3 + i) = axis.x_speed / period;
         map(3 + i, i) = axis.v_error * period;
         map(3 + i, 3 + i) = axis.v_speed;
-        for (int j = 0; j < 3 && delay == 0; ++j) {
-            map(i, j) += place_force * answer.of_place[j][i];
-            map(3 + i, j) += speed_force * answer.of_place[j][i];
-        }
-        if (hand.coupled() && delay == 0) {
-            map(i, lag) = place_force * answer.of_lag[i];
-            map(3 + i, lag) = speed_force * answer.of_lag[i];
-        }
-        if (delay == 0)
+        const auto add_answer = [&](Eigen::Index row, double times) {
+            for (int j = 0; j < 3; ++j)
+                map(row, j) += times * answer.of_place[j][i];
+            if (hand.coupled())
+                map(row, lag) = times * answer.of_lag[i];
+        };
+        if (delay == 0) {
+            add_answer(i, place_force);
+            add_answer(3 + i, speed_force);
             continue;
+        }
         map(i, forces + i) = place_force; // the oldest
         map(3 + i, forces + i) = speed_force;
         for (Eigen::Index age = 0; age + 1 < delay; ++age)
             map(forces + 3 * age + i, forces + 3 * (age + 1) + i) = 1;
-        const Eigen::Index newest = forces + 3 * (delay - 1) + i;
-        for (int j = 0; j < 3; ++j)
-            map(newest, j) = answer.of_place[j][i];
-        if (hand.coupled())
-            map(newest, lag) = answer.of_lag[i];
+        add_answer(forces + 3 * (delay - 1) + i, 1); // the newest
     }
     return map;
 }
@@ -96,7 +93,7 @@ glm::dmat3 axes_of(const Hold& hold) {
 }
 
 std::array<Axis, 3> axes_of(const Hold& hold, const HandSpec& hand) {
-    const Axis across{hand.mass, hand.damping + hand.grip_damping, hand.grip_stiffness};
+    const Axis across{hand.mass, damping_of(hand), hand.grip_stiffness};
     const bool all_sides = hold.along == glm::dvec3(0);
     return {across, across, {hand.mass, across.damping, all_sides ? hand.grip_stiffness : 0}};
 }

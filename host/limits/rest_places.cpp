@@ -1,8 +1,11 @@
-// Places at which a hand may rest: anywhere on a surface, and on its edges.
+// The surface of a scene, as loops rest on it, and places at which a hand may rest: anywhere on it, and on its edges.
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include <fmt/format.h>
+
+#include "host/error.h"
 #include "host/limits/rest_places.h"
 #include "host/touch/angle.h"
 #include "host/touch/places.h"
@@ -57,10 +60,7 @@ glm::dmat3 slope_with(ContactForce& force, const TouchPlace& place, double step)
 // 1/m: the largest outward turn of the force's direction along a direction across it.
 double turn_of(const RestPlace& rest) {
     const glm::dvec3 direction = rest.force / reference::length(rest.force);
-    const glm::dvec3 across = std::abs(direction.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    glm::dvec3 u = reference::cross(direction, across);
-    u /= reference::length(u);
-    const glm::dvec3 v = reference::cross(direction, u);
+    const auto [u, v] = directions_across(direction);
     double most = 0;
     for (const glm::dvec3& along : {u, v}) {
         const double turn = -reference::dot(along, rest.slope * along) / reference::length(rest.force);
@@ -164,6 +164,38 @@ std::optional<RestPlace> edge_place(ContactForce& force, const TouchPlace& edge,
 }
 
 } // namespace
+
+LoopSurface scene_surface(const PreparedCase& given) {
+    const Scene& scene = given.one.scene;
+    if (!(scene.force.stiffness > 0))
+        throw UsageError("force.stiffness is 0: a loop needs a force; use a stiffness above 0");
+    if (!(damping_of(scene.hand) > 0))
+        throw UsageError("hand.damping and hand.grip_damping are 0: without damping no sampled loop comes to rest at "
+                         "any stiffness");
+    LoopSurface surface;
+    surface.name = "scene";
+    surface.prepared = given;
+    surface.prepared.one.scene.force.stiffness = 1;
+    if (surface.prepared.one.scene.texture)
+        surface.prepared.one.scene.texture->stiffness /= scene.force.stiffness;
+    surface.hand = coupled(scene.hand, 0, 0);
+    surface.rate = scene.paths.value_or(PathsSpec{}).rate;
+    surface.stiffness = scene.force.stiffness;
+    const TouchedShape shape = scene_shape(given);
+    surface.low = shape.low;
+    surface.high = shape.high;
+    surface.deepest = shape.scale.deepest;
+    return surface;
+}
+
+std::string hand_text(const LoopSurface& surface, bool with_delay) {
+    const HandSpec& hand = surface.hand;
+    return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz{}", hand.mass, damping_of(hand),
+                       hand.grip_stiffness, surface.rate,
+                       !with_delay              ? ""
+                       : hand.delay_samples > 0 ? fmt::format(", {} samples late", hand.delay_samples)
+                                                : ", no delay");
+}
 
 const char* name_of(PlaceKind kind) {
     constexpr const char* kNames[] = {"flat", "crest", "hollow", "slope", "edge", "foot"};

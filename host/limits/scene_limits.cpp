@@ -1,14 +1,36 @@
-// Whether a scene is stable with its hand.
+// Whether a scene is stable with its hand, and through which virtual couplings.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/limits/coupling_limits.h"
+#include "host/limits/limits.h"
 
 namespace forceshade {
-
 namespace {
+
+constexpr double kSoftest = 1e-3, kStiffest = 32; // springs of a coupling, of what is passive
+
+double passive_with(const HandSpec& hand, double rate) {
+    return passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples);
+}
+
+// The stiffest spring with that damper, from a stiffness `low`, with which it rests, to at most `high`.
+HoldingCoupling stiffest_with(RestTrials& trials, const HandSpec& hand, double damping, double low, double high) {
+    constexpr double kClose = 1.001;
+    const auto rests = [&](double stiffness) { return trials.all_rest(coupled(hand, stiffness, damping)); };
+    if (rests(high))
+        return {high, damping, {}};
+    while (high > kClose * low) {
+        const double middle = std::sqrt(low * high);
+        (rests(middle) ? low : high) = middle;
+    }
+    HoldingCoupling found{low, damping, {}};
+    if (!rests(high)) // the last trial that failed
+        found.weakest = trials.failed(coupled(hand, low, damping));
+    return found;
+}
 
 struct Touched {
     LoopSurface surface;
@@ -30,6 +52,58 @@ Touched touched(const PreparedCase& prepared, double rate, double most, double s
 }
 
 } // namespace
+
+RestTrials::RestTrials(double rate, double stiffness, const std::vector<RestPlace>& places)
+    : rate_(rate), stiffness_(stiffness) {
+    for (const RestPlace& place : places)
+        if (!jumps(place.kind))
+            for (const Hold& hold : usual_holds(place.force, place.slope))
+                trials_.push_back({&place, hold});
+}
+
+bool RestTrials::all_rest(const HandSpec& hand) {
+    const auto failed = std::ranges::find_if(
+        trials_, [&](const Trial& one) { return grows(hand, rate_, one.hold, one.place->force_around(), stiffness_); });
+    if (failed == trials_.end())
+        return true;
+    std::rotate(trials_.begin(), failed, failed + 1);
+    return false;
+}
+
+LeastLimit RestTrials::failed(const HandSpec& hand) const {
+    LeastLimit found;
+    found.place = *trials_.front().place;
+    found.hold = trials_.front().hold;
+    found.cell = {hand, rate_, stiffness_};
+    found.limit = stiffness_;
+    return found;
+}
+
+std::optional<HoldingCoupling> safe_coupling(const HandSpec& hand, double rate, double stiffness,
+                                             const std::vector<RestPlace>& places) {
+    RestTrials trials(rate, stiffness, places);
+    const double passive = passive_with(hand, rate), softest = kSoftest * passive;
+    if (trials.empty() || !(passive > 0) || !trials.all_rest(coupled(hand, softest, 0)))
+        return std::nullopt;
+    return stiffest_with(trials, hand, 0, softest, // in line with the scene no stiffer
+                         stiffness > passive ? stiffness * passive / (stiffness - passive) : kStiffest * passive);
+}
+
+std::optional<HoldingCoupling> stiffest_coupling(const HandSpec& hand, double rate, double stiffness,
+                                                 const std::vector<RestPlace>& places) {
+    constexpr int kDampings = 40;
+    constexpr double kLeastDamping = 1e-4; // of the largest
+    RestTrials trials(rate, stiffness, places);
+    const double passive = passive_with(hand, rate);
+    std::optional<HoldingCoupling> found;
+    for (int i = 0; i <= kDampings && !trials.empty() && passive > 0; ++i) {
+        const double damping = i == 0 ? 0 : hand.mass * rate * std::pow(kLeastDamping, 1 - double(i) / kDampings);
+        const double least = found ? 1.01 * found->stiffness : kSoftest * passive;
+        if (trials.all_rest(coupled(hand, least, damping)))
+            found = stiffest_with(trials, hand, damping, least, std::max(kStiffest * passive, least));
+    }
+    return found;
+}
 
 SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most, double scale) {
     const Scene& scene = prepared.one.scene;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/field/case_law.h"
-#include "host/touch/place.h"
+#include "host/touch/places.h"
 
 namespace forceshade {
 

@@ -1,26 +1,77 @@
 #include "host/touch/force_errors.h"
 
 #include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/reference/elementary.h"
+#include "host/mesh/mesh.h"
 #include "host/touch/angle.h"
 #include "host/touch/force_at.h"
-#include "host/touch/places.h"
-#include "host/touch/true_force.h"
 
 namespace forceshade {
+namespace {
 
-std::optional<Summary> summary_of(std::vector<double> values) {
+ForceAt best_truth(const PreparedCase& scene, const TouchScale& scale) {
+    const auto prepared = std::make_shared<PreparedCase>(scene);
+    prepared->one.scene.force.shading = shadings_of(scene).back().first;
+    const auto force = std::make_shared<ContactForce>(*prepared, scale);
+    return [prepared, force](const TouchPlace& place) { return (*force)(place); };
+}
+
+} // namespace
+
+std::vector<NamedShading> shadings_of(const PreparedCase& scene) {
+    std::vector<NamedShading> shadings{{Shading::none, "none"}};
+    const SurfaceKind kind = scene.one.scene.surface.kind;
+    if (kind == SurfaceKind::bump)
+        shadings.push_back({Shading::reference, "reference"});
+    if (kind == SurfaceKind::height_map)
+        shadings.push_back({Shading::height_map, "height_map"});
+    if (kind != SurfaceKind::mesh)
+        return shadings;
+    const PolygonSoup& polygons = scene.images.mesh->mesh.polygons;
+    shadings.push_back({Shading::morgenbesser, "morgenbesser"});
+    if (polygons.corners.size() == 3 * polygons.facets())
+        shadings.push_back({Shading::barycentric, "barycentric"});
+    shadings.insert(shadings.end(), {{Shading::two_pass, "two_pass"}, {Shading::mean_value, "mean_value"}});
+    return shadings;
+}
+
+ForceAt cylinder_force(const Scene& scene) {
+    const bool normal = scene.force.depth == DepthReading::normal;
+    return [normal, own = SmoothCylinder(scene)](const TouchPlace& place) {
+        const glm::dvec3& at = place.at;
+        double depth = reference::cylinder_height(own.half, own.radius, own.centre_depth, at.x) - at.z;
+        if (!(depth > 0))
+            return glm::dvec3(0);
+        glm::dvec3 direction(0, 0, 1);
+        if (std::abs(at.x) < own.half)
+            direction = {at.x / own.radius, 0, reference::circle_rise(own.radius, at.x) / own.radius};
+        if (normal)
+            depth *= direction.z;
+        return own.stiffness * depth * direction;
+    };
+}
+
+std::string set_true_force(TouchedShape& shape, const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    shape.smooth = scene.surface.kind == SurfaceKind::bump && !scene.texture;
+    shape.force = shape.smooth ? cylinder_force(scene) : best_truth(prepared, shape.scale);
+    return shape.smooth ? kSmoothShape : fmt::format("double precision of {}", shadings_of(prepared).back().second);
+}
+
+Summary summary_of(std::vector<double> values) {
     if (values.empty())
-        return std::nullopt;
+        return {};
     std::ranges::sort(values);
     double squares = 0;
     for (const double value : values)
         squares += value * value;
     const auto count = static_cast<double>(values.size());
     const auto at = [&](double share) { return values[static_cast<std::size_t>(std::ceil(share * count)) - 1]; };
-    return Summary{std::sqrt(squares / count), at(0.5), at(0.95), values.back()};
+    return {std::sqrt(squares / count), at(0.5), at(0.95), values.back()};
 }
 
 ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth, double typical) {
@@ -51,21 +102,19 @@ std::optional<TouchRecord> touched_error(const PreparedCase& prepared) {
         return std::nullopt;
     try {
         TouchedShape shape = scene_shape(prepared);
-        const TrueForce truth = true_force(prepared, shape.scale);
-        shape.force = truth.force;
-        shape.smooth = truth.smooth;
+        const std::string against = set_true_force(shape, prepared);
         const std::vector<TouchPlace> places = touched_places(shape, prepared, kPlaces);
         ContactForce law(prepared, shape.scale);
         std::vector<glm::dvec3> forces, true_ones;
         for (const TouchPlace& place : places) {
             forces.push_back(law(place));
-            true_ones.push_back(truth.force(place));
+            true_ones.push_back(shape.force(place));
         }
         const ForceErrors errors = force_errors(forces, true_ones, 1);
-        if (!errors.direction || !errors.local)
+        if (std::isnan(errors.direction.rms) || std::isnan(errors.local.median))
             return std::nullopt;
-        return TouchRecord{truth.against,         places.size(),        shape.scale.deepest,
-                           errors.direction->rms, errors.local->median, errors.local->p95};
+        return TouchRecord{
+            against, places.size(), shape.scale.deepest, errors.direction.rms, errors.local.median, errors.local.p95};
     } catch (const UsageError&) { // nothing to touch, or beyond the numbers
         return std::nullopt;
     }

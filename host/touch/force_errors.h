@@ -1,40 +1,70 @@
-// How far forces are from those that should be.
+// What the force where a hand touches should be, and how far forces are from that.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 #include "host/output/record.h"
+#include "host/touch/places.h"
 
 namespace forceshade {
 
-/// Root mean square, median, the value that 95 % do not exceed, and the largest.
-struct Summary {
-    double rms = 0, median = 0, p95 = 0, largest = 0;
+using NamedShading = std::pair<Shading, const char*>;
+
+/// The shadings that a surface has; the last comes closest to the smooth shape.
+std::vector<NamedShading> shadings_of(const PreparedCase& scene);
+
+/// The cylinder that a bump's facets approximate.
+struct SmoothCylinder {
+    explicit SmoothCylinder(const Scene& scene)
+        : half(scene.surface.width / 2), radius(scene.surface.radius), stiffness(scene.force.stiffness),
+          centre_depth(std::sqrt((radius - half) * (radius + half))) {}
+    double half, radius /* m */, stiffness /* N/m */, centre_depth /* m: of the axis, below the plane */;
 };
 
-/// Of values that are not negative; their order does not matter. Empty for no values.
-std::optional<Summary> summary_of(std::vector<double> values);
+/// Its force K (U(x) - z) along its normal, the depth read as the scene reads it.
+ForceAt cylinder_force(const Scene& scene);
+
+/// The reference of errors where it is known; only then is less error closer to the truth.
+constexpr const char* kSmoothShape = "the smooth shape";
+
+/// Gives a shape the force that it should have: of a bump without a texture the cylinder's; else that of the closest
+/// shading in double precision, of a mesh the god-object's, which stays on its side. Returns whose it is: kSmoothShape,
+/// or one of the laws.
+std::string set_true_force(TouchedShape& shape, const PreparedCase& prepared);
+
+/// Root mean square, median, the value that 95 % do not exceed, and the largest; NaN without values.
+struct Summary {
+    double rms = NAN, median = NAN, p95 = NAN, largest = NAN;
+};
+
+/// Of values that are not negative; their order does not matter.
+Summary summary_of(std::vector<double> values);
 
 /// The local error of a missing force is 1; out of contact a force has no direction.
 struct ForceErrors {
     std::size_t places = 0;
-    std::size_t missed = 0;           /* places without a force that should have one */
-    std::size_t phantom = 0;          /* places with a force that should have none */
-    std::size_t above = 0;            /* places that should have none */
-    std::optional<Summary> direction; /* deg */
-    std::optional<Summary> local;     /* 1: |F - truth| / |truth|, where there should be a force */
-    std::optional<Summary> typical;   /* 1: |F - truth| over the root mean square of the true force */
+    std::size_t missed = 0;  /* places without a force that should have one */
+    std::size_t phantom = 0; /* places with a force that should have none */
+    std::size_t above = 0;   /* places that should have none */
+    Summary direction;       /* deg */
+    Summary local;           /* 1: |F - truth| / |truth|, where there should be a force */
+    Summary typical;         /* 1: |F - truth| over the root mean square of the true force */
 
+    double missed_share() const { return double(missed) / double(places); }
+    /// Of the places that should have no force, those that have one; NaN without such places.
+    double phantom_share() const { return double(phantom) / double(above); }
     /// The criteria of fronts and bounds: RMS error of the direction in deg, and 95th percentile of the local error;
     /// NaN without errors, or if a force is missing at more than 1 % of the places.
-    double bounded_direction() const { return whole() && direction ? direction->rms : NAN; }
-    double bounded_local() const { return whole() && local ? local->p95 : NAN; }
+    double bounded_direction() const { return whole() ? direction.rms : NAN; }
+    double bounded_local() const { return whole() ? local.p95 : NAN; }
 
 private:
     bool whole() const { return double(missed) <= 0.01 * double(places); }
@@ -42,8 +72,6 @@ private:
 
 /// `forces` and `truth`, N, place by place; `typical`, N.
 ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth, double typical);
-
-struct PreparedCase;
 
 /// Of a case's own law where a hand touches its surface; empty where nothing is touched in its box.
 std::optional<TouchRecord> touched_error(const PreparedCase& prepared);

@@ -128,11 +128,8 @@ TouchedShape scene_shape(const PreparedCase& prepared) {
 }
 
 void TouchedShape::set_box(const GridSpec& grid) {
-    for (int i = 0; i < 3; ++i) {
-        const auto axis = static_cast<std::size_t>(i);
-        low[i] = grid.origin[axis];
-        high[i] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
-    }
+    low = sample_place(grid, 0, 0, 0);
+    high = sample_place(grid, grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
 }
 
 std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCase& prepared, double x, double y) {

@@ -2,14 +2,40 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/vec3.hpp>
+
 #include "host/field/prepared_case.h"
 #include "host/random.h"
-#include "host/touch/place.h"
 
 namespace forceshade {
+
+/// A place that a hand touches.
+struct TouchPlace {
+    glm::dvec3 at{0};           /* m */
+    glm::dvec3 normal{0, 0, 1}; /* of the surface above it */
+    double depth = 0;           /* m: under the surface along the normal; negative above it */
+};
+
+/// Lengths that follow from how deep a hand goes, m.
+struct TouchScale {
+    double deepest = 2e-3;
+    double shallowest() const { return deepest / 100; }
+    double ring() const { return deepest / 20; }
+    double skin() const { return deepest / 40; } /* shallower is boundary */
+};
+
+/// m: where a sample of a grid lies, in the grid's axes.
+inline glm::dvec3 sample_place(const GridSpec& grid, std::size_t i, std::size_t j, std::size_t k) {
+    return glm::make_vec3(grid.origin.data()) + glm::make_vec3(grid.spacing.data()) * glm::dvec3(i, j, k);
+}
+
+/// N, at a place.
+using ForceAt = std::function<glm::dvec3(const TouchPlace&)>;
 
 /// What is touched: where it has a force, and where to look.
 struct TouchedShape {

@@ -9,7 +9,7 @@
 #include "host/mesh/mesh.h"
 #include "host/output/files.h"
 #include "host/study/energy/energy.h"
-#include "host/touch/bump_mesh.h"
+#include "host/touch/own_surfaces.h"
 #include "tests/unit/closed_forms.h"
 
 namespace forceshade::study {

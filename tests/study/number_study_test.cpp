@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/field/engine.h"
-#include "host/study/stability/number.h"
+#include "host/study/stability/stability.h"
 
 namespace forceshade::study {
 namespace {

@@ -139,7 +139,7 @@ protected:
     StudyData run(const Case& scene) {
         StudyOptions options;
         options.folder = folder_ / "omission";
-        options.quick = options.quiet = true;
+        options.quick = true;
         options.engine.cpu = true;
         options.scene = scene;
         StudyRun study("omission", options);

@@ -16,7 +16,6 @@ class Run : public ::testing::Test {
 protected:
     Run() {
         options_.folder = folder_ / "out/energy";
-        options_.quiet = true;
         options_.engine.cpu = true;
     }
     std::string fingerprint(const std::string& study = "energy") const {

@@ -171,80 +171,30 @@ FileRecord written(const std::filesystem::path& folder, const TextFile& file) {
     return {file.name, sha256_of(file.text), file.text.size()};
 }
 
-// Those of `former` that `data` does not name, if they exist.
-std::vector<FileRecord> left_over(const std::filesystem::path& folder, const std::vector<FileRecord>& former,
-                                  const StudyData& data) {
+// Removes those of `former` that `data` does not name. Returns the names of those that were changed since, which stay.
+std::vector<std::string> remove_left_over(const std::filesystem::path& folder, const std::vector<FileRecord>& former,
+                                          const StudyData& data) {
     std::set<std::string> named{kAccount};
     for (const auto* files : {&data.files, &data.volumes})
         for (const FileRecord& file : *files)
             named.insert(file.name);
-    std::vector<FileRecord> left;
-    std::error_code ignored;
-    for (const FileRecord& file : former)
-        if (is_plain_name(file.name) && !named.contains(file.name) &&
-            std::filesystem::symlink_status(folder / file.name, ignored).type() == std::filesystem::file_type::regular)
-            left.push_back(file);
-    return left;
-}
-
-// Returns the names of those that were changed since, which stay.
-std::vector<std::string> remove_intact(const std::filesystem::path& folder, const std::vector<FileRecord>& files) {
     std::vector<std::string> changed;
-    for (const FileRecord& file : files) {
-        if (!file_is_intact(folder / file.name, file.sha256)) {
-            changed.push_back(file.name);
-            continue;
-        }
+    for (const FileRecord& file : former) {
+        const std::filesystem::path path = folder / file.name;
         std::error_code error;
-        std::filesystem::remove(folder / file.name, error);
-        if (error)
-            throw IoError(fmt::format("cannot remove {}, which an earlier run left: {}", (folder / file.name).string(),
-                                      error.message()));
+        if (!is_plain_name(file.name) || named.contains(file.name) ||
+            std::filesystem::symlink_status(path, error).type() != std::filesystem::file_type::regular)
+            continue;
+        if (!file_is_intact(path, file.sha256))
+            changed.push_back(file.name);
+        else if (std::filesystem::remove(path, error); error)
+            throw IoError(
+                fmt::format("cannot remove {}, which an earlier run left: {}", path.string(), error.message()));
     }
     return changed;
 }
 
 } // namespace
-
-std::string Cell::text() const {
-    if (const double* number = std::get_if<double>(this))
-        return fmt::format("{}", *number);
-    const std::string* word = std::get_if<std::string>(this);
-    return word ? *word : std::string();
-}
-
-std::size_t Table::index(std::string_view column) const {
-    const auto found = std::ranges::find(columns, column, &Column::name);
-    if (found != columns.end())
-        return static_cast<std::size_t>(found - columns.begin());
-    std::vector<std::string> names;
-    for (const Column& one : columns)
-        names.push_back(one.name);
-    throw DataError(fmt::format("table {} has no column {}; it has {}", name, column, fmt::join(names, ", ")));
-}
-
-std::optional<double> Table::number(std::size_t row, std::string_view column) const {
-    const double* value = std::get_if<double>(&rows.at(row)[index(column)]);
-    return value ? std::optional(*value) : std::nullopt;
-}
-
-double Table::needed(std::size_t row, std::string_view column) const {
-    if (const auto value = number(row, column))
-        return *value;
-    throw DataError(fmt::format("row {} of table {} has no {}", row + 1, name, column));
-}
-
-std::string Table::word(std::size_t row, std::string_view column) const {
-    const std::string* value = std::get_if<std::string>(&rows.at(row)[index(column)]);
-    return value ? *value : std::string();
-}
-
-const Table& StudyData::table(std::string_view wanted) const {
-    const auto found = std::ranges::find(tables, wanted, &Table::name);
-    if (found == tables.end())
-        throw DataError(fmt::format("the study {} has no table {}", study, wanted));
-    return *found;
-}
 
 std::string table_csv(const Table& table) {
     CsvText csv;
@@ -270,8 +220,7 @@ std::vector<std::string> write_data(const std::filesystem::path& folder, StudyDa
     TemporaryFile account(folder / kAccount);
     account.write(data_json(data));
     account.flush_to_disk();
-    const std::vector<FileRecord> former = files_of_former(folder, data.study);
-    std::vector<std::string> changed = remove_intact(folder, left_over(folder, former, data));
+    std::vector<std::string> changed = remove_left_over(folder, files_of_former(folder, data.study), data);
     account.publish();
     return changed;
 }
@@ -336,11 +285,9 @@ void add_row(picture::Chart& chart, const Figure& figure, const Table& table, st
         return;
     }
     picture::ChartPoint point;
-    if (figure.kind == FigureKind::bars) {
-        point.x = static_cast<double>(place_in(chart.groups, text_of(table, row, figure.x.column)));
-    } else {
-        point.x = number(figure.x.column);
-    }
+    point.x = figure.kind == FigureKind::bars
+                  ? static_cast<double>(place_in(chart.groups, text_of(table, row, figure.x.column)))
+                  : number(figure.x.column);
     point.y = number(figure.y.column);
     point.y_low = end_of(table, row, figure.low);
     point.y_high = end_of(table, row, figure.high);

@@ -1,5 +1,6 @@
 // Results of a study: tables of numbers with units, figures that show them, findings in a sentence each. Every study
-// uses these; files, plots and the report depend on them alone.
+// uses these; files, plots and the report depend on them alone. And medians with their intervals, the same on every
+// machine.
 #pragma once
 
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -142,6 +144,11 @@ inline Figure make_figure(std::string name, std::string title, std::string capti
             std::move(series), std::move(label)};
 }
 
+/// Adds `more` at the end of `all`.
+template <typename T> void append(std::vector<T>& all, std::vector<T> more) {
+    all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
 /// A claim that follows from the tables: fixed words with the numbers in their slots.
 struct Finding {
     std::string name;        /* does not depend on the numbers: "cheapest_1deg" */
@@ -175,5 +182,22 @@ struct StudyData : RunFacts {
     /// \throws DataError without it.
     const Table& table(std::string_view name) const;
 };
+
+/// The median of some values, and where 95 % of the medians of bootstrap samples lie (Efron 1979, percentiles).
+struct Interval {
+    double low = 0, median = 0, high = 0;
+};
+Interval bootstrap_median(const std::vector<double>& values);
+
+/// Whether a ratio differs from 1, or another number from `none`: only then is it a finding.
+inline bool is_significant(const Interval& ratio, double none = 1) {
+    return ratio.high < none || ratio.low > none;
+}
+
+/// "takes 1.30 [1.21, 1.42] times as long as the other", or that the difference is not significant.
+std::string times_as_long(const Interval& ratio, const char* other);
+
+/// The quantile at this share, the middle of neighbours between ranks; 0 without values.
+double quantile(std::vector<double> values, double share);
 
 } // namespace forceshade::study

@@ -1,5 +1,4 @@
-#include "host/study/energy/energy.h"
-
+// The study and its surfaces.
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/paths/motions.h"
+#include "host/study/energy/energy.h"
 #include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
@@ -18,14 +18,11 @@ struct Scheme {
     DepthReading depth = DepthReading::vertical;
 };
 
-// Those without shading first.
-std::vector<Scheme> schemes_of(const PreparedCase& scene) {
-    switch (scene.one.scene.surface.kind) {
-    case SurfaceKind::bump:
-        return {{"unshaded", Shading::none},
-                {"unshaded, normal depth", Shading::none, DepthReading::normal},
-                {"shaded", Shading::reference},
-                {"shaded, normal depth", Shading::reference, DepthReading::normal}};
+// Those of a scene's surface, those without shading first.
+std::vector<Scheme> schemes_of(const Scene& scene) {
+    switch (scene.surface.kind) {
+    case SurfaceKind::bump: // with the scene's reading of depth alone
+        return {{"unshaded", Shading::none, scene.force.depth}, {"shaded", Shading::reference, scene.force.depth}};
     case SurfaceKind::cylinder_bump:
         return {{"unshaded", Shading::none}};
     case SurfaceKind::height_map:
@@ -33,15 +30,16 @@ std::vector<Scheme> schemes_of(const PreparedCase& scene) {
     case SurfaceKind::mesh:
         break;
     }
-    const bool barycentric = scene.one.scene.force.shading == Shading::barycentric; // mean values, on triangles
+    const bool barycentric = scene.force.shading == Shading::barycentric; // mean values, on triangles
     return {{"unshaded", Shading::none},
             {"morgenbesser", Shading::morgenbesser},
             barycentric ? Scheme{"barycentric", Shading::barycentric} : Scheme{"mean_value", Shading::mean_value},
             {"two_pass", Shading::two_pass}};
 }
 
-void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<double> elements) {
-    for (const Scheme& scheme : schemes_of(base)) {
+void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<double> elements,
+              const std::vector<Scheme>& schemes) {
+    for (const Scheme& scheme : schemes) {
         auto prepared = std::make_shared<PreparedCase>(base);
         prepared->one.scene.force.shading = scheme.shading;
         prepared->one.scene.force.depth = scheme.depth;
@@ -49,19 +47,27 @@ void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<do
     }
 }
 
+// The paper's bump of R = 1000 mil over its facets.
 EnergySurface own_bump(bool quick) {
     EnergySurface surface{"bump", "facets", {{-kOwnHalfWidth, -0.005}, {kOwnHalfWidth, 0.005}}};
+    const std::vector<Scheme> schemes{{"unshaded", Shading::none},
+                                      {"unshaded, normal depth", Shading::none, DepthReading::normal},
+                                      {"shaded", Shading::reference},
+                                      {"shaded, normal depth", Shading::reference, DepthReading::normal}};
     for (const unsigned facets :
          quick ? std::vector<unsigned>{1, 2, 8, 32, 512} : std::vector<unsigned>{1, 2, 3, 4, 8, 16, 32, 128, 512})
-        add_laws(surface, own_case({.facets = facets}), facets);
+        add_laws(surface, own_case({.facets = facets}), facets, schemes);
     return surface;
 }
 
+// Meshes of its cylinder over their cells.
 EnergySurface own_mesh(bool quick) {
     constexpr double kAcross = 0.8 * kOwnHalfWidth;
     EnergySurface surface{"mesh", "cells", {{-kOwnHalfWidth, -kAcross}, {kOwnHalfWidth, kAcross}}};
-    for (const unsigned cells : quick ? std::vector<unsigned>{4, 16} : std::vector<unsigned>{4, 8, 16, 32})
-        add_laws(surface, own_case({.kind = SurfaceKind::mesh, .facets = cells, .rows = cells}), cells);
+    for (const unsigned cells : quick ? std::vector<unsigned>{4, 16} : std::vector<unsigned>{4, 8, 16, 32}) {
+        const PreparedCase mesh = own_case({.kind = SurfaceKind::mesh, .facets = cells, .rows = cells});
+        add_laws(surface, mesh, cells, schemes_of(mesh.one.scene));
+    }
     return surface;
 }
 
@@ -104,11 +110,6 @@ bool is_mapped(const EnergyLaw& law, const std::optional<PreparedCase>& scene) {
     return law.surface == "bump" && law.elements == 8 && (law.scheme == "unshaded" || law.scheme == "shaded");
 }
 
-// The paper's bump of R = 1000 mil over its facets, and meshes of its cylinder over their cells.
-std::vector<EnergySurface> own_energy_surfaces(bool quick) {
-    return {own_bump(quick), own_mesh(quick)};
-}
-
 } // namespace
 
 EnergySurface scene_energy_surface(const PreparedCase& scene) {
@@ -125,34 +126,29 @@ EnergySurface scene_energy_surface(const PreparedCase& scene) {
     const glm::dvec2 middle(region.centre[0], region.centre[1]), half = 0.5 * glm::dvec2(region.length, region.width);
     EnergySurface surface{"scene", "", {middle - half, middle + half}};
     surface.region.deepest = std::min(surface.region.deepest, kDeepestShare * std::max(region.length, region.width));
-
-    add_laws(surface, scene, std::nullopt);
-    if (scene.one.scene.surface.kind == SurfaceKind::bump) { // the scene's reading of depth alone
-        const DepthReading depth = scene.one.scene.force.depth;
-        std::erase_if(surface.laws, [&](const EnergyLaw& law) { return law.prepared->one.scene.force.depth != depth; });
-        for (EnergyLaw& law : surface.laws)
-            law.scheme = law.unshaded ? "unshaded" : "shaded";
-    }
+    add_laws(surface, scene, std::nullopt, schemes_of(scene.one.scene));
     return surface;
 }
+
 StudyData study_energy(StudyRun& run) {
     const Extents extents = extents_of(run.options().quick);
     EnergyResults results;
-    results.surfaces =
-        run.scene() ? std::vector{scene_energy_surface(*run.scene())} : own_energy_surfaces(run.options().quick);
+    if (run.scene())
+        results.surfaces = {scene_energy_surface(*run.scene())};
+    else
+        results.surfaces = {own_bump(run.options().quick), own_mesh(run.options().quick)};
     std::vector<FileRecord> volumes;
     std::vector<Part> parts;
     for (EnergySurface& surface : results.surfaces) {
         surface.strokes = drawn_strokes(surface.region, extents.loops);
         for (const EnergyLaw& law : surface.laws) {
-            const std::string of = law.elements ? fmt::format(" of {}", *law.elements) : "";
-            parts.push_back({fmt::format("loops on {}{}, {}", surface.name, of, law.scheme),
-                             [&] { add_loops_of(law, surface.strokes, extents, results.loops); }});
+            const std::string of = fmt::format("{}{}, {}", surface.name,
+                                               law.elements ? fmt::format(" of {}", *law.elements) : "", law.scheme);
+            parts.push_back({"loops on " + of, [&] { add_loops_of(law, surface.strokes, extents, results.loops); }});
             if (is_mapped(law, run.scene()))
-                parts.push_back({fmt::format("curl of {}{}, {}", surface.name, of, law.scheme), [&] {
-                                     std::ranges::move(curl_map(run.engine(), law, surface.region, extents.columns,
-                                                                run.options().folder, volumes),
-                                                       std::back_inserter(results.curl));
+                parts.push_back({"curl of " + of, [&] {
+                                     append(results.curl, curl_map(run.engine(), law, surface.region, extents.columns,
+                                                                   run.options().folder, volumes));
                                  }});
         }
     }

@@ -1,10 +1,100 @@
-// The study of work round closed loops and curl.
+// The study of work round closed loops and of curl: its surfaces and laws, loops below them, the work of a force round
+// a loop, and the curl of a field in a section.
 #pragma once
 
-#include "host/study/energy/curl.h"
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
 #include "host/study/run/study_run.h"
 
 namespace forceshade::study {
+
+/// A law of the energy study.
+struct EnergyLaw {
+    std::string surface;            /* "bump", "mesh", "scene" */
+    std::string scheme;             /* "shaded", of a mesh "mean_value" */
+    std::optional<double> elements; /* facets of a bump, cells of a mesh over its width */
+    bool unshaded = false;
+    std::shared_ptr<const PreparedCase> prepared;
+};
+
+/// A stroke out from one place to another, up or down to another depth, and back: depths are vertical, below the
+/// facets.
+struct Stroke {
+    glm::dvec2 from{0}, to{0}; /* m: x and y */
+    double out = 0, back = 0;  /* m */
+};
+
+/// The region of strokes.
+struct StrokeRegion {
+    glm::dvec2 low{0}, high{0}; /* m */
+    double deepest = 2e-3;      /* m: the shallowest is a tenth of it */
+};
+
+struct EnergySurface {
+    std::string name;     /* "bump" */
+    std::string elements; /* "facets", "cells"; empty: none */
+    StrokeRegion region;
+    std::vector<Stroke> strokes{}; /* the same for all laws */
+    std::vector<EnergyLaw> laws{}; /* those without shading before those with */
+};
+
+/// Random strokes in the region, at least a quarter of its longer side long, depths log-uniform.
+std::vector<Stroke> drawn_strokes(const StrokeRegion& region, std::size_t count);
+
+/// The places of a loop, m, the first again at the end: `steps` for each of out and back, an eighth up and down.
+/// Empty if the loop leaves the surface.
+std::optional<std::vector<glm::dvec3>> places_of_loop(const EnergyLaw& law, const Stroke& stroke, std::size_t steps);
+
+/// Work of the force on the probe round a loop, J.
+struct LoopWork {
+    double work = 0;
+    double effort = 0; /* the integral of |F dl| */
+
+    void add(double step) {
+        work += step;
+        effort += std::abs(step);
+    }
+};
+
+/// From the position alone, of a mesh the static field: between places by the mean of both forces; steps are halved at
+/// jumps down to rounding error. Empty if the loop leaves contact.
+std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
+
+/// Of a mesh, followed by the god-object from place to place; the second loop, when it knows its side.
+std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
+
+/// A field over a section of x and z at one y, in contact where depth is above 0.
+struct SectionField {
+    std::vector<double> x, z;  /* m */
+    std::vector<double> force; /* N: 3 a sample, x fastest, then z */
+    std::vector<double> depth; /* m */
+
+    std::size_t at(std::size_t i, std::size_t k) const { return k * x.size() + i; }
+};
+
+/// curl_y F = dF_x/dz - dF_z/dx, N/m, of each cell between four samples, x fastest: the work round it, by the mean of
+/// two samples' forces along each side, over its area; NaN where a corner is out of contact. So the work round several
+/// cells is their sum, also where forces jump along slanted lines.
+std::vector<double> cell_curls(const SectionField& field);
+
+/// A cell of a map of curl.
+struct CurlCell {
+    std::string map;           /* "bump of 8 facets, shaded" */
+    double x, z;               /* m: its middle */
+    double curl_per_stiffness; /* 1 */
+};
+
+/// Curl of a law over the middle of a region, `columns` cells wide, each the mean over 8 x 8 cells of samples; the
+/// force of every eighth sample goes to NAME.exr, whose record is added to `volumes`.
+std::vector<CurlCell> curl_map(Engine& engine, const EnergyLaw& law, const StrokeRegion& region, std::uint64_t columns,
+                               const std::filesystem::path& folder, std::vector<FileRecord>& volumes);
 
 /// A user's scene with all shadings that its surface has, its own among them. \throws UsageError where it has no room
 /// for a stroke.

@@ -235,8 +235,7 @@ void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& resul
             for (const LoopRow& b : results.loops)
                 if (a.law == one.law && b.law == other.law && !a.history && !b.history && a.number == b.number)
                     more.push_back(a.gain - b.gain);
-        const Interval interval = bootstrap_median(more);
-        return interval.low > 0 || interval.high < 0;
+        return is_significant(bootstrap_median(more), 0);
     };
     std::vector<std::string> parts, intervals, ties;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -275,7 +274,7 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
         if (row.law->surface != "bump" || row.law->scheme != "shaded" || !row.more)
             continue;
         last = &row;
-        if (row.more->low > 0 || row.more->high < 0)
+        if (is_significant(*row.more, 0))
             significant = row.law->elements;
         if (*row.law->elements == 1 || *row.law->elements == 2 || *row.law->elements == 8)
             parts.push_back(fmt::format("{:.2g} mJ with {}", 1e3 * row.more->median, *row.law->elements));

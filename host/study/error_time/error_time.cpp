@@ -5,9 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/as_met.h"
 #include "host/study/error_time/runs.h"
-#include "host/touch/angle.h"
 
 namespace forceshade::study {
 namespace error_time {
@@ -41,8 +39,7 @@ MethodErrors errors_of(const Forces& forces, const Forces& exact, const KindPlac
                 some.push_back(forces[i]);
                 true_ones.push_back(truth[i]);
             }
-        if (!some.empty())
-            errors.by_kind[static_cast<std::size_t>(kind)] = force_errors(some, true_ones, typical);
+        errors.by_kind[static_cast<std::size_t>(kind)] = force_errors(some, true_ones, typical);
     }
     errors.precision = force_errors(forces, exact, typical).typical;
     return errors;
@@ -54,7 +51,10 @@ MethodErrors over_all(std::vector<MethodErrors> all) {
         return std::move(all.front());
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
-    std::ranges::sort(order, {}, [&](std::size_t i) { return all[i].shared.typical ? all[i].shared.typical->rms : 0; });
+    std::ranges::sort(order, {}, [&](std::size_t i) {
+        const double rms = all[i].shared.typical.rms;
+        return std::isnan(rms) ? 0 : rms;
+    });
     MethodErrors errors = all[order[order.size() / 2]];
     errors.by_draw = std::move(all);
     return errors;
@@ -62,9 +62,8 @@ MethodErrors over_all(std::vector<MethodErrors> all) {
 
 } // namespace
 
-void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
-                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines,
-                KnownPlaces& known) {
+void add_errors(std::vector<Method>& methods, const Subject& subject, const Variant& variant, const Extents& extents,
+                const Engines& engines, KnownPlaces& known) {
     const double typical = rms_of(true_forces(subject, subject.places));
     std::map<std::string, std::vector<MethodErrors>> all; // by method
     const bool is_drawn = std::ranges::any_of(
@@ -103,9 +102,9 @@ void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vec
                 errors_of(method.forces(own.at), method.exact(own.at), own, true_forces(subject, own.at), typical));
         }
     }
-    for (std::size_t i = 0; i < methods.size(); ++i)
-        if (methods[i].variant == &variant && methods[i].forces)
-            errors[i] = over_all(std::move(all.at(methods[i].name)));
+    for (Method& method : methods)
+        if (method.variant == &variant && method.forces)
+            method.errors = over_all(std::move(all.at(method.name)));
 }
 
 Round measure_round(std::span<const Method> methods, std::size_t number) {
@@ -203,33 +202,30 @@ StudyData study_error_time(StudyRun& run) {
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             add_methods(methods, subject, variant, 0, engines);
-    std::vector<std::optional<MethodErrors>> errors(methods.size());
     KnownPlaces known;
     std::vector<Round> rounds;
     std::vector<Part> parts;
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
-                             [&] { add_errors(errors, methods, subject, variant, extents, engines, known); }});
-    std::vector<FieldRun> fields;
-    std::vector<LoopRun> loops;
+                             [&] { add_errors(methods, subject, variant, extents, engines, known); }});
+    OtherTimes others;
     for (const Subject& subject : subjects)
-        std::ranges::move(field_runs(subject, run.engine(), *single_thread), std::back_inserter(fields));
+        append(others.fields, field_runs(subject, run.engine(), *single_thread));
     for (std::size_t round = 0; round < extents.runs; ++round)
-        parts.push_back({"whole fields", [&] { measure(fields, run.options().folder); }});
+        parts.push_back({"whole fields", [&] { measure(others.fields, run.options().folder); }});
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             if (variant.thorough && variant.shading != "none")
-                parts.push_back({"loops of " + subject.name, [&] {
-                                     std::ranges::move(loop_runs(subject.name, variant, *single_thread, extents.runs),
-                                                       std::back_inserter(loops));
-                                 }});
+                parts.push_back(
+                    {"loops of " + subject.name,
+                     [&] { append(others.loops, loop_runs(subject.name, variant, *single_thread, extents.runs)); }});
     parts.push_back({"compiling", [&] { measure_round(methods, 0); }}); // and making volumes: not within a round
     for (std::size_t round = 1; round <= extents.rounds; ++round)
         parts.push_back({"times", [&, round] { rounds.push_back(measure_round(methods, round)); }});
-    std::vector<AsMet> met;
-    parts.push_back({"forces waited for",
-                     [&] { met = measure_as_met(methods, met_methods(methods), extents.ticks, extents.colds); }});
+    parts.push_back({"forces waited for", [&] {
+                         others.met = measure_as_met(methods, met_methods(methods), extents.ticks, extents.colds);
+                     }});
     run.run(parts);
     // The unit of time: the first subject's thorough law, shaded, in double.
     std::size_t unit = 0;
@@ -238,17 +234,13 @@ StudyData study_error_time(StudyRun& run) {
             methods[i].precision == "f64")
             unit = i;
     const Times times(std::move(rounds), unit);
-    const Measured measured{subjects, methods, errors, times};
+    const Measured measured{subjects, methods, times};
     StudyData data = run.data();
     data.notes = notes_of(subjects, methods[unit], run.engine().report(), data.cores);
     data.tables = tables_of(measured);
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);
-    std::ranges::move(run_tables(measured, fields, loops), std::back_inserter(data.tables));
-    data.tables.push_back(met_table(measured, met));
-    std::ranges::move(met_findings(measured, met), std::back_inserter(data.findings));
-    std::ranges::move(run_figures(fields, loops), std::back_inserter(data.figures));
-    std::ranges::move(run_findings(measured, fields, loops), std::back_inserter(data.findings));
+    add_other_times(data, measured, others);
     return data;
 }
 

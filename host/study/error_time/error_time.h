@@ -5,58 +5,38 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <tuple>
 
-#include "host/study/error_time/kinds.h"
 #include "host/study/error_time/methods.h"
 #include "host/study/run/study_run.h"
-#include "host/touch/force_errors.h"
 
 namespace forceshade::study {
 namespace error_time {
-
-/// The errors of a method.
-struct MethodErrors {
-    ForceErrors shared;                                            /* over the places that all laws share */
-    std::array<std::optional<ForceErrors>, kKinds.size()> by_kind; /* empty: no such place */
-    std::optional<Summary> precision; /* 1: |F - same law in double| over the root mean square true force; all places */
-    /// Of each draw of grid or mesh; then the others are those of the draw with the median RMS error.
-    std::vector<MethodErrors> by_draw;
-
-    const ForceErrors* of(Kind kind) const {
-        const auto& errors = by_kind[static_cast<std::size_t>(kind)];
-        return errors ? &*errors : nullptr;
-    }
-};
 
 /// Of a number over the draws of a method's grid or mesh: least, median, largest. Empty without draws or without a
 /// number.
 template <typename Number> std::optional<Interval> over_draws(const MethodErrors& errors, const Number& number) {
     std::vector<double> values;
     for (const MethodErrors& one : errors.by_draw)
-        if (const std::optional<double> value = number(one))
-            values.push_back(*value);
+        if (const double value = number(one); !std::isnan(value))
+            values.push_back(value);
     if (values.empty())
         return std::nullopt;
     return Interval{quantile(values, 0), quantile(values, 0.5), quantile(values, 1)};
 }
 
 /// Of a root mean square error.
-inline std::optional<Interval> rms_over_draws(const MethodErrors& errors,
-                                              std::optional<Summary> ForceErrors::*summary) {
-    return over_draws(errors, [&](const MethodErrors& one) {
-        return one.shared.*summary ? std::optional((one.shared.*summary)->rms) : std::nullopt;
-    });
+inline std::optional<Interval> rms_over_draws(const MethodErrors& errors, Summary ForceErrors::*summary) {
+    return over_draws(errors, [&](const MethodErrors& one) { return (one.shared.*summary).rms; });
 }
 
 /// The places of laws that differ in their shading alone: by surface, elements and draw.
 using KnownPlaces = std::map<std::tuple<const Subject*, std::optional<double>, std::size_t>, KindPlaces>;
 
-/// Writes the errors of every method of a law that has errors into `errors`, method by method; of those that depend on
-/// the draw, over all draws.
-void add_errors(std::vector<std::optional<MethodErrors>>& errors, const std::vector<Method>& methods,
-                const Subject& subject, const Variant& variant, const Extents& extents, const Engines& engines,
-                KnownPlaces& known);
+/// Measures the errors of every method of a law that has errors; of those that depend on the draw, over all draws.
+void add_errors(std::vector<Method>& methods, const Subject& subject, const Variant& variant, const Extents& extents,
+                const Engines& engines, KnownPlaces& known);
 
 /// Seconds of an evaluation, method by method.
 using Round = std::vector<double>;
@@ -100,14 +80,13 @@ Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& methods
 struct Measured {
     const std::vector<Subject>& subjects;
     const std::vector<Method>& methods;
-    const std::vector<std::optional<MethodErrors>>& errors; /* method by method; empty if it has none */
     const Times& times;
 
     /// The methods with errors for which a condition holds.
     template <typename Condition> std::vector<std::size_t> find(const Condition& condition) const {
         std::vector<std::size_t> found;
         for (std::size_t i = 0; i < methods.size(); ++i)
-            if (errors[i] && condition(methods[i]))
+            if (methods[i].errors && condition(methods[i]))
                 found.push_back(i);
         return found;
     }
@@ -117,6 +96,13 @@ std::vector<Table> tables_of(const Measured& measured);
 /// `own`: of the study's own surfaces.
 std::vector<Figure> figures_of(const Measured& measured, bool own);
 std::vector<Finding> findings_of(const Measured& measured);
+
+/// Two tables, "fields" and "strokes", of some methods, numbers rounded: errors on a section across the middle of the
+/// shape, and forces along a stroke there.
+std::vector<Table> section_tables(std::span<const Method* const> methods);
+
+/// The figures of these tables for a subject; `method`, one of its, is shown first.
+std::vector<Figure> section_figures(const Subject& subject, const Method& method);
 
 } // namespace error_time
 

@@ -36,18 +36,11 @@ struct LookUpErrors {
 };
 
 std::optional<LookUpErrors> lookup_errors(const MethodErrors& errors) {
-    const auto at_kind = [&](Kind kind, auto number) {
-        return over_draws(errors, [&](const MethodErrors& one) {
-            const ForceErrors* of_kind = one.of(kind);
-            return of_kind ? std::invoke(number, *of_kind) : std::optional<double>();
-        });
-    };
     const auto rms = rms_over_draws(errors, &ForceErrors::typical);
-    const auto rim = at_kind(Kind::rim, [](const ForceErrors& one) {
-        return one.direction ? std::optional(one.direction->rms) : std::nullopt;
-    });
-    const auto phantom = at_kind(Kind::boundary, [](const ForceErrors& one) {
-        return std::optional(double(one.phantom) / double(std::max<std::size_t>(1, one.above)));
+    const auto rim = over_draws(errors, [](const MethodErrors& one) { return one.of(Kind::rim).direction.rms; });
+    const auto phantom = over_draws(errors, [](const MethodErrors& one) {
+        const ForceErrors& near = one.of(Kind::boundary);
+        return near.places > 0 && near.above == 0 ? 0 : near.phantom_share();
     });
     return rms && phantom ? std::optional(LookUpErrors{*rms, rim, *phantom}) : std::nullopt;
 }
@@ -69,7 +62,7 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     if (finest == lookups.end())
         return;
     const Method& method = measured.methods[*finest];
-    const auto errors = lookup_errors(*measured.errors[*finest]);
+    const auto errors = lookup_errors(*measured.methods[*finest].errors);
     if (!errors)
         return;
     std::string text = fmt::format("Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force",
@@ -87,20 +80,21 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         return found;
     };
     for (const std::size_t i : same("look-up, depth and direction"))
-        if (const auto of_depth = lookup_errors(*measured.errors[i]))
+        if (const auto of_depth = lookup_errors(*measured.methods[i].errors))
             text += fmt::format(" A volume of signed depth and direction errs by {}, with {} of such places.",
                                 percents(of_depth->rms), percent(of_depth->phantom.median));
     for (const std::size_t i : same("look-up, adaptive"))
-        if (const auto adaptive = lookup_errors(*measured.errors[i]); adaptive && adaptive->rim)
+        if (const auto adaptive = lookup_errors(*measured.methods[i].errors); adaptive && adaptive->rim)
             text +=
                 fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}, at the rim by {:.0f} "
                             "deg [{:.0f}, {:.0f}]; an evaluation {}.",
                             percents(adaptive->rms), adaptive->rim->median, adaptive->rim->low, adaptive->rim->high,
                             times_as_long(measured.times.ratio(i, *finest), "that of the plain volume"));
-    findings.push_back(
-        {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
-         fmt::format("{} places; least and largest of {} random offsets and orientations of the volume",
-                     measured.errors[*finest]->shared.places, measured.errors[*finest]->by_draw.size())});
+    findings.push_back({"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method),
+                        touched_depths(*method.subject),
+                        fmt::format("{} places; least and largest of {} random offsets and orientations of the volume",
+                                    measured.methods[*finest].errors->shared.places,
+                                    measured.methods[*finest].errors->by_draw.size())});
 }
 
 // Benefit and cost of shading a mesh.
@@ -117,17 +111,18 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     const std::vector<std::size_t> plain = find("none"), shaded = find("barycentric");
     if (plain.empty() || shaded.empty() || subject.against != kSmoothShape)
         return;
-    const ForceErrors &without = measured.errors[plain[0]]->shared, &with = measured.errors[shaded[0]]->shared;
-    if (!without.direction || !with.direction)
+    const ForceErrors &without = measured.methods[plain[0]].errors->shared,
+                      &with = measured.methods[shaded[0]].errors->shared;
+    if (std::isnan(without.direction.rms) || std::isnan(with.direction.rms))
         return;
     const Interval cost = measured.times.ratio(shaded[0], plain[0]);
     const auto degrees = [&](std::size_t i) {
-        const MethodErrors& errors = *measured.errors[i];
+        const MethodErrors& errors = *measured.methods[i].errors;
         const auto spread = rms_over_draws(errors, &ForceErrors::direction);
         return spread ? fmt::format("{:.2g} [{:.2g}, {:.2g}]", spread->median, spread->low, spread->high)
-                      : fmt::format("{:.2g}", errors.shared.direction->rms);
+                      : fmt::format("{:.2g}", errors.shared.direction.rms);
     };
-    const std::size_t draws = measured.errors[shaded[0]]->by_draw.size();
+    const std::size_t draws = measured.methods[shaded[0]].errors->by_draw.size();
     findings.push_back(
         {"shading",
          fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
@@ -144,7 +139,7 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
         std::vector<std::size_t> within =
             measured.find([&](const Method& method) { return method.subject == &subject && method.use == Use::live; });
         std::erase_if(within, [&](std::size_t i) {
-            const ForceErrors& errors = measured.errors[i]->shared;
+            const ForceErrors& errors = measured.methods[i].errors->shared;
             return !(errors.bounded_direction() <= 1 && errors.bounded_local() <= 0.1);
         });
         if (within.empty() || subject.against != kSmoothShape)
@@ -174,9 +169,9 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
         measured.find([](const Method& method) { return method.family == "direct" && method.precision == "f32"; });
     for (const std::size_t i : single) {
         const Method& method = measured.methods[i];
-        const MethodErrors& errors = *measured.errors[i];
+        const MethodErrors& errors = *measured.methods[i].errors;
         places = std::max(places, errors.shared.places);
-        largest = std::max(largest, errors.precision->largest);
+        largest = std::max(largest, errors.precision.largest);
         if (!method.variant->thorough)
             continue;
         const Interval cost = measured.times.ratio(i, measured.find([&](const Method& other) {

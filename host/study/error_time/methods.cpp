@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <thread>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -14,10 +13,7 @@
 #include "host/field/engine.h"
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
-#include "host/study/error_time/bricks.h"
-#include "host/study/error_time/volume.h"
-#include "host/threads.h"
-#include "host/touch/force_at.h"
+#include "host/study/error_time/volumes.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -87,17 +83,16 @@ double loading_seconds(double bytes) {
 
 // A look-up volume as a law.
 template <Reading R, typename Stored> class LookUp {
-    static constexpr bool kInBricks = R == Reading::band || R == Reading::adaptive;
-    static constexpr int kChannels = R == Reading::depth ? 4 : 3;
+    using Whole = Volume<Stored, float, R == Reading::depth ? 4 : 3>;
     using Stores = std::conditional_t<R == Reading::band, NarrowBand,
-                                      std::conditional_t<kInBricks, AdaptiveVolume, Volume<Stored, float, kChannels>>>;
+                                      std::conditional_t<R == Reading::adaptive, AdaptiveVolume, Whole>>;
 
 public:
     /// `deepest`, N: the force where a hand is deepest.
     LookUp(const PreparedCase& prepared, const TurnedGrid& grid, const Sampled& sampled, double deepest)
         : grid_(grid), begun_(Clock::now()), volume_(stores_of(prepared, grid, sampled.forces, float(deepest))),
           stiffness_(float(prepared.one.scene.force.stiffness)),
-          built_{bytes(),
+          built_{volume_.bytes(),
                  seconds_since(begun_) + (R == Reading::depth || R == Reading::adaptive ? 0 : sampled.seconds)} {}
 
     const Built& built() {
@@ -141,12 +136,6 @@ private:
             return {grid.grid, {forces.begin(), forces.end()}};
         }
     }
-    double bytes() const {
-        if constexpr (kInBricks)
-            return volume_.bytes();
-        else
-            return double(kChannels * sizeof(Stored) * grid_.grid.size[0] * grid_.grid.size[1] * grid_.grid.size[2]);
-    }
 
     TurnedGrid grid_;
     Clock::time_point begun_;
@@ -167,18 +156,12 @@ TouchedVoxels touched_voxels(const Subject& subject, const GridSpec& grid, const
     const std::vector<T> field = evaluate(tables.input(), 1, engine).force;
     TouchedVoxels all;
     for (std::size_t i = 0; i < field.size() / 3; ++i) {
-        const std::size_t index[3] = {i % grid.size[0], i / grid.size[0] % grid.size[1],
-                                      i / grid.size[0] / grid.size[1]};
         const glm::dvec3 force(field[3 * i], field[3 * i + 1], field[3 * i + 2]);
         const double size = reference::length(force), depth = size / subject.stiffness;
         if (size == 0 || depth < subject.scale.shallowest() || depth > subject.scale.deepest)
             continue;
-        TouchPlace place{{}, force / size, depth};
-        for (int k = 0; k < 3; ++k) {
-            const auto axis = static_cast<std::size_t>(k);
-            place.at[k] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(index[axis]);
-        }
-        all.at.push_back(place);
+        const std::size_t x = i % grid.size[0], y = i / grid.size[0] % grid.size[1];
+        all.at.push_back({sample_place(grid, x, y, i / grid.size[0] / grid.size[1]), force / size, depth});
         all.forces.push_back(force);
     }
     TouchedVoxels some;
@@ -369,80 +352,6 @@ private:
 };
 
 } // namespace
-
-GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset) {
-    GridSpec grid;
-    for (int i = 0; i < 3; ++i) {
-        const auto axis = static_cast<std::size_t>(i);
-        grid.origin[axis] = low[i] - (2 + offset[i]) * spacing;
-        grid.spacing[axis] = spacing;
-        grid.size[axis] = static_cast<std::uint64_t>(std::ceil((high[i] - low[i]) / spacing)) + 6;
-    }
-    return grid;
-}
-
-TurnedGrid::TurnedGrid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset,
-                       double turn)
-    : middle(0.5 * (low + high)), cosine(std::cos(turn)), sine(std::sin(turn)) {
-    const glm::dvec3 half = 0.5 * (high - low);
-    const double x = std::abs(cosine), y = std::abs(sine);
-    const glm::dvec3 reach(x * half.x + y * half.y, y * half.x + x * half.y, half.z);
-    grid = volume_grid(middle - reach, middle + reach, spacing, offset);
-}
-
-std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turned) {
-    const GridSpec& grid = turned.grid;
-    if (turned.sine == 0) {
-        PreparedCase there = prepared;
-        there.one.scene.output.channels = layout::kChannelForce;
-        there.one.scene.grid = grid;
-        EngineOptions oracle;
-        oracle.cpu = true;
-        return evaluate<float>(there, *make_engine(oracle)).force;
-    }
-    const CaseLaw<float> law(prepared);
-    const std::size_t layer = grid.size[0] * grid.size[1];
-    std::vector<float> forces(3 * layer * grid.size[2]);
-    std::vector<std::jthread> threads;
-    for (std::size_t thread = 0; thread < most_threads(); ++thread)
-        threads.emplace_back([&, thread] {
-            layout::uint hint = 0;
-            for (std::size_t k = thread; k < grid.size[2]; k += most_threads())
-                for (std::size_t i = 0; i < layer; ++i) {
-                    const auto force = law.at(turned.place_of(i % grid.size[0], i / grid.size[0], k), hint).force;
-                    for (int axis = 0; axis < 3; ++axis)
-                        forces[3 * (k * layer + i) + std::size_t(axis)] = force[axis];
-                }
-        });
-    threads.clear();
-    return forces;
-}
-
-bool has_depths(const PreparedCase& prepared) {
-    const Scene& scene = prepared.one.scene;
-    return scene.surface.kind != SurfaceKind::mesh && scene.force.depth == DepthReading::vertical && !scene.texture;
-}
-
-std::vector<float> sampled_depths(const PreparedCase& prepared, const TurnedGrid& turned) {
-    const GridSpec& grid = turned.grid;
-    const CaseLaw<double> law(prepared);
-    const double below = grid.origin[2] - 1; // m: far below any surface
-    std::vector<glm::dvec4> columns;         // height above `below`, direction
-    for (std::size_t j = 0; j < grid.size[1]; ++j)
-        for (std::size_t i = 0; i < grid.size[0]; ++i) {
-            const glm::dvec3 place = turned.place_of(i, j, 0);
-            const auto found = law.at({place.x, place.y, below});
-            const glm::dvec3 direction = glm::dvec3(found.force) / reference::length(found.force);
-            columns.emplace_back(found.depth, direction.x, direction.y, direction.z);
-        }
-    std::vector<float> values;
-    for (std::size_t k = 0; k < grid.size[2]; ++k)
-        for (const glm::dvec4& column : columns) {
-            const double depth = column.x - (grid.origin[2] + grid.spacing[2] * double(k) - below);
-            values.insert(values.end(), {float(depth), float(column.y), float(column.z), float(column.w)});
-        }
-    return values;
-}
 
 const char* name_of(Use use) {
     constexpr const char* kNames[] = {"live", "volume", "loop"};

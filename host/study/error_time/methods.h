@@ -1,4 +1,4 @@
-// A method of computing a force: a law, and its evaluation.
+// A method of computing a force: a law, its evaluation, and its errors.
 #pragma once
 
 #include <functional>
@@ -25,6 +25,17 @@ struct Built {
     double loading = 0;            /* s: as many bytes read from a file that the system has in memory */
 };
 
+/// The errors of a method.
+struct MethodErrors {
+    ForceErrors shared;                             /* over the places that all laws share */
+    std::array<ForceErrors, kKinds.size()> by_kind; /* without places: there are none of that kind */
+    Summary precision; /* 1: |F - same law in double| over the root mean square true force; all places */
+    /// Of each draw of grid or mesh; then the others are those of the draw with the median RMS error.
+    std::vector<MethodErrors> by_draw;
+
+    const ForceErrors& of(Kind kind) const { return by_kind[static_cast<std::size_t>(kind)]; }
+};
+
 struct Method {
     std::string name; /* unique: "bump, 64 facets, reference: direct f64" */
     const Subject* subject = nullptr;
@@ -44,6 +55,7 @@ struct Method {
     /// s of one evaluation alone, the clock's own included, at the places in turn (of a
     /// god-object's approach to one, the next update); empty: it has none alone.
     std::function<double(std::size_t number)> once;
+    std::optional<MethodErrors> errors; /* once they are measured; empty: it has none */
 };
 
 struct Engines {

@@ -1,14 +1,17 @@
 #include "host/study/error_time/runs.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include <fmt/format.h>
 
 #include "host/cases/case_pipeline.h"
 #include "host/clock.h"
 #include "host/paths/scene_paths.h"
-#include "host/study/error_time/volume.h"
+#include "host/program.h"
+#include "host/study/error_time/volumes.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -74,18 +77,18 @@ double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>*
     return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-// The error of a field read between its samples: that of the look-up with its spacing.
-const ForceErrors* look_up_errors(const Measured& measured, const FieldRun& run) {
+// The RMS error of a field read between its samples, over the RMS true force: that of the look-up with its spacing.
+double look_up_error(const Measured& measured, const FieldRun& run) {
     const std::vector<std::size_t> found = measured.find([&](const Method& method) {
         return method.variant == run.variant && method.family == "look-up, trilinear" && method.precision == "f32" &&
                method.spacing == run.grid.spacing[0];
     });
-    return found.empty() ? nullptr : &measured.errors[found[0]]->shared;
+    return found.empty() ? NAN : measured.methods[found[0]].errors->shared.typical.rms;
 }
 
 struct FieldRunRow {
     const FieldRun& run;
-    const ForceErrors* errors;
+    double error; /* 1 */
 };
 
 const char* word_of(Precision precision) {
@@ -159,12 +162,103 @@ std::vector<LoopRun> loop_runs(const std::string& surface, const Variant& varian
     return runs;
 }
 
+// Forces waited for.
+namespace {
+
+constexpr std::size_t kOtherMemory = std::size_t(64) << 20; // B: more than caches hold
+
+double control() {
+    const Clock::time_point start = Clock::now();
+    return seconds_since(start);
+}
+
+// Writes to memory of its own, so that caches hold nothing else.
+void fill_caches(std::vector<char>& memory) {
+    for (std::size_t at = 0; at < memory.size(); at += 64)
+        ++memory[at];
+}
+
+std::string name_of(const Measured& measured, const AsMet& one) {
+    return one.method == AsMet::kControl ? "nothing" : measured.methods[one.method].name;
+}
+
+double warm_seconds(const Measured& measured, const AsMet& one) {
+    return one.method == AsMet::kControl ? NAN : measured.times.seconds(one.method).median;
+}
+
+} // namespace
+
+Waits waits_of(const std::vector<double>& seconds) {
+    return {quantile(seconds, 0.5), quantile(seconds, 0.999), quantile(seconds, 1)};
+}
+
+std::vector<std::size_t> met_methods(const std::vector<Method>& methods) {
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+        const Method& method = methods[i];
+        if (!method.once || !method.variant->thorough || method.variant->shading == "none")
+            continue;
+        const bool finer = std::ranges::any_of(methods, [&](const Method& other) {
+            return other.variant == method.variant && other.family == method.family &&
+                   other.precision == method.precision && other.spacing < method.spacing;
+        });
+        if (!finer)
+            chosen.push_back(i);
+    }
+    return chosen;
+}
+
+std::vector<AsMet> measure_as_met(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen,
+                                  std::size_t ticks, std::size_t colds) {
+    std::vector<AsMet> met{{AsMet::kControl, {}, {}, ticks, colds}};
+    for (const std::size_t method : chosen)
+        met.push_back({method, {}, {}, ticks, colds});
+    std::vector<std::vector<double>> loop(met.size()), cold(met.size());
+    const auto once = [&](const AsMet& one, std::size_t number) {
+        return one.method == AsMet::kControl ? control() : methods[one.method].once(number);
+    };
+    for (const AsMet& one : met)
+        once(one, 0); // makes volumes
+    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / kLoopRate));
+    Clock::time_point next = Clock::now();
+    for (std::size_t tick = 0; tick < ticks; ++tick) {
+        check_interrupt();
+        for (std::size_t i = 0; i < met.size(); ++i) {
+            next += period;
+            std::this_thread::sleep_until(next);
+            loop[i].push_back(once(met[i], tick));
+        }
+    }
+    std::vector<char> memory(kOtherMemory);
+    for (std::size_t number = 0; number < colds; ++number) {
+        check_interrupt();
+        for (std::size_t i = 0; i < met.size(); ++i) {
+            fill_caches(memory);
+            cold[i].push_back(once(met[i], number));
+        }
+    }
+    for (std::size_t i = 0; i < met.size(); ++i) {
+        met[i].loop = waits_of(loop[i]);
+        met[i].cold = waits_of(cold[i]);
+    }
+    return met;
+}
+
+bool was_busy(const std::vector<AsMet>& met) {
+    return std::ranges::any_of(met, [](const AsMet& one) {
+        return one.method == AsMet::kControl && (one.loop.median > 1e-6 || one.loop.p999 > 1e-4);
+    });
+}
+
+// Tables, figures and findings.
+namespace {
+
 std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldRun>& fields,
                               const std::vector<LoopRun>& loops) {
     std::vector<FieldRunRow> rows;
     rows.reserve(fields.size());
     for (const FieldRun& run : fields)
-        rows.push_back({run, look_up_errors(measured, run)});
+        rows.push_back({run, look_up_error(measured, run)});
     using R = FieldRunRow;
     const auto time = [](double share) { return [share](const R& r) { return quantile(r.run.seconds, share); }; };
     return {table_of<R>(
@@ -182,7 +276,7 @@ std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldR
                  {"typical_rms_1", "1",
                   "error of the force between the samples (trilinear) over the RMS true force, root mean square, at "
                   "the median of random draws of the grid",
-                  [](const R& r) { return r.errors && r.errors->typical ? Cell(r.errors->typical->rms) : Cell(); }}},
+                  &R::error}},
                 rows),
             table_of<LoopRun>(
                 "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
@@ -261,8 +355,8 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
     const FieldRun *fine = by(0), *coarse = by(1);
     if (!fine || !coarse)
         return findings;
-    const ForceErrors *of_fine = look_up_errors(measured, *fine), *of_coarse = look_up_errors(measured, *coarse);
-    if (!of_fine || !of_coarse || !of_fine->typical || !of_coarse->typical)
+    const double of_fine = look_up_error(measured, *fine), of_coarse = look_up_error(measured, *coarse);
+    if (std::isnan(of_fine) || std::isnan(of_coarse))
         return findings;
     std::vector<double> ratios;
     for (std::size_t i = 0; i < fine->seconds.size(); ++i)
@@ -273,12 +367,68 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
              "A field of {:.2g} mm instead of {:.2g} mm {}; the RMS error of reading between its samples is {:.1f} "
              "instead of {:.1f} % of the RMS force, and the file has {:.1f} times the bytes.",
              1e3 * fine->grid.spacing[0], 1e3 * coarse->grid.spacing[0],
-             times_as_long(bootstrap_median(ratios), "that one"), 100 * of_fine->typical->rms,
-             100 * of_coarse->typical->rms, fine->bytes / coarse->bytes),
+             times_as_long(bootstrap_median(ratios), "that one"), 100 * of_fine, 100 * of_coarse,
+             fine->bytes / coarse->bytes),
          "field-runs", fmt::format("{}, {}", fine->surface, fine->variant->name),
          fmt::format("{}; evaluated, compressed, written and checked", fine->by),
          "95 % bootstrap interval of paired rounds"});
     return findings;
+}
+
+Table met_table(const Measured& measured, const std::vector<AsMet>& met) {
+    using R = AsMet;
+    const auto nano = [](Waits R::*waits, double Waits::*seconds) {
+        return [waits, seconds](const R& r) { return 1e9 * (r.*waits.*seconds); };
+    };
+    return table_of<R>(
+        "as_met", "A force where a hand waits for it, one evaluation at a time",
+        {{"way", "", "nothing: the clock read around nothing, the least that can be measured",
+          [&](const R& r) { return name_of(measured, r); }},
+         {"warm_ns", "ns", "an evaluation in a loop over many places",
+          [&](const R& r) { return 1e9 * warm_seconds(measured, r); }},
+         {"loop_p50_ns", "ns", "at 1 kHz, asleep between samples: the median", nano(&R::loop, &Waits::median)},
+         {"loop_p99_9_ns", "ns", "the same, once in a thousand", nano(&R::loop, &Waits::p999)},
+         {"loop_worst_ns", "ns", "the same, the worst", nano(&R::loop, &Waits::worst)},
+         {"ticks", "1", "samples of that loop", [](const R& r) { return r.ticks; }},
+         {"cold_p50_ns", "ns", "with caches full of other memory: the median", nano(&R::cold, &Waits::median)},
+         {"cold_worst_ns", "ns", "the same, the worst", nano(&R::cold, &Waits::worst)},
+         {"busy", "", "yes: the control itself waits too long for these times to say anything",
+          [busy = was_busy(met)](const R&) { return busy ? "yes" : "no"; }}},
+        met);
+}
+
+std::vector<Finding> met_findings(const Measured& measured, const std::vector<AsMet>& met) {
+    if (was_busy(met))
+        return {};
+    const double clock = met.front().loop.median; // s: of the clock alone
+    double least = INFINITY, worst = 0;           // 1: times as long as warm; s
+    std::size_t methods = 0;
+    for (const AsMet& one : met) {
+        if (one.method == AsMet::kControl)
+            continue;
+        ++methods;
+        least = std::min(least, std::max(one.loop.median - clock, 0.0) / warm_seconds(measured, one));
+        worst = std::max(worst, one.loop.worst);
+    }
+    if (!(least >= 2 && least < INFINITY))
+        return {};
+    return {
+        {"as_met",
+         fmt::format("Waited for at 1 kHz, with sleeps between, every method's force takes at least {:.0f} times as "
+                     "long as in a warm loop (median); the longest of all waits was {:.1g} % of a sample.",
+                     std::floor(least), 100 * worst * kLoopRate),
+         "", fmt::format("{} methods", methods), "one evaluation a millisecond, on a thread that sleeps between",
+         fmt::format("{} samples and {} with empty caches of each method", met.front().ticks, met.front().colds)}};
+}
+
+} // namespace
+
+void add_other_times(StudyData& data, const Measured& measured, const OtherTimes& others) {
+    append(data.tables, run_tables(measured, others.fields, others.loops));
+    data.tables.push_back(met_table(measured, others.met));
+    append(data.findings, met_findings(measured, others.met));
+    append(data.findings, run_findings(measured, others.fields, others.loops));
+    append(data.figures, run_figures(others.fields, others.loops));
 }
 
 } // namespace forceshade::study::error_time

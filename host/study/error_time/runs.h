@@ -1,5 +1,6 @@
-// What a user runs, as a whole: a field over a grid with its file, by the grid's spacing, and a hand's strokes, by the
-// loop's rate.
+// Times besides those of an evaluation in a warm loop over many places. What a user runs, as a whole: a field over a
+// grid with its file, by the grid's spacing, and a hand's strokes, by the loop's rate. And what a force costs where a
+// hand waits for it: one evaluation at a time, in a loop that sleeps until its next sample, and with empty caches.
 #pragma once
 
 #include <vector>
@@ -43,10 +44,42 @@ inline constexpr double kFinestRate = 64000;
 std::vector<LoopRun> loop_runs(const std::string& surface, const Variant& variant, Engine& single_thread,
                                std::size_t rounds);
 
-std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldRun>& fields,
-                              const std::vector<LoopRun>& loops);
-std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::vector<LoopRun>& loops);
-std::vector<Finding> run_findings(const Measured& measured, const std::vector<FieldRun>& fields,
-                                  const std::vector<LoopRun>& loops);
+/// s: of single evaluations.
+struct Waits {
+    double median = 0, p999 = 0, worst = 0;
+};
+Waits waits_of(const std::vector<double>& seconds);
+
+/// A method as met; without a method, the control: reading the clock around nothing.
+struct AsMet {
+    std::size_t method = 0; /* of the study's; kControl */
+    Waits loop;             /* at kLoopRate, asleep in between */
+    Waits cold;             /* with caches that hold other memory */
+    std::size_t ticks = 0, colds = 0;
+
+    static constexpr std::size_t kControl = SIZE_MAX;
+};
+
+inline constexpr double kLoopRate = 1000; /* Hz */
+
+/// Of each thorough, shaded law the direct evaluation, the god-object and each kind of look-up at its finest spacing.
+std::vector<std::size_t> met_methods(const std::vector<Method>& methods);
+
+/// Takes turns, a method a tick, the control first; `ticks` and `colds` of each.
+std::vector<AsMet> measure_as_met(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen,
+                                  std::size_t ticks, std::size_t colds);
+
+/// Whether the machine was too busy for these times to say anything: a clock read around nothing takes a microsecond in
+/// the median, or a tenth of a millisecond once in a thousand.
+bool was_busy(const std::vector<AsMet>& met);
+
+struct OtherTimes {
+    std::vector<FieldRun> fields;
+    std::vector<LoopRun> loops;
+    std::vector<AsMet> met;
+};
+
+/// Adds their tables, figures and findings.
+void add_other_times(StudyData& data, const Measured& measured, const OtherTimes& others);
 
 } // namespace forceshade::study::error_time

@@ -1,13 +1,11 @@
-#include "host/study/error_time/sections.h"
-
+// Errors on a section across the middle of a shape, and forces along a stroke there.
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/kinds.h"
-#include "host/touch/force_at.h"
+#include "host/study/error_time/error_time.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -146,29 +144,19 @@ std::vector<Table> section_tables(std::span<const Method* const> methods) {
 
 std::vector<Figure> section_figures(const Subject& subject, const Method& method) {
     const Where where{{"surface", subject.name}, {"way", method.name}};
-    Figure field;
-    field.name = "field-" + subject.name;
-    field.title = fmt::format("Error on a section: {}", method.name);
-    field.caption = "Largest error of eight places in each cell of a section, over the force there; at least 1e-4.";
-    field.kind = FigureKind::map;
-    field.table = "fields";
-    field.where = where;
-    field.x = {"x_mm", "x / mm", false};
-    field.y = {"height_mm", "height over the surface / mm", false};
+    Figure field = make_figure(
+        "field-" + subject.name, fmt::format("Error on a section: {}", method.name),
+        "Largest error of eight places in each cell of a section, over the force there; at least 1e-4.",
+        FigureKind::map, "fields", where, {"x_mm", "x / mm"}, {"height_mm", "height over the surface / mm"});
     field.value = "local_max_1";
     field.value_label = "error over the force there";
     field.value_logarithmic = true;
     field.value_limit = 1;
-    Figure stroke;
-    stroke.name = "stroke-" + subject.name;
-    stroke.title = fmt::format("Force along a stroke: {}", method.name);
-    stroke.caption = fmt::format("Force {:.2g} mm under the surface, along the section; dashed: {}.",
-                                 1e3 * stroke_depth(subject), subject.against);
-    stroke.table = "strokes";
-    stroke.where = where;
-    stroke.x = {"x_mm", "x / mm", false};
-    stroke.y = {"force_N", "force / N", false};
-    stroke.series = "component";
+    Figure stroke =
+        make_figure("stroke-" + subject.name, fmt::format("Force along a stroke: {}", method.name),
+                    fmt::format("Force {:.2g} mm under the surface, along the section; dashed: {}.",
+                                1e3 * stroke_depth(subject), subject.against),
+                    FigureKind::scatter, "strokes", where, {"x_mm", "x / mm"}, {"force_N", "force / N"}, "component");
     stroke.joined = true;
     for (const char* component : {"along x", "along z"})
         stroke.curves.push_back({"strokes",

@@ -11,7 +11,7 @@
 #include "host/mesh/mesh.h"
 #include "host/random.h"
 #include "host/reference/elementary.h"
-#include "host/touch/true_force.h"
+#include "host/touch/angle.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint64_t kLongestSide = 64;       // voxels of a kernel's grid over a user's scene
 constexpr double kMostSamples = 6e6;             // of a volume
 constexpr double kMostMeshSamples = 1e6;         // of a mesh, whose samples take longer
-constexpr double kThoroughFacets = 64;           // of the own bump that all methods are measured on
-constexpr double kThoroughCells = 16;            // the same for the own mesh
+constexpr unsigned kThoroughFacets = 64;         // of the own bump that all methods are measured on
+constexpr unsigned kThoroughCells = 16;          // the same for the own mesh
 constexpr std::size_t kPaths = 64, kSteps = 500; // of closed loops
 
 // The paper's bump, R = 600 mil: its width and 2 mm of the plane on either side. Meshes are of its cylinder.
@@ -57,15 +57,9 @@ void resample(Subject& subject, std::array<std::uint64_t, 3> size) {
     }
 }
 
-// A surface of which one quantity may differ.
-struct Base {
-    std::shared_ptr<const PreparedCase> prepared;
-    std::optional<double> elements;
-    std::vector<std::shared_ptr<const PreparedCase>> drawn{}; /* as Variant::drawn */
-};
-
-Variant variant_of(const Base& base, const NamedShading& shading, const std::string& elements) {
-    auto prepared = std::make_shared<PreparedCase>(*base.prepared);
+Variant variant_of(const Subject& subject, const PreparedCase& base, std::optional<double> elements,
+                   const NamedShading& shading) {
+    auto prepared = std::make_shared<PreparedCase>(base);
     Scene& scene = prepared->one.scene;
     scene.force.shading = shading.first;
     if (!scene.paths || scene.paths->kind == PathKind::recorded)
@@ -75,11 +69,20 @@ Variant variant_of(const Base& base, const NamedShading& shading, const std::str
     if (!scene.paths->closed() || scene.paths->drive == PathDrive::depth)
         scene.paths->drive = PathDrive::press;
     scene.paths->loop.reset();
-    Variant variant{base.elements ? fmt::format("{} {}, {}", *base.elements, elements, shading.second) : shading.second,
-                    std::move(prepared), shading.second, base.elements};
-    for (const auto& drawn : base.drawn)
-        variant.drawn.push_back(variant_of({drawn, base.elements}, shading, elements));
-    return variant;
+    const std::string name =
+        elements ? fmt::format("{} {}, {}", *elements, subject.elements, shading.second) : shading.second;
+    return {name, std::move(prepared), shading.second, elements};
+}
+
+// A law of the subject for each shading of a surface; `drawn`: the same surface, tessellated anew.
+void add_variants(Subject& subject, const PreparedCase& base, std::optional<double> elements,
+                  const std::function<bool(Shading)>& thorough, const std::vector<PreparedCase>& drawn = {}) {
+    for (const NamedShading& shading : shadings_of(base)) {
+        Variant& variant = subject.variants.emplace_back(variant_of(subject, base, elements, shading));
+        variant.thorough = thorough(shading.first);
+        for (const PreparedCase& one : drawn)
+            variant.drawn.push_back(variant_of(subject, one, elements, shading));
+    }
 }
 
 // The force K (R - r) along the cylinder's radius.
@@ -97,17 +100,11 @@ std::vector<double> spacings_within(const Subject& subject, std::vector<double> 
     return spacings;
 }
 
-// Everything but the truth and the box.
-void complete(Subject& subject, const std::vector<Base>& bases, const Extents& extents,
-              const std::function<bool(const Variant&)>& thorough) {
-    const PreparedCase& first = *bases.front().prepared;
-    subject.stiffness = first.one.scene.force.stiffness;
-    for (const Base& base : bases)
-        for (const NamedShading& shading : shadings_of(first)) {
-            Variant& variant = subject.variants.emplace_back(variant_of(base, shading, subject.elements));
-            variant.thorough = thorough(variant);
-        }
-    subject.places = touched_places(subject, *bases.back().prepared, extents.places);
+// What follows from the finest law, which comes last.
+void complete(Subject& subject, const Extents& extents) {
+    const PreparedCase& finest = *subject.variants.back().prepared;
+    subject.stiffness = finest.one.scene.force.stiffness;
+    subject.places = touched_places(subject, finest, extents.places);
 }
 
 // Cells on the unrolled cylinder, from its middle: a grid that ends with the patch, or one that is turned and moved and
@@ -174,13 +171,12 @@ Subject own_bump(const PreparedCase& own, const Extents& extents) {
     subject.notes = {"The bump is the paper's, R = 600 mil and W = 1000 mil on a plane, K = 1000 N/m. Its smooth shape "
                      "is the cylinder, with the force K (U(x) - z) along the normal N(x) above the probe: the depth is "
                      "read vertically, as that of the facets is."};
-    std::vector<Base> bases;
     for (const unsigned facets : extents.facets) {
-        auto prepared = std::make_shared<PreparedCase>(own);
-        prepared->one.scene.surface.facets = facets;
-        bases.push_back({prepared, facets});
+        PreparedCase prepared = own;
+        prepared.one.scene.surface.facets = facets;
+        add_variants(subject, prepared, facets, [&](Shading) { return facets == kThoroughFacets; });
     }
-    complete(subject, bases, extents, [](const Variant& one) { return one.elements == kThoroughFacets; });
+    complete(subject, extents);
     return subject;
 }
 
@@ -194,22 +190,23 @@ Subject own_mesh(const PreparedCase& own, const Extents& extents) {
     subject.notes = {"The meshes are patches of the same cylinder, cut into triangles between equal arcs. Their smooth "
                      "shape has the force K (R - r) along the radius: the depth is that of the nearest point, as the "
                      "meshes' is."};
-    std::vector<Base> bases;
+    const SmoothCylinder smooth(own.one.scene);
+    const auto on_mesh = [&](const Cells& patch) {
+        PreparedCase prepared = own;
+        prepared.one.scene.surface.kind = SurfaceKind::mesh;
+        prepared.images.mesh = cylinder_mesh(smooth, patch);
+        return prepared;
+    };
     for (const unsigned cells : extents.cells) {
-        const SmoothCylinder smooth(own.one.scene);
-        const auto on_mesh = [&](const Cells& patch) {
-            auto prepared = std::make_shared<PreparedCase>(own);
-            prepared->one.scene.surface.kind = SurfaceKind::mesh;
-            prepared->images.mesh = cylinder_mesh(smooth, patch);
-            return prepared;
-        };
-        Base& base = bases.emplace_back(Base{on_mesh(whole_patch(smooth, cells)), cells});
+        std::vector<PreparedCase> drawn;
         for (std::size_t draw = 1; draw < extents.draws; ++draw)
-            base.drawn.push_back(on_mesh(drawn_patch(smooth, cells, draw)));
+            drawn.push_back(on_mesh(drawn_patch(smooth, cells, draw)));
+        const auto thorough = [&](Shading shading) {
+            return cells == kThoroughCells && (shading == Shading::none || shading == Shading::mean_value);
+        };
+        add_variants(subject, on_mesh(whole_patch(smooth, cells)), cells, thorough, drawn);
     }
-    complete(subject, bases, extents, [](const Variant& one) {
-        return one.elements == kThoroughCells && (one.shading == "none" || one.shading == "mean_value");
-    });
+    complete(subject, extents);
     return subject;
 }
 
@@ -236,14 +233,14 @@ std::vector<Subject> own_subjects(const Extents& extents) {
 }
 
 Subject scene_subject(const PreparedCase& given, const Extents& extents) {
-    auto scene = std::make_shared<PreparedCase>(given);
-    Scene& own = scene->one.scene;
+    PreparedCase scene = given;
+    Scene& own = scene.one.scene;
     const bool bump = own.surface.kind == SurfaceKind::bump, mesh = own.surface.kind == SurfaceKind::mesh;
     if (!own.field && mesh) // of paths alone: no grid was given
-        own.grid = fitted_grid(kLongestSide, scene->images.mesh->mesh);
+        own.grid = fitted_grid(kLongestSide, scene.images.mesh->mesh);
     Subject subject("scene", bump ? "facets" : "");
     set_grid(subject, own.grid);
-    subject.scale = scene_shape(*scene).scale;
+    subject.scale = scene_shape(scene).scale;
     subject.grid.samples = 0;
     std::array<std::uint64_t, 3> fewer = own.grid.size;
     for (std::uint64_t& count : fewer)
@@ -252,20 +249,102 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
     const double finest = *std::ranges::min_element(own.grid.spacing);
     subject.spacings =
         spacings_within(subject, {8 * finest, 4 * finest, 2 * finest, finest}, mesh ? kMostMeshSamples : kMostSamples);
-    const TrueForce truth = true_force(*scene, subject.scale);
-    subject.force = truth.force;
-    subject.smooth = truth.smooth;
-    subject.against = truth.against;
+    subject.against = set_true_force(subject, scene);
     subject.notes.push_back(
-        truth.smooth
+        subject.smooth
             ? "The smooth shape is the cylinder of the scene's radius and width, with the force K d along the normal "
               "above the probe, the depth read as the scene reads it."
             : fmt::format("No smooth shape of this scene is known: errors are against {}, one of the laws, not the "
                           "truth. They say how far apart methods and shadings are, not which of them is right.",
-                          truth.against));
-    complete(subject, {{scene, bump ? std::optional<double>(own.surface.facets) : std::nullopt}}, extents,
-             [&](const Variant& one) { return one.prepared->one.scene.force.shading == own.force.shading; });
+                          subject.against));
+    add_variants(subject, scene, bump ? std::optional<double>(own.surface.facets) : std::nullopt,
+                 [&](Shading shading) { return shading == own.force.shading; });
+    complete(subject, extents);
     return subject;
+}
+
+// Kinds of places.
+namespace {
+
+constexpr std::size_t kTriesOfKinds = 100, kTriesOfRare = 10; // draws for each place of a kind
+constexpr double kSmoothTurn = 5 * kDegree;                   // across a ring; more is an edge of the smooth shape
+constexpr double kFacetTurn = 0.5 * kDegree;                  // across a ring; less is not an edge of facets
+constexpr double kFlatTurn = 0.01 * kDegree;                  // across a ring; more is curved
+constexpr std::size_t kRing = 8;                              // places of a ring
+
+PreparedCase unshaded(PreparedCase prepared) {
+    prepared.one.scene.force.shading = Shading::none;
+    prepared.one.scene.texture.reset();
+    return prepared;
+}
+
+} // namespace
+
+const char* name_of(Kind kind) {
+    constexpr const char* kNames[] = {"flat", "facet", "edge", "rim", "boundary"};
+    return kNames[static_cast<std::size_t>(kind)];
+}
+
+KindOf::KindOf(const Subject& subject, const Variant& variant)
+    : subject_(subject), plain_(unshaded(*variant.prepared)), facets_(plain_) {}
+
+Kind KindOf::operator()(const TouchPlace& place) {
+    const std::pair<glm::dvec3, glm::dvec3> across = directions_across(place.normal);
+    // The largest turn of the force on a ring about the place.
+    const auto turn_of = [&](const auto& force_at) {
+        const glm::dvec3 middle = force_at(place);
+        double largest = 0;
+        for (std::size_t i = 0; i < kRing; ++i) {
+            const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
+            TouchPlace near = place;
+            near.at += subject_.scale.ring() * (std::cos(angle) * across.first + std::sin(angle) * across.second);
+            if (const glm::dvec3 force = force_at(near); touches(force) && touches(middle))
+                largest = std::max(largest, angle_between(middle, force));
+        }
+        return largest;
+    };
+    const double smooth_turn = turn_of(subject_.force);
+    const double facet_turn = turn_of([&](const TouchPlace& at) { return facets_.force(facets_.input(at)); });
+    if (smooth_turn > kSmoothTurn)
+        return Kind::rim;
+    if (facet_turn > kFacetTurn)
+        return Kind::edge;
+    if (place.depth < subject_.scale.skin())
+        return Kind::boundary;
+    return smooth_turn < kFlatTurn && facet_turn < kFlatTurn ? Kind::flat : Kind::facet;
+}
+
+KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents) {
+    KindOf kind_of(subject, variant);
+    KindPlaces all{{}, {}, subject.places.size()};
+    std::array<std::size_t, kKinds.size()> counts{};
+    const auto add = [&](const TouchPlace& place, Kind kind) {
+        all.at.push_back(place);
+        all.kinds.push_back(kind);
+        ++counts[static_cast<std::size_t>(kind)];
+    };
+    for (const TouchPlace& place : subject.places)
+        add(place, kind_of(place));
+    PlaceDraw draw(subject, *variant.prepared, 2);
+    const std::size_t wanted = extents.places_of_kind;
+    for (std::size_t tries = 0; tries < kTriesOfKinds * wanted; ++tries) {
+        const bool early = tries < kTriesOfRare * wanted; // a kind not met by then does not exist
+        if (std::ranges::all_of(counts, [&](std::size_t count) { return count >= wanted || (count == 0 && !early); }))
+            break;
+        if (const auto place = draw())
+            if (const Kind kind = kind_of(*place); counts[static_cast<std::size_t>(kind)] < wanted)
+                add(*place, kind);
+    }
+    // As far above the surface as the shallow ones are below it: there should be no force.
+    for (std::size_t i = 0, end = all.at.size(); i < end; ++i)
+        if (all.kinds[i] == Kind::boundary) {
+            TouchPlace above = all.at[i];
+            above.at += 2 * above.depth * above.normal;
+            above.depth = -above.depth;
+            if (!touches(subject.force(above)))
+                add(above, Kind::boundary);
+        }
+    return all;
 }
 
 } // namespace forceshade::study::error_time

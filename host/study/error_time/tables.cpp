@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "host/study/error_time/error_time.h"
-#include "host/study/error_time/sections.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -19,10 +18,8 @@ struct ErrorRow {
     const Method& method;
     const ForceErrors* errors;
     Interval seconds{}, unit_ratio{};
-    std::optional<Summary> precision{};
     std::string on_front{}; /* name, if a front has it */
     Kind kind{};
-    const MethodErrors* all = nullptr; /* over its draws, too */
 };
 using ErrorColumns = std::vector<ColumnOf<ErrorRow>>;
 
@@ -30,8 +27,8 @@ using ErrorColumns = std::vector<ColumnOf<ErrorRow>>;
 template <typename Number> auto of_errors(Number number) {
     return [number](const ErrorRow& row) { return row.errors ? Cell(std::invoke(number, *row.errors)) : Cell(); };
 }
-auto of_errors(std::optional<Summary> ForceErrors::*summary, double Summary::*number) {
-    return of_errors([=](const ForceErrors& e) { return e.*summary ? Cell(*(e.*summary).*number) : Cell(); });
+auto of_errors(Summary ForceErrors::*summary, double Summary::*number) {
+    return of_errors([=](const ForceErrors& e) { return e.*summary.*number; });
 }
 
 // Keeps NaN.
@@ -40,9 +37,9 @@ double shown(double error) {
 }
 
 // Of the RMS error over the draws.
-auto of_draws(std::optional<Summary> ForceErrors::*summary, double Interval::*end) {
+auto of_draws(Summary ForceErrors::*summary, double Interval::*end) {
     return [=](const ErrorRow& r) {
-        const auto spread = r.all ? rms_over_draws(*r.all, summary) : std::nullopt;
+        const auto spread = r.method.errors ? rms_over_draws(*r.method.errors, summary) : std::nullopt;
         return spread ? Cell(*spread.*end) : Cell();
     };
 }
@@ -77,7 +74,7 @@ const ErrorColumns& method_columns() {
         {"places", "1", "that all laws of the surface share, or that a grid has there",
          of_errors(&ForceErrors::places)},
         {"missed", "1", "share of the places that should have a force and have none",
-         of_errors([](const ForceErrors& e) { return double(e.missed) / double(e.places); })},
+         of_errors(&ForceErrors::missed_share)},
         {"direction_rms_deg", "deg", "angle to the true force, root mean square",
          of_errors(&ForceErrors::direction, &Summary::rms)},
         {"direction_max_deg", "deg", "the largest", of_errors(&ForceErrors::direction, &Summary::largest)},
@@ -93,7 +90,7 @@ const ErrorColumns& method_columns() {
         {"typical_high_1", "1", "the largest", of_draws(&ForceErrors::typical, &Interval::high)},
         {"precision_max_1", "1",
          "largest difference from the same law in double, over the RMS true force, at all places of all kinds",
-         [](const R& r) { return r.precision ? Cell(r.precision->largest) : Cell(); }},
+         [](const R& r) { return r.method.errors ? Cell(r.method.errors->precision.largest) : Cell(); }},
         {"shown_local_1", "1", "local_p95_1 where less than 1 % is missed, at least 1e-7",
          of_errors([](const ForceErrors& e) { return shown(e.bounded_local()); })},
         {"on_front", "", "its law and method, if it is on the front of live use or of volumes",
@@ -150,7 +147,7 @@ std::vector<FrontRow> fronts(const Measured& measured) {
         for (const Use use : kUses)
             for (const Criterion* criterion : {&kDirection, &kLocal}) {
                 const auto error_of = [&](std::size_t method) {
-                    return shown((measured.errors[method]->shared.*criterion->error)());
+                    return shown((measured.methods[method].errors->shared.*criterion->error)());
                 };
                 const std::vector<std::size_t> methods = methods_with(measured, subject, use);
                 std::vector<double> errors;
@@ -203,7 +200,7 @@ Table cheapest_table(const Measured& measured) {
                 if (subject.against != kSmoothShape)
                     continue;
                 const auto error_of = [&](std::size_t method) {
-                    return (measured.errors[method]->shared.*criterion->error)();
+                    return (measured.methods[method].errors->shared.*criterion->error)();
                 };
                 std::vector<std::size_t> methods = methods_with(measured, subject, use);
                 std::erase_if(methods, [&](std::size_t method) { return !(error_of(method) <= bound); });
@@ -259,33 +256,22 @@ Table draws_table(const Measured& measured) {
         const MethodErrors& errors;
     };
     std::vector<R> rows;
-    for (std::size_t i = 0; i < measured.methods.size(); ++i)
-        for (std::size_t draw = 0; measured.errors[i] && draw < measured.errors[i]->by_draw.size(); ++draw)
-            rows.push_back({measured.methods[i], draw + 1, measured.errors[i]->by_draw[draw]});
-    const auto of_kind = [](Kind kind, std::optional<Summary> ForceErrors::*summary, double Summary::*number) {
-        return [=](const R& r) {
-            const ForceErrors* errors = r.errors.of(kind);
-            return errors && errors->*summary ? Cell(*(errors->*summary).*number) : Cell();
-        };
-    };
+    for (const Method& method : measured.methods)
+        for (std::size_t draw = 0; method.errors && draw < method.errors->by_draw.size(); ++draw)
+            rows.push_back({method, draw + 1, method.errors->by_draw[draw]});
     return table_of<R>(
         "draws", "Errors of volumes and fields at random offsets and orientations, and of meshes tessellated at random",
         {{"way", "", "as in ways", [](const R& r) { return r.method.name; }},
          {"spacing_mm", "mm", "as in ways", [](const R& r) { return 1e3 * r.method.spacing.value_or(NAN); }},
          {"draw", "1", "its number; from the second on a volume is turned about the vertical", &R::draw},
-         {"typical_rms_1", "1", "as in ways",
-          [](const R& r) { return r.errors.shared.typical ? Cell(r.errors.shared.typical->rms) : Cell(); }},
-         {"direction_rms_deg", "deg", "as in ways",
-          [](const R& r) { return r.errors.shared.direction ? Cell(r.errors.shared.direction->rms) : Cell(); }},
+         {"typical_rms_1", "1", "as in ways", [](const R& r) { return r.errors.shared.typical.rms; }},
+         {"direction_rms_deg", "deg", "as in ways", [](const R& r) { return r.errors.shared.direction.rms; }},
          {"rim_direction_rms_deg", "deg", "angle to the true force at the rim, root mean square",
-          of_kind(Kind::rim, &ForceErrors::direction, &Summary::rms)},
+          [](const R& r) { return r.errors.of(Kind::rim).direction.rms; }},
          {"boundary_p95_1", "1", "error of the force over the true force near the surface, 95th percentile",
-          of_kind(Kind::boundary, &ForceErrors::local, &Summary::p95)},
+          [](const R& r) { return r.errors.of(Kind::boundary).local.p95; }},
          {"phantom_1", "1", "share of the places just above the surface that have a force",
-          [](const R& r) {
-              const ForceErrors* errors = r.errors.of(Kind::boundary);
-              return errors && errors->above > 0 ? Cell(double(errors->phantom) / double(errors->above)) : Cell();
-          }}},
+          [](const R& r) { return r.errors.of(Kind::boundary).phantom_share(); }}},
         rows);
 }
 
@@ -299,8 +285,8 @@ Table volumes_table(const Measured& measured) {
     };
     std::vector<R> rows;
     for (std::size_t i = 0; i < measured.methods.size(); ++i)
-        if (const Method& method = measured.methods[i]; method.built && measured.errors[i])
-            rows.push_back({method, *measured.errors[i], measured.times.seconds(i), method.built()});
+        if (const Method& method = measured.methods[i]; method.built && method.errors)
+            rows.push_back({method, *method.errors, measured.times.seconds(i), method.built()});
     return table_of<R>(
         "volumes", "Look-up volumes: memory, time to build and load, errors",
         {{"way", "", "as in ways", [](const R& r) { return r.method.name; }},
@@ -316,20 +302,13 @@ Table volumes_table(const Measured& measured) {
          {"load_s", "s", "as many bytes read from a file that the system has in memory",
           [](const R& r) { return r.built.loading; }},
          {"time_ns", "ns", "of an evaluation, as in ways", [](const R& r) { return 1e9 * r.seconds.median; }},
-         {"typical_rms_1", "1", "as in ways",
-          [](const R& r) { return r.errors.shared.typical ? Cell(r.errors.shared.typical->rms) : Cell(); }},
+         {"typical_rms_1", "1", "as in ways", [](const R& r) { return r.errors.shared.typical.rms; }},
          {"missed_1", "1", "share of the places that should have a force and have none",
-          [](const R& r) { return double(r.errors.shared.missed) / double(r.errors.shared.places); }},
+          [](const R& r) { return r.errors.shared.missed_share(); }},
          {"rim_direction_rms_deg", "deg", "angle to the true force at the rim, root mean square",
-          [](const R& r) {
-              const ForceErrors* rim = r.errors.of(Kind::rim);
-              return rim && rim->direction ? Cell(rim->direction->rms) : Cell();
-          }},
+          [](const R& r) { return r.errors.of(Kind::rim).direction.rms; }},
          {"phantom_1", "1", "share of the places just above the surface that have a force",
-          [](const R& r) {
-              const ForceErrors* near = r.errors.of(Kind::boundary);
-              return near && near->above > 0 ? Cell(double(near->phantom) / double(near->above)) : Cell();
-          }}},
+          [](const R& r) { return r.errors.of(Kind::boundary).phantom_share(); }}},
         rows);
 }
 
@@ -339,8 +318,8 @@ constexpr std::pair<const char*, double> kBudgets[] = {
 
 Table budgets_table(const Measured& measured) {
     double least = 1, most = kLeastShown;
-    for (const auto& errors : measured.errors)
-        if (const double error = errors ? errors->shared.bounded_local() : NAN; std::isfinite(error)) {
+    for (const Method& method : measured.methods)
+        if (const double error = method.errors ? method.errors->shared.bounded_local() : NAN; std::isfinite(error)) {
             least = std::min(least, shown(error));
             most = std::max(most, error);
         }
@@ -427,14 +406,12 @@ std::vector<Table> tables_of(const Measured& measured) {
     std::vector<ErrorRow> methods, kinds;
     for (std::size_t i = 0; i < measured.methods.size(); ++i) {
         const Method& method = measured.methods[i];
-        const auto& errors = measured.errors[i];
-        methods.push_back({method, errors ? &errors->shared : nullptr, measured.times.seconds(i),
-                           measured.times.ratio(i, measured.times.unit()), errors ? errors->precision : std::nullopt,
-                           on_front.contains(i) ? method.name.substr(method.subject->name.size() + 2) : "", Kind{},
-                           errors ? &*errors : nullptr});
+        methods.push_back({method, method.errors ? &method.errors->shared : nullptr, measured.times.seconds(i),
+                           measured.times.ratio(i, measured.times.unit()),
+                           on_front.contains(i) ? method.name.substr(method.subject->name.size() + 2) : ""});
         for (const Kind kind : kKinds)
-            if (const ForceErrors* of_kind = errors ? errors->of(kind) : nullptr)
-                kinds.push_back({.method = method, .errors = of_kind, .kind = kind});
+            if (method.errors && method.errors->of(kind).places > 0)
+                kinds.push_back({.method = method, .errors = &method.errors->of(kind), .kind = kind});
     }
     std::vector<Table> tables = section_tables(front_methods);
     return {table_of("ways", "All methods of computing a force: error and time", method_columns(), methods),
@@ -473,7 +450,7 @@ std::vector<Figure> figures_of(const Measured& measured, bool own) {
         figures.push_back(lookup_figure(first, *shaded));
     if (!last.elements.empty())
         figures.push_back(convergence(last, last.variants.front().prepared->images.mesh ? "god-object" : "direct"));
-    std::ranges::move(sections, std::back_inserter(figures));
+    append(figures, std::move(sections));
     return figures;
 }
 

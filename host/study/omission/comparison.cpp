@@ -40,7 +40,7 @@ PolygonSoup torus(std::uint32_t around, std::uint32_t across, double radius, dou
             const std::uint32_t next = (i + 1) % around * across, here = i * across, up = (j + 1) % across;
             for (const std::uint32_t corner : {here + j, next + j, next + up, here + up})
                 ring.corners.push_back(corner);
-            ring.begins.push_back(static_cast<std::uint32_t>(ring.corners.size()));
+            ring.end_facet();
         }
     return ring;
 }

@@ -28,7 +28,7 @@ void place(const layout::PathChunk<T>& chunk, const layout::PathInput<T>& input,
         }
 }
 
-// One side, ready for repeated evaluation.
+// One side, ready for repeated evaluation, and what its rounds took.
 template <typename T> class Side {
 public:
     /// `setup` must outlive it; `paths`: those of its scene, not its field.
@@ -72,6 +72,21 @@ public:
         return cost;
     }
 
+    void measure_in_round(Engine& engine, bool first) {
+        const Cost cost = measured_.cost = measure(engine);
+        least_.kernel = first ? cost.kernel : std::min(least_.kernel, cost.kernel);
+        least_.whole = first ? cost.whole : std::min(least_.whole, cost.whole);
+    }
+    void end_round() {
+        measured_.kernel.push_back(least_.kernel);
+        measured_.whole.push_back(least_.whole);
+    }
+    MeasuredSide finish(Engine& engine, const std::filesystem::path& folder) {
+        measured_.samples = samples();
+        measured_.file = volume_bytes(engine, folder);
+        return std::move(measured_);
+    }
+
     Captured<T> capture(Engine& engine, std::uint32_t channels) {
         Captured<T> captured;
         if (paths_) {
@@ -97,6 +112,13 @@ public:
         return captured;
     }
 
+private:
+    layout::PathInput<T> path_input(std::uint32_t more_channels) {
+        layout::PathInput<T> input = paths_->input();
+        input.features.channels = setup_.samples ? input.features.channels | more_channels : 0;
+        return input;
+    }
+
     /// Bytes of the volume that a sweep would write; the file is removed. Of paths 0.
     std::uint64_t volume_bytes(Engine& engine, const std::filesystem::path& folder) {
         if (paths_)
@@ -120,13 +142,6 @@ public:
         return writer.finish().bytes;
     }
 
-private:
-    layout::PathInput<T> path_input(std::uint32_t more_channels) {
-        layout::PathInput<T> input = paths_->input();
-        input.features.channels = setup_.samples ? input.features.channels | more_channels : 0;
-        return input;
-    }
-
     // A mesh's blocks are planned here where free space is visited; else by the engine, slab by slab.
     EngineTimes evaluate(Engine& engine, layout::FieldInput<T> input,
                          const std::function<void(const layout::FieldChunk<T>&)>& consume) const {
@@ -147,46 +162,27 @@ private:
     const Scene& scene_;
     FieldTables<T> tables_{};
     std::unique_ptr<ScenePaths<T>> paths_{};
-};
-
-template <typename T> struct Measuring {
-    Side<T> side;
-    MeasuredSide measured{};
-    Cost least{}; // of the round: disturbances make times longer, never shorter
-
-    void measure(Engine& engine, bool first) {
-        const Cost cost = measured.cost = side.measure(engine);
-        least.kernel = first ? cost.kernel : std::min(least.kernel, cost.kernel);
-        least.whole = first ? cost.whole : std::min(least.whole, cost.whole);
-    }
-    void end_round() {
-        measured.kernel.push_back(least.kernel);
-        measured.whole.push_back(least.whole);
-    }
-    MeasuredSide finish(Engine& engine, const std::filesystem::path& folder) {
-        measured.samples = side.samples();
-        measured.file = side.volume_bytes(engine, folder);
-        return std::move(measured);
-    }
+    MeasuredSide measured_{};
+    Cost least_{}; // of the round: disturbances make times longer, never shorter
 };
 
 template <typename T>
 Measurement measure_in(Engine& engine, const Comparison& comparison, const Rounds& rounds,
                        const std::filesystem::path& folder) {
     constexpr double kLeastRounds = 5, kMostTimes = 64;
-    Measuring<T> with{{comparison.with, comparison.paths}}, without{{comparison.without, comparison.paths}};
+    Side<T> with(comparison.with, comparison.paths), without(comparison.without, comparison.paths);
     // Also compiles the kernels and warms the caches.
-    const Agreement agreement = compare(comparison, with.side.capture(engine, comparison.channels),
-                                        without.side.capture(engine, comparison.channels));
-    const double taken = std::max(1e-6, with.side.measure(engine).whole + without.side.measure(engine).whole);
+    const Agreement agreement =
+        compare(comparison, with.capture(engine, comparison.channels), without.capture(engine, comparison.channels));
+    const double taken = std::max(1e-6, with.measure(engine).whole + without.measure(engine).whole);
     const auto count = static_cast<unsigned>(std::clamp(rounds.budget / taken, kLeastRounds, double(rounds.count)));
     const auto times = static_cast<unsigned>(std::clamp(rounds.seconds / taken, 1.0, kMostTimes));
     for (unsigned round = 0; round < count; ++round) {
         check_interrupt();
         for (unsigned i = 0; i < times; ++i) { // each side comes first as often
             const bool turned = ((round + i) & 1) != 0;
-            (turned ? with : without).measure(engine, i == 0);
-            (turned ? without : with).measure(engine, i == 0);
+            (turned ? with : without).measure_in_round(engine, i == 0);
+            (turned ? without : with).measure_in_round(engine, i == 0);
         }
         with.end_round();
         without.end_round();

@@ -20,7 +20,6 @@ struct StudyOptions {
     std::optional<Case> scene;    /* the user's; none: the study's own */
     std::vector<Case> cases;      /* the user's, of a study of many scenes */
     bool quick = false;           /* coarse, within a minute */
-    bool quiet = false;
     EngineOptions engine;
 };
 

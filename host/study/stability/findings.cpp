@@ -60,7 +60,7 @@ bool is_of_the_grip(const LoopResults& results, const LeastLimit& worst) {
 
 // As "5313 N/m at 0.2 mm".
 std::string limit_at(const LoopResults& results, const std::string& surface, double depth) {
-    const LeastLimit* const least = results.worst(surface, depth);
+    const LeastLimit* const least = worst_of(results.limits, surface, depth);
     return (least ? newtons(*least->limit) : "no limit") + fmt::format(" at {:.2g} mm", 1e3 * depth);
 }
 
@@ -108,15 +108,17 @@ std::string of_facets(const LoopResults& results, const std::string& name) {
 void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
     std::vector<std::string> parts, places, sure;
     for (const char* surface : {"bump", "mesh"}) {
-        const LeastLimit *bare = results.worst(surface), *shaded = results.worst("shaded " + std::string(surface));
+        const LeastLimit *bare = worst_of(results.limits, surface),
+                         *shaded = worst_of(results.limits, "shaded " + std::string(surface));
         if (!bare || !shaded)
             continue;
         const auto change_at = [&](double depth) {
             constexpr double kSame = 0.01;
-            const double change = *results.worst(shaded->surface, depth)->limit / *results.worst(surface, depth)->limit;
+            const double change = *worst_of(results.limits, shaded->surface, depth)->limit /
+                                  *worst_of(results.limits, surface, depth)->limit;
             return std::abs(change - 1) < kSame
                        ? fmt::format("not at {:.2g} mm", 1e3 * depth)
-                       : fmt::format("from {} to {}", newtons(*results.worst(surface, depth)->limit),
+                       : fmt::format("from {} to {}", newtons(*worst_of(results.limits, surface, depth)->limit),
                                      limit_at(results, shaded->surface, depth));
         };
         parts.push_back(fmt::format("{} {} of depth, {}", of_facets(results, surface), change_at(shaded->place.depth),
@@ -232,6 +234,27 @@ void add_atlas(std::vector<Finding>& findings, const LoopResults& results, const
                                                    stepped, 100 * most, apart)});
 }
 
+// Of a map: the loops that are foreseen to come to rest, and those that are not.
+struct Tally {
+    const MapLoop* any = nullptr;                             /* null: there is no such map */
+    std::size_t foreseen = 0, kept = 0, others = 0, rest = 0; /* kept, rest: of either, those that do come to rest */
+
+    std::size_t all() const { return foreseen + others; }
+    std::size_t as_foreseen() const { return kept + others - rest; }
+};
+
+Tally tally_of(const LoopResults& results, const char* map) {
+    Tally tally;
+    for (const MapLoop& loop : results.maps) {
+        if (loop.map != map)
+            continue;
+        tally.any = &loop;
+        (loop.foreseen ? tally.foreseen : tally.others) += 1;
+        (loop.foreseen ? tally.kept : tally.rest) += loop.outcome.state == LoopState::stable;
+    }
+    return tally;
+}
+
 const CouplingRow* safe_on(const LoopResults& results, const std::string& surface, double scene) {
     const auto row = std::ranges::find_if(results.couplings, [&](const CouplingRow& one) {
         return one.surface == surface && one.which == "safe" && one.scene == scene;
@@ -275,12 +298,7 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     add(first);
     if (least->surface != first)
         add(least->surface);
-    std::size_t loops = 0, as_foreseen = 0;
-    for (const MapLoop& loop : results.maps)
-        if (loop.map == "coupling") {
-            ++loops;
-            as_foreseen += loop.foreseen == (loop.outcome.state == LoopState::stable);
-        }
+    const Tally loops = tally_of(results, "coupling");
     const auto own = std::ranges::find(results.couplings, "own", &CouplingRow::which);
     std::string text;
     if (own != results.couplings.end())
@@ -292,68 +310,54 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     if (damped->coupling.damping > 0)
         text += fmt::format(" A damper of {:.3g} N s/m displays {}{}, but impacts may then add energy.",
                             damped->coupling.damping, on(damped->surface), felt(*damped));
-    findings.push_back(
-        {"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
-         hand_text(results.surfaces.front()),
-         fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
-                     "grow 2 % stiffer{}",
-                     stepped, foreseen,
-                     loops == 0 ? "" : fmt::format("; of {} in loop-coupling {} do as foreseen", loops, as_foreseen))});
+    findings.push_back({"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
+                        hand_text(results.surfaces.front()),
+                        fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
+                                    "grow 2 % stiffer{}",
+                                    stepped, foreseen,
+                                    loops.any ? fmt::format("; of {} in loop-coupling {} do as foreseen", loops.all(),
+                                                            loops.as_foreseen())
+                                              : "")});
 }
 
 void add_basin(std::vector<Finding>& findings, const LoopResults& results) {
-    std::size_t all = 0, right = 0;
-    const MapLoop* any = nullptr;
-    for (const MapLoop& loop : results.maps) {
-        if (loop.map != "basin")
-            continue;
-        any = &loop;
-        ++all;
-        right += loop.foreseen == (loop.outcome.state == LoopState::stable);
-    }
-    if (!any)
+    const Tally loops = tally_of(results, "basin");
+    if (!loops.any)
         return;
+    const LoopCell& cell = loops.any->cell;
     const auto basin = [&](double stiffness) {
-        return 1e3 * friction_basin(any->cell.hand.mass, any->cell.hand.coulomb, stiffness, 1 / any->cell.rate);
+        return 1e3 * friction_basin(cell.hand.mass, cell.hand.coulomb, stiffness, 1 / cell.rate);
     };
     findings.push_back(
         {"loop_basin",
          fmt::format("Without any damping {:.3g} N of friction lets a kick die out up to 8 f_c / (pi K T w), w = "
                      "sqrt(K / m): {:.2g} mm on "
                      "1000 N/m, {:.2g} mm on 5000 N/m; a larger one grows.",
-                     any->cell.hand.coulomb, basin(1000), basin(5000)),
-         "loop-basin", fmt::format("{}, a wall", any->surface), hand_text(results.surfaces.front()) + ", no damping",
-         fmt::format("{} of {} stepped loops do as foreseen", right, all)});
+                     cell.hand.coulomb, basin(1000), basin(5000)),
+         "loop-basin", fmt::format("{}, a wall", loops.any->surface),
+         hand_text(results.surfaces.front()) + ", no damping",
+         fmt::format("{} of {} stepped loops do as foreseen", loops.as_foreseen(), loops.all())});
 }
 
 void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
-    std::size_t foreseen = 0, kept = 0, others = 0, rest = 0;
-    const MapLoop* any = nullptr;
-    for (const MapLoop& loop : results.maps) {
-        if (loop.map != "rounding")
-            continue;
-        any = &loop;
-        const bool stable = loop.outcome.state == LoopState::stable;
-        (loop.foreseen ? foreseen : others) += 1;
-        (loop.foreseen ? kept : rest) += stable;
-    }
-    if (!any || foreseen == 0 || others == 0)
+    const Tally loops = tally_of(results, "rounding");
+    if (loops.foreseen == 0 || loops.others == 0)
         return;
     findings.push_back(
         {"loop_rounding",
          fmt::format(
              "With a rounded position, {} of {} loops within K <= min(2 b / T, 2 f_c / quantum) come to rest, and "
              "{} of {} beyond.",
-             kept, foreseen, rest, others),
-         "loop-rounding", fmt::format("{}, the worst place", any->surface),
-         fmt::format("{}, K = {}", hand_text(results.surfaces.front()), newtons(any->cell.stiffness)), ""});
+             loops.kept, loops.foreseen, loops.rest, loops.others),
+         "loop-rounding", fmt::format("{}, the worst place", loops.any->surface),
+         fmt::format("{}, K = {}", hand_text(results.surfaces.front()), newtons(loops.any->cell.stiffness)), ""});
 }
 
 } // namespace
 
 std::vector<Finding> loop_findings(const LoopResults& results) {
     std::vector<Finding> findings;
-    const LeastLimit* const worst = results.worst();
+    const LeastLimit* const worst = worst_of(results.limits);
     if (worst) {
         findings.push_back(about_least(results, *worst));
         add_atlas(findings, results, *worst);

@@ -1,5 +1,4 @@
-#include "host/study/stability/loops.h"
-
+// Sampled loops run by an engine, a path each, and their final states.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "host/field/prepared_case.h"
 #include "host/paths/scene_paths.h"
+#include "host/study/stability/stability.h"
 
 namespace forceshade::study {
 namespace {
@@ -61,11 +61,8 @@ layout::HandParams<T> hand_of(const RestPlace& place, const LoopCell& cell, cons
 // The spread of the measured positions of each path in the last quarter of the time.
 template <typename T> class LateSpread {
 public:
-    LateSpread(std::size_t paths, std::size_t steps) : from_(steps - steps / 4), low_(paths), high_(paths) {
-        constexpr double kFar = std::numeric_limits<double>::infinity();
-        low_.assign(paths, glm::dvec3(kFar));
-        high_.assign(paths, glm::dvec3(-kFar));
-    }
+    LateSpread(std::size_t paths, std::size_t steps)
+        : from_(steps - steps / 4), low_(paths, glm::dvec3(INFINITY)), high_(paths, glm::dvec3(-INFINITY)) {}
     void take(const layout::PathChunk<T>& chunk) {
         if (chunk.position.empty())
             return;
@@ -151,17 +148,8 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, cons
 } // namespace
 
 const char* word_of(LoopState state) {
-    switch (state) {
-    case LoopState::stable:
-        return "stable";
-    case LoopState::quantisation_cycle:
-        return "quantisation limit cycle";
-    case LoopState::limit_cycle:
-        return "limit cycle";
-    case LoopState::unstable:
-        break;
-    }
-    return "unstable";
+    constexpr const char* kWords[] = {"stable", "quantisation limit cycle", "limit cycle", "unstable"};
+    return kWords[static_cast<std::size_t>(state)];
 }
 
 std::vector<LoopOutcome> run_cells(Engine& engine, const LoopSurface& surface, const RestPlace& place,

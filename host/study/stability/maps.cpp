@@ -1,16 +1,15 @@
-#include "host/study/stability/maps.h"
-
+// Hands like the surface's own, what sets their limits, and maps of their loops.
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 
-#include "host/study/stability/atlas.h"
+#include "host/study/stability/stability.h"
 
 namespace forceshade::study {
 namespace {
 
-constexpr double kOwnStiffness = 1000; // N/m: of the study's own surfaces over quantum and friction
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kOwnStiffness = 1000;    // N/m: of the study's own surfaces over quantum and friction
+constexpr std::size_t kMostSteps = 30000; // of a simulated loop of the atlas
 
 struct Fineness {
     int columns, rows;
@@ -21,6 +20,47 @@ Fineness fineness_of(const LoopSurface& surface, bool quick) {
     if (surface.is_mesh()) // a hundred times dearer
         return quick ? Fineness{8, 4, 60} : Fineness{16, 8, 120};
     return quick ? Fineness{16, 8, 200} : Fineness{32, 16, 400};
+}
+
+// Runs the loops of a map at once, a row after the other, each with its own number of steps and its own kick, if any.
+std::vector<MapLoop> run_rows(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                              std::vector<MapLoop> loops, int count, LoopRun run) {
+    const auto columns = static_cast<std::size_t>(count);
+    for (std::size_t first = 0; first < loops.size(); first += columns) {
+        if (loops[first].kick > 0)
+            run.disturbance = loops[first].kick / place.depth;
+        const std::span<MapLoop> row = std::span(loops).subspan(first, columns);
+        std::vector<LoopCell> cells;
+        for (const MapLoop& loop : row)
+            cells.push_back(loop.cell);
+        const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, place, cells, run);
+        for (std::size_t i = 0; i < columns; ++i)
+            row[i].outcome = outcomes[i];
+    }
+    return loops;
+}
+
+std::optional<double> limit_at(const LeastLimit& least, const LoopCell& cell) {
+    return linear_limit(cell.hand, cell.rate, least.hold, least.place.force_around());
+}
+
+const Quantity kQuantities[] = {
+    {"mass", "kg", 1e-3, 10, [](LoopCell& cell, double value) { cell.hand.mass = value; }},
+    {"grip", "N/m", 20, 5000, [](LoopCell& cell, double value) { cell.hand.grip_stiffness = value; }},
+    {"damping", "N s/m", 0.03, 100, [](LoopCell& cell, double value) { cell = damped(cell, value); }},
+    {"rate", "Hz", 1e2, 1e5, [](LoopCell& cell, double value) { cell.rate = value; }},
+    {"delay", "samples", 0, 8,
+     [](LoopCell& cell, double value) { cell.hand.delay_samples = static_cast<std::uint64_t>(value); }}};
+
+std::vector<double> values_of(const Quantity& quantity, bool quick) {
+    if (quantity.low == 0)
+        return quick ? std::vector{0.0, 1.0, 4.0} : std::vector{0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0};
+    const int count = quick ? 5 : 13;
+    std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i)
+        values.push_back(short_between(quantity.low, quantity.high, i, count));
+    return values;
 }
 
 } // namespace
@@ -37,36 +77,11 @@ LoopCell damped(LoopCell cell, double damping) {
     return cell;
 }
 
-void run_row(Engine& engine, const LoopSurface& surface, const RestPlace& place, std::span<MapLoop> loops,
-             const LoopRun& run) {
-    std::vector<LoopCell> cells;
-    for (const MapLoop& loop : loops)
-        cells.push_back(loop.cell);
-    const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, place, cells, run);
-    for (std::size_t i = 0; i < loops.size(); ++i)
-        loops[i].outcome = outcomes[i];
-}
-
-namespace {
-
-// The loops of a map a row at a time, each with its own number of steps.
-void run_rows(Engine& engine, const LoopSurface& surface, const RestPlace& place, std::vector<MapLoop>& loops,
-              std::size_t columns, const LoopRun& run) {
-    for (std::size_t first = 0; first < loops.size(); first += columns)
-        run_row(engine, surface, place, std::span(loops).subspan(first, columns), run);
-}
-
-std::optional<double> limit_at(const LeastLimit& least, const LoopCell& cell) {
-    return linear_limit(cell.hand, cell.rate, least.hold, least.place.force_around());
-}
-
-} // namespace
-
 std::vector<LoopCell> settings_of(const LoopSurface& surface, bool quick) {
     HandSpec linear = surface.hand;
     linear.quantisation = linear.coulomb = 0; // of the linear loop
     std::vector<LoopCell> cells{{linear, surface.rate, 1}};
-    const double damping = linear.damping + linear.grip_damping;
+    const double damping = damping_of(linear);
     const std::vector<double> dampings = quick ? std::vector{1.0, 5.0} : std::vector{1.0 / 3, 1.0, 2.0, 5.0};
     const std::vector<double> rates = quick ? std::vector{1.0, 4.0} : std::vector{0.5, 1.0, 4.0};
     for (const double times : dampings)
@@ -75,10 +90,8 @@ std::vector<LoopCell> settings_of(const LoopSurface& surface, bool quick) {
                 LoopCell cell = cells.front();
                 cell.rate = faster * surface.rate;
                 cell.hand.delay_samples = delay;
-                if (times != 1) {
-                    cell.hand.damping = times * damping;
-                    cell.hand.grip_damping = 0;
-                }
+                if (times != 1)
+                    cell = damped(cell, times * damping);
                 if (times != 1 || faster != 1 || delay != linear.delay_samples)
                     cells.push_back(cell);
             }
@@ -140,8 +153,7 @@ std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, con
     LoopRun run;
     run.patience = fine.patience;
     run.all_sides = least.hold.along == glm::dvec3(0);
-    run_rows(engine, surface, least.place, loops, static_cast<std::size_t>(fine.columns), run);
-    return loops;
+    return run_rows(engine, surface, least.place, std::move(loops), fine.columns, run);
 }
 
 std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
@@ -162,8 +174,7 @@ std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, co
         }
     LoopRun run;
     run.patience = fine.patience;
-    run_rows(engine, surface, place, loops, static_cast<std::size_t>(fine.columns), run);
-    return loops;
+    return run_rows(engine, surface, place, std::move(loops), fine.columns, run);
 }
 
 std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
@@ -183,8 +194,33 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
     LoopRun run;
     run.patience = fine.patience;
     run.disturbance = 0.5; // friction stops small motions
-    run_rows(engine, surface, place, loops, static_cast<std::size_t>(fine.columns), run);
-    return loops;
+    return run_rows(engine, surface, place, std::move(loops), fine.columns, run);
+}
+
+double friction_basin(double mass, double friction, double stiffness, double sample_time) {
+    return 8 * friction / (std::numbers::pi * stiffness * sample_time * std::sqrt(stiffness / mass));
+}
+
+std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
+    const Fineness fine = fineness_of(surface, quick);
+    const double friction = surface.hand.coulomb > 0 ? surface.hand.coulomb : 0.05; // N
+    LoopCell cell = damped({surface.hand, surface.rate, 1}, 0);
+    cell.hand.quantisation = 0;
+    cell.hand.delay_samples = 0;
+    cell.hand.coulomb = friction;
+    const double highest = 0.16 * cell.hand.mass * cell.rate * cell.rate; // N/m: w T of 0.4
+    std::vector<MapLoop> loops;
+    for (int j = 0; j < fine.rows; ++j)
+        for (int i = 0; i < fine.columns; ++i) {
+            MapLoop loop{"basin", surface.name, cell, {}, false, 0};
+            loop.kick = short_between(place.depth / 200, place.depth / 2, j, fine.rows);
+            loop.cell.stiffness = short_between(highest / 100, highest, i, fine.columns);
+            loop.foreseen = loop.kick < friction_basin(cell.hand.mass, friction, loop.cell.stiffness, 1 / cell.rate);
+            loops.push_back(loop);
+        }
+    LoopRun run;
+    run.steps = 8000;
+    return run_rows(engine, surface, place, std::move(loops), fine.columns, run);
 }
 
 std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least) {
@@ -196,7 +232,7 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
                 continue;
             last = damping_of(loop.cell.hand);
             if (const std::optional<double> limit = limit_of(loop.cell); limit && *limit > 0)
-                points.push_back({"damping", curve, *limit, *last, kNone, kNone, kNone});
+                points.push_back({.map = "damping", .curve = curve, .stiffness = *limit, .damping = *last});
         }
     };
     add_over_damping("K_crit", [](const LoopCell& cell) { return std::optional(wall_limit(cell.hand, cell.rate)); });
@@ -208,7 +244,7 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
             continue;
         coupler = hand.coupling_damping;
         const auto add = [&](const char* curve, double stiffness) {
-            points.push_back({"coupling", curve, kNone, kNone, kNone, kNone, kNone, stiffness, *coupler});
+            points.push_back({.map = "coupling", .curve = curve, .coupling = stiffness, .coupling_damping = *coupler});
         };
         const double passive = passive_stiffness(damping_of(hand) - *coupler, 1 / loop.cell.rate,
                                                  hand.delay_samples); // Colgate & Schenkel
@@ -222,34 +258,83 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
         if (limit && *limit > 1.01 * hand.coupling_stiffness)
             add("linearised", *limit);
     }
-    double low = std::numeric_limits<double>::infinity(), high = 0; // N
-    for (const MapLoop& loop : loops)
-        if (loop.map == "rounding") {
-            low = std::min(low, loop.cell.hand.coulomb);
-            high = std::max(high, loop.cell.hand.coulomb);
-        }
+    // The least and the largest of a number of a map's loops.
+    const auto range_of = [&](const char* map, const auto& number) {
+        std::pair<double, double> range(INFINITY, 0);
+        for (const MapLoop& loop : loops)
+            if (loop.map == map)
+                range = {std::min(range.first, number(loop)), std::max(range.second, number(loop))};
+        return range;
+    };
+    const auto frictions = range_of("rounding", [](const MapLoop& loop) { return loop.cell.hand.coulomb; }); // N
     std::optional<double> last;
     for (const MapLoop& loop : loops) {
         const double quantum = loop.cell.hand.quantisation, friction = loop.cell.stiffness * quantum / 2;
         if (loop.map != "rounding" || (last && quantum <= *last))
             continue;
         last = quantum;
-        if (friction >= low && friction <= high)
-            points.push_back({"rounding", "f_c = K quantum / 2", kNone, kNone, quantum, friction, kNone});
+        if (friction >= frictions.first && friction <= frictions.second)
+            points.push_back(
+                {.map = "rounding", .curve = "f_c = K quantum / 2", .quantum = quantum, .friction = friction});
     }
-    double lowest = std::numeric_limits<double>::infinity(), highest = 0; // m: kicks
-    for (const MapLoop& loop : loops)
-        if (loop.map == "basin") {
-            lowest = std::min(lowest, loop.kick);
-            highest = std::max(highest, loop.kick);
-        }
+    const auto kicks = range_of("basin", [](const MapLoop& loop) { return loop.kick; }); // m
     for (const MapLoop& loop : loops) {
-        if (loop.map != "basin" || loop.kick != lowest)
+        if (loop.map != "basin" || loop.kick != kicks.first)
             continue;
         const double basin =
             friction_basin(loop.cell.hand.mass, loop.cell.hand.coulomb, loop.cell.stiffness, 1 / loop.cell.rate);
-        if (basin >= lowest && basin <= highest)
-            points.push_back({"basin", "8 f_c / (pi K T w)", loop.cell.stiffness, kNone, kNone, kNone, basin});
+        if (basin >= kicks.first && basin <= kicks.second)
+            points.push_back(
+                {.map = "basin", .curve = "8 f_c / (pi K T w)", .stiffness = loop.cell.stiffness, .kick = basin});
+    }
+    return points;
+}
+
+std::span<const Quantity> quantities() {
+    return kQuantities;
+}
+
+const LeastLimit* worst_of(const std::vector<LeastLimit>& limits, const std::string& surface,
+                           std::optional<double> depth, std::optional<PlaceKind> kind) {
+    const LeastLimit* least = nullptr;
+    for (const LeastLimit& one : limits)
+        if (one.own && one.limit && (surface.empty() || one.surface == surface) &&
+            (!depth || one.place.depth == *depth) && (!kind || one.place.kind == *kind) &&
+            (!least || *one.limit < *least->limit))
+            least = &one;
+    return least;
+}
+
+double AtlasPoint::limit_group() const {
+    return least.limit.value_or(NAN) / (damping_of(least.cell.hand) * least.cell.rate);
+}
+double AtlasPoint::mass_group() const {
+    return damping_of(least.cell.hand) / (least.cell.hand.mass * least.cell.rate);
+}
+double AtlasPoint::grip_group() const {
+    return least.cell.hand.grip_stiffness / (damping_of(least.cell.hand) * least.cell.rate);
+}
+
+std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick) {
+    std::vector<AtlasPoint> points;
+    for (const PlaceKind kind : kPlaceKinds) {
+        const LeastLimit* const worst = worst_of(limits, surface.name, {}, kind);
+        if (!worst)
+            continue;
+        for (const Quantity& quantity : kQuantities) {
+            std::vector<LoopCell> cells;
+            const std::vector<double> values = values_of(quantity, quick);
+            for (const double value : values)
+                quantity.set(cells.emplace_back(worst->cell), value);
+            std::vector<LeastLimit> least = least_limits(surface, {worst->place}, cells);
+            for (std::size_t i = 0; i < least.size(); ++i) {
+                least[i].own = false;
+                const bool chosen = i == 0 || i == least.size() / 2 || i + 1 == least.size();
+                if (chosen && !surface.is_mesh() && settling_steps(cells[i], 400) <= kMostSteps)
+                    least[i].simulated = simulated_limit(surface, least[i]);
+                points.push_back({least[i], quantity.name, values[i]});
+            }
+        }
     }
     return points;
 }

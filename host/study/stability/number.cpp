@@ -1,13 +1,14 @@
-#include "host/study/stability/number.h"
-
+// Errors of precision, parameter by parameter; and the worst of single precision, law by law.
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include <fmt/format.h>
+#include <glm/vec2.hpp>
 
 #include "host/reference/surfaces.h"
+#include "host/study/stability/stability.h"
 #include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
@@ -18,103 +19,88 @@ constexpr std::uint64_t kColumns = 41, kRows = 9;
 constexpr double kShare = 0.2937; /* of a: where fine grids lie; no vertex is near */
 
 /// The parameters of a case.
-struct Setting {
-    double ratio = 2; /* R / a */
-    std::uint32_t facets = 8;
-    double stiffness = 1000; /* N/m */
-    double origin = 0;       /* m */
-    double spacing = 0;      /* m; 0: over the whole bump */
-    double depth = 0;        /* m; 0: from the rim down to 2 mm */
+struct Setting : OwnSurface {
+    double origin = 0;  /* m */
+    double spacing = 0; /* m; 0: over the whole bump */
+    double depth = 0;   /* m; 0: from the rim down to 2 mm */
+
+    bool is_mesh() const { return kind == SurfaceKind::mesh; }
+    bool is_map() const { return kind == SurfaceKind::height_map; }
+    bool is_wave() const { return is_map() && function == MapFunction::sine; }
+    bool is_plain_bump() const { return kind == SurfaceKind::bump && !shaded; }
 };
 
-double& part_of(Setting& setting, const std::string& axis) {
-    return axis == "radius_ratio" ? setting.ratio
-           : axis == "stiffness"  ? setting.stiffness
-           : axis == "origin"     ? setting.origin
-           : axis == "spacing"    ? setting.spacing
-                                  : setting.depth;
+const std::pair<const char*, Setting> kSurfaces[] = {
+    {"bump", {{}}},
+    {"shaded bump", {{.shaded = true}}},
+    {"cylinder bump", {{.kind = SurfaceKind::cylinder_bump}}},
+    {"height map", {{.kind = SurfaceKind::height_map, .function = MapFunction::sine, .shaded = true}}},
+    {"height map, cylinder", {{.kind = SurfaceKind::height_map, .shaded = true}}},
+    {"mesh", {{.kind = SurfaceKind::mesh, .shaded = true, .rows = 4}}}};
+
+Setting plain_setting(const std::string& surface) {
+    return std::ranges::find(kSurfaces, surface, [](const auto& one) { return one.first; })->second;
 }
 
-// By name, with the shading of its kind.
-OwnSurface surface_of(const std::string& surface, const Setting& setting) {
-    OwnSurface own;
-    own.radius = setting.ratio * kOwnHalfWidth;
-    own.facets = setting.facets;
-    own.rows = 4;
-    own.stiffness = setting.stiffness;
-    own.shaded = surface != "bump" && surface != "cylinder bump";
-    own.kind = surface == "mesh"                   ? SurfaceKind::mesh
-               : surface == "cylinder bump"        ? SurfaceKind::cylinder_bump
-               : surface.starts_with("height map") ? SurfaceKind::height_map
-                                                   : SurfaceKind::bump;
-    own.function = surface == "height map" ? MapFunction::sine : MapFunction::cylinder;
-    return own;
-}
-
-double circle_height(double ratio, double x) {
-    const double radius = ratio * kOwnHalfWidth;
+double circle_height(double radius, double x) {
     return (kOwnHalfWidth - x) * (kOwnHalfWidth + x) /
            (reference::circle_rise(radius, x) + reference::circle_rise(radius, kOwnHalfWidth));
 }
 
 /// The nominal surface above x, m.
-double height_of(const std::string& surface, const Setting& setting, double x) {
-    if (surface == "cylinder bump")
-        return circle_height(setting.ratio, x);
-    if (surface == "mesh") {
+double height_of(const Setting& setting, double x) {
+    if (setting.kind == SurfaceKind::cylinder_bump)
+        return circle_height(setting.radius, x);
+    if (setting.is_mesh()) {
         const double cell = 2 * kOwnHalfWidth / setting.facets, left = std::floor(x / cell) * cell;
-        return std::lerp(circle_height(setting.ratio, left), circle_height(setting.ratio, left + cell),
+        return std::lerp(circle_height(setting.radius, left), circle_height(setting.radius, left + cell),
                          (x - left) / cell);
     }
-    if (!surface.starts_with("bump"))
+    if (!setting.is_plain_bump())
         return 0;
-    const FieldTables<double> tables =
-        make_tables<double>(own_case(surface_of(surface, setting)).one.scene, {}, Extent::nothing);
+    const FieldTables<double> tables = make_tables<double>(own_case(setting).one.scene, {}, Extent::nothing);
     return reference::facet_at(tables.law(), x).height;
 }
 
-struct Box {
-    double low[2], high[2]; /* x, z; m */
-    std::uint64_t columns = kColumns, rows = kRows;
-};
-
-GridSpec grid_of(const Box& box, double y) {
-    GridSpec grid;
-    grid.size = {box.columns, 1, box.rows};
-    grid.origin = {box.low[0], y, box.low[1]};
-    const auto step = [](double low, double high, std::uint64_t count) {
-        return count > 1 ? (high - low) / static_cast<double>(count - 1) : kOwnHalfWidth;
+/// Samples of a section from (x, z) `low` to `high`, m.
+GridSpec grid_between(const glm::dvec2& low, const glm::dvec2& high, std::uint64_t columns, std::uint64_t rows) {
+    const auto step = [](double from, double to, std::uint64_t count) {
+        return count > 1 ? (to - from) / static_cast<double>(count - 1) : kOwnHalfWidth;
     };
-    grid.spacing = {step(box.low[0], box.high[0], box.columns), kOwnHalfWidth, step(box.low[1], box.high[1], box.rows)};
+    GridSpec grid;
+    grid.size = {columns, 1, rows};
+    grid.origin = {low.x, 0.0371 * kOwnHalfWidth, low.y};
+    grid.spacing = {step(low.x, high.x, columns), kOwnHalfWidth, step(low.y, high.y, rows)};
     return grid;
 }
 
 /// The samples of a case, at the origin.
-std::vector<Box> boxes_of(const std::string& surface, const Setting& setting) {
+std::vector<GridSpec> grids_of(const Setting& setting) {
+    std::vector<GridSpec> grids;
+    const auto below = [&](double x, double depth) { return glm::dvec2(x, height_of(setting, x) - depth); };
     if (setting.depth > 0) {
-        std::vector<Box> boxes;
         for (const double share : {-0.8371, -0.4613, kShare, 0.5519, 0.9033}) {
-            const double x = share * kOwnHalfWidth, z = height_of(surface, setting, x) - setting.depth;
-            boxes.push_back({{x, z}, {x, z}, 1, 1});
+            const glm::dvec2 at = below(share * kOwnHalfWidth, setting.depth);
+            grids.push_back(grid_between(at, at, 1, 1));
         }
-        return boxes;
+    } else if (setting.spacing > 0) {
+        const glm::dvec2 at = below(kShare * kOwnHalfWidth, kPressed);
+        const double width = setting.spacing * static_cast<double>(kColumns - 1);
+        grids.push_back(grid_between(at, {at.x + width, at.y}, kColumns, 1));
+    } else {
+        const double top = setting.is_map() ? -0.0001 : 0.9 * circle_height(setting.radius, 0);
+        grids.push_back(
+            grid_between({-0.9131 * kOwnHalfWidth, -0.00193}, {0.8873 * kOwnHalfWidth, top}, kColumns, kRows));
     }
-    if (setting.spacing > 0) {
-        const double x = kShare * kOwnHalfWidth, z = height_of(surface, setting, x) - kPressed;
-        return {{{x, z}, {x + setting.spacing * static_cast<double>(kColumns - 1), z}, kColumns, 1}};
-    }
-    const double top = surface.starts_with("height map") ? -0.0001 : 0.9 * circle_height(setting.ratio, 0);
-    return {{{-0.9131 * kOwnHalfWidth, -0.00193}, {0.8873 * kOwnHalfWidth, top}}};
+    return grids;
 }
 
-PreparedCase prepared_of(const std::string& surface, const Setting& setting, const Box& box, double away) {
-    PreparedCase prepared = own_case(surface_of(surface, setting), glm::dvec3(away));
+PreparedCase prepared_of(const Setting& setting, GridSpec grid, double away) {
+    PreparedCase prepared = own_case(setting, glm::dvec3(away));
     prepared.one.scene.output.channels = layout::kChannelForce;
-    GridSpec grid = grid_of(box, 0.0371 * kOwnHalfWidth);
-    const bool moves = surface == "mesh";
     grid.origin[0] += away;
-    grid.origin[1] += moves ? away : 0;
-    grid.origin[2] += moves ? away : 0;
+    grid.origin[1] += setting.is_mesh() ? away : 0;
+    grid.origin[2] += setting.is_mesh() ? away : 0;
     prepared.one.scene.grid = grid;
     return prepared;
 }
@@ -128,13 +114,14 @@ constexpr const char* kAxes[] = {"radius_ratio", "facets", "stiffness", "origin"
 
 // Of a surface along an axis, ascending; none if the axis does not apply to it.
 std::vector<double> number_values(const std::string& surface, const std::string& axis, bool quick) {
-    const bool faceted = surface.starts_with("bump"), mesh = surface == "mesh";
+    const Setting setting = plain_setting(surface);
+    const bool mesh = setting.is_mesh();
     std::vector<double> values;
-    if (axis == "radius_ratio" && surface != "height map") {
+    if (axis == "radius_ratio" && !setting.is_wave()) {
         values = mesh ? std::vector<double>{1.6} : std::vector<double>{1, 1 + 1e-6, 1.1};
         values.insert(values.end(), {2, 10});
         add_decades(values, 2, 12, quick ? 2 : 1);
-    } else if (axis == "facets" && faceted) {
+    } else if (axis == "facets" && setting.is_plain_bump()) {
         values = {1, 2, 8, 64};
         add_decades(values, 3, 7, quick ? 2 : 1);
     } else if (axis == "facets" && mesh) {
@@ -142,7 +129,7 @@ std::vector<double> number_values(const std::string& surface, const std::string&
     } else if (axis == "stiffness") {
         add_decades(values, -45, 45, quick ? 9 : 3);
         values.insert(std::ranges::upper_bound(values, 1000), 3000);
-    } else if (axis == "origin" && (mesh || surface == "height map")) {
+    } else if (axis == "origin" && (mesh || setting.is_wave())) {
         values = {0};
         add_decades(values, -3, 6, quick ? 3 : 1);
     } else if (axis == "spacing") {
@@ -166,24 +153,30 @@ Figure number_figure(const std::string& axis, const char* title, const char* cap
 
 } // namespace
 
-const std::vector<std::string>& number_surfaces() {
-    static const std::vector<std::string> surfaces{"bump",       "shaded bump",          "cylinder bump",
-                                                   "height map", "height map, cylinder", "mesh"};
-    return surfaces;
+std::vector<std::string> number_surfaces() {
+    std::vector<std::string> names;
+    for (const auto& one : kSurfaces)
+        names.push_back(one.first);
+    return names;
 }
 
 NumberCase number_case(const std::string& surface, const std::string& axis, double value) {
-    Setting setting;
+    Setting setting = plain_setting(surface);
     if (axis == "facets")
         setting.facets = static_cast<std::uint32_t>(value);
+    else if (axis == "radius_ratio")
+        setting.radius = value * kOwnHalfWidth;
     else
-        part_of(setting, axis) = value;
+        (axis == "stiffness" ? setting.stiffness
+         : axis == "origin"  ? setting.origin
+         : axis == "spacing" ? setting.spacing
+                             : setting.depth) = value;
     const double away =
-        surface == "height map" ? std::round(setting.origin / kOwnWavelength) * kOwnWavelength : setting.origin;
+        setting.is_wave() ? std::round(setting.origin / kOwnWavelength) * kOwnWavelength : setting.origin;
     NumberCase result;
-    for (const Box& box : boxes_of(surface, setting)) {
-        const PreparedCase home = prepared_of(surface, setting, box, 0);
-        result.push_back({away == 0 ? home : prepared_of(surface, setting, box, away), home});
+    for (const GridSpec& grid : grids_of(setting)) {
+        const PreparedCase home = prepared_of(setting, grid, 0);
+        result.push_back({away == 0 ? home : prepared_of(setting, grid, away), home});
     }
     return result;
 }
@@ -210,9 +203,7 @@ std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow
 
 void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
     using R = NumberRow;
-    const auto number = [](double PrecisionErrors::*of) {
-        return [of](const R& r) { return r.errors.refused.empty() && r.errors.*of >= 0 ? Cell(r.errors.*of) : Cell(); };
-    };
+    const auto number = [](double PrecisionErrors::*of) { return [of](const R& r) { return r.errors.*of; }; };
     data.tables.push_back(table_of<R>(
         "number", "Errors of a precision",
         {{"surface", "", "Surface and shading; bump and mesh have 8 facets or cells unless stated.", &R::surface},
@@ -228,7 +219,7 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
           [](const R& r) { return fmt::format("{}, {}", r.surface, r.precision); }},
          {"error", "1", "Largest error of a voxel's force, over the largest force.", number(&PrecisionErrors::force)},
          {"error_shown", "1", "The same, at least 1e-17 for logarithmic axes.",
-          [](const R& r) { return r.errors.refused.empty() ? Cell(std::max(r.errors.force, kLeastShown)) : Cell(); }},
+          [](const R& r) { return r.errors.force < kLeastShown ? kLeastShown : r.errors.force; }},
          {"bound", "1", "The bound that validate holds to, coordinates rounded too; none of meshes.",
           number(&PrecisionErrors::bound)},
          {"step_error", "1",
@@ -252,6 +243,144 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
                        "spacing of the grid / m", {"step_error", "error of a difference / largest difference", true})});
     data.notes.push_back("Samples over the axes of precision avoid edges, where rounding may choose either facet; the "
                          "worst places are searched separately, in worst_rounding.");
+}
+
+// The worst that a search finds.
+namespace {
+
+struct SearchedLaw {
+    std::string name;
+    PreparedCase prepared;
+    bool strokes = false; /* of the god-object */
+};
+
+PreparedCase textured(PreparedCase prepared) {
+    TextureSpec& texture = prepared.one.scene.texture.emplace();
+    texture.stiffness = prepared.one.scene.force.stiffness;
+    texture.map.function = MapFunction::sine;
+    texture.map.width = 0.002;
+    texture.map.height = 0.0001;
+    return prepared;
+}
+
+std::vector<SearchedLaw> own_laws() {
+    std::vector<SearchedLaw> laws{
+        {"bump of 8 facets, none", own_case({})},
+        {"bump of 8 facets, reference", own_case({.shaded = true})},
+        {"bump of 8 facets, reference, textured", textured(own_case({.shaded = true}))},
+        {"height map of the cylinder", own_case({.kind = SurfaceKind::height_map, .shaded = true})}};
+    constexpr std::pair<Shading, const char*> kShadings[] = {{Shading::none, "none"},
+                                                             {Shading::morgenbesser, "morgenbesser"},
+                                                             {Shading::barycentric, "barycentric"},
+                                                             {Shading::mean_value, "mean_value"},
+                                                             {Shading::two_pass, "two_pass"}};
+    for (const auto& [rows, what] :
+         {std::pair(4u, "mesh of 8 x 4 cells"), std::pair(256u, "mesh of 8 x 256 thin cells")}) {
+        PreparedCase mesh = own_case({.kind = SurfaceKind::mesh, .rows = rows});
+        for (const auto& [shading, name] : kShadings) {
+            mesh.one.scene.force.shading = shading;
+            laws.push_back({fmt::format("{}, {}", what, name), mesh});
+            if (rows == 4)
+                laws.push_back({fmt::format("{}, {}, god-object", what, name), mesh, true});
+        }
+    }
+    return laws;
+}
+
+// In single precision, whatever it asks for.
+std::vector<SearchedLaw> laws_of(PreparedCase scene) {
+    scene.one.scene.precision = Precision::f32;
+    std::vector<SearchedLaw> laws{{"this scene", scene}};
+    if (scene.images.mesh)
+        laws.push_back({"this scene, god-object", scene, true});
+    return laws;
+}
+
+} // namespace
+
+std::vector<Part> worst_rounding_parts(const PreparedCase* scene, bool quick, std::vector<LawRounding>& found) {
+    std::vector<Part> parts;
+    for (const SearchedLaw& law : scene ? laws_of(*scene) : own_laws())
+        parts.push_back({"single precision of " + law.name, [law, quick, &found] {
+                             const std::size_t places = quick ? 20'000 : 200'000;
+                             for (const WorstRounding& one :
+                                  worst_rounding(law.prepared, law.strokes ? places / 20 : places, law.strokes))
+                                 found.push_back({one, law.name});
+                         }});
+    return parts;
+}
+
+void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, bool own) {
+    using R = LawRounding;
+    const auto coordinate = [](int axis) { return [axis](const R& r) { return 1e3 * r.place[axis]; }; };
+    data.tables.push_back(table_of<R>(
+        "worst_rounding", "Largest errors of single precision that a search found, 0.02 to 2 mm deep",
+        {{"law", "",
+          fmt::format("{}god-object: at the end of a straight stroke from the open",
+                      own ? "R = 2 a, a = 12.7 mm, K = 1000 N/m; " : "the scene's, static; "),
+          &R::law},
+         {"facet", "",
+          "same: both precisions meet the same facet, away from edges of the law; another: rounding chose between "
+          "facets that are equally near, or sides of an edge",
+          [](const R& r) { return r.same_facet ? "same facet" : "another facet"; }},
+         {"error_1", "1", "difference of the forces over the largest force of the search, that at 2 mm", &R::error},
+         {"local_1", "1", "over the force there", &R::local},
+         {"turn_deg", "deg", "angle between both forces", &R::turn},
+         {"gradient_1", "1",
+          "most that the law in double changes by within the rounding of single precision, over K times the way: how "
+          "ill-conditioned the force is there",
+          &R::gradient},
+         {"depth_mm", "mm", "of the place", [](const R& r) { return 1e3 * r.depth; }},
+         {"x_mm", "mm", "of the place", coordinate(0)},
+         {"y_mm", "mm", "of the place", coordinate(1)},
+         {"z_mm", "mm", "of the place", coordinate(2)},
+         {"evaluations", "1",
+          "of the law in each precision, aimed at facets, edges, corners and ties and climbing from the worst",
+          &R::evaluations}},
+        found));
+    const auto worst = [&](bool strokes, bool same) {
+        const LawRounding* most = nullptr;
+        for (const LawRounding& one : found)
+            if (one.from.has_value() == strokes && one.same_facet == same && (!most || one.error > most->error))
+                most = &one;
+        return most;
+    };
+    const LawRounding *same = worst(false, true), *other = worst(false, false);
+    if (!same)
+        return;
+    std::size_t evaluations = 0;
+    for (const LawRounding& one : found)
+        evaluations += one.same_facet ? one.evaluations : 0;
+    std::string text =
+        fmt::format("Single precision of a field differs from double by up to {:.2g} of the largest force "
+                    "where both meet the same facet",
+                    same->error);
+    if (other)
+        text += fmt::format(", and by up to {:.2g} where two facets are equally near and rounding chooses: the static "
+                            "field jumps there whatever the shading",
+                            other->error);
+    std::string laws = same->law + (other ? "; " + other->law : std::string());
+    if (const LawRounding* stroke = worst(true, true)) {
+        text += fmt::format(". A god-object's differs by up to {:.2g} at the ends of strokes", stroke->error);
+        laws += "; " + stroke->law;
+    }
+    if (const LawRounding* fork = worst(true, false)) {
+        text +=
+            fmt::format(", and by up to {:.2g} where two strokes fork at an edge: along each of them its force does "
+                        "not jump",
+                        fork->error);
+        laws += "; " + fork->law;
+    }
+    data.figures.push_back(make_figure(
+        "worst-rounding", "Largest error of single precision that a search found, law by law",
+        "Largest difference of the forces that a search found, over the largest force. Where rounding chooses another "
+        "facet of a tie, a law whose direction jumps from facet to facet jumps with it.",
+        FigureKind::bars, "worst_rounding", {}, {"law", "law"},
+        {"error_1", "difference of the forces / largest force", true}, "facet"));
+    data.findings.push_back({"worst_rounding", text + ".", "worst-rounding", laws,
+                             own ? "R = 2 a, probe 0.02 to 2 mm deep" : "as deep as a hand goes",
+                             fmt::format("the worst of {} evaluations of {} laws: a search, not a bound", evaluations,
+                                         std::ranges::count(found, true, &LawRounding::same_facet))});
 }
 
 } // namespace forceshade::study

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "host/study/stability/number.h"
 #include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
@@ -39,39 +38,38 @@ const StudiedSurface kStudied[] = {
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
     const std::vector<RestPlace> places = rest_places(surface, points);
-    std::ranges::move(least_limits(surface, places, settings_of(surface, quick), true),
-                      std::back_inserter(results.limits));
+    append(results.limits, least_limits(surface, places, settings_of(surface, quick), true));
     for (LeastLimit& one : results.limits)
-        if (&one == results.worst(surface.name, {}, one.place.kind)) {
+        if (&one == worst_of(results.limits, surface.name, {}, one.place.kind)) {
             one.simulated = simulated_limit(surface, one);
             one.kick = largest_kick(surface, one);
         }
-    std::ranges::move(atlas_of(surface, results.limits, quick), std::back_inserter(results.atlas));
-    std::ranges::move(edge_swings(engine, surface, places), std::back_inserter(results.swings));
-    std::ranges::move(couplings_on(surface, places), std::back_inserter(results.couplings));
+    append(results.atlas, atlas_of(surface, results.limits, quick));
+    append(results.swings, edge_swings(engine, surface, places));
+    append(results.couplings, couplings_on(surface, places));
     for (const auto& [x, z] : direction_profile(surface))
         results.profile.push_back({surface.name, x, z});
 }
 
 // At the surface with the lowest limit, away from edges: paths of a map go further than a limit's disturbance.
 void add_maps(Engine& engine, bool quick, LoopResults& results) {
-    const LeastLimit *worst = results.worst(), *flat = results.worst(results.surfaces.front().name);
+    const LeastLimit *worst = worst_of(results.limits), *flat = worst_of(results.limits, results.surfaces.front().name);
     if (!worst || !flat)
         return;
-    const LeastLimit* crest = results.worst(worst->surface, {}, PlaceKind::crest);
+    const LeastLimit* crest = worst_of(results.limits, worst->surface, {}, PlaceKind::crest);
     LeastLimit held = crest ? *crest : *worst; // paths press down or are held on all sides
     const auto surface = std::ranges::find(results.surfaces, held.surface, &LoopSurface::name);
     held.hold = held.place.force.z > 0 ? Hold{"down", {0, 0, 1}} : Hold{"on all sides", glm::dvec3(0)};
     held.limit = linear_limit(held.cell.hand, held.cell.rate, held.hold, held.place.force_around());
     results.map_kind = name_of(held.place.kind);
     results.maps = damping_map(engine, *surface, held, quick);
-    std::ranges::move(rounding_map(engine, results.surfaces.front(), flat->place, quick),
-                      std::back_inserter(results.maps));
+    append(results.maps, rounding_map(engine, results.surfaces.front(), flat->place, quick));
     const LoopSurface& first = results.surfaces.front();
     if (!first.is_mesh())
-        std::ranges::move(coupling_map(engine, first, flat->place, quick), std::back_inserter(results.maps));
-    if (const LeastLimit* deep = results.worst(first.name, first.deepest, PlaceKind::flat); deep && !first.is_mesh())
-        std::ranges::move(basin_map(engine, first, deep->place, quick), std::back_inserter(results.maps));
+        append(results.maps, coupling_map(engine, first, flat->place, quick));
+    if (const LeastLimit* deep = worst_of(results.limits, first.name, first.deepest, PlaceKind::flat);
+        deep && !first.is_mesh())
+        append(results.maps, basin_map(engine, first, deep->place, quick));
     results.curves = curves_over(results.maps, held);
 }
 
@@ -131,9 +129,8 @@ StudyData study_stability(StudyRun& run) {
     std::vector<LawRounding> worst;
     std::vector<NumberRow> numbers;
     if (!run.scene()) // of plain surfaces of the study's own
-        std::ranges::move(number_parts(run.engine(), quick, numbers), std::back_inserter(parts));
-    std::ranges::move(worst_rounding_parts(run.scene() ? &*run.scene() : nullptr, quick, worst),
-                      std::back_inserter(parts));
+        append(parts, number_parts(run.engine(), quick, numbers));
+    append(parts, worst_rounding_parts(run.scene() ? &*run.scene() : nullptr, quick, worst));
     run.run(parts);
     StudyData data = run.data();
     add_loops(data, loops);

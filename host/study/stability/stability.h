@@ -1,11 +1,144 @@
-// The study of the limits of loops and numbers: the results of its loops.
+// The study of the limits of loops and numbers: loops run by an engine; their limits for hands like the surface's own,
+// by damping, rate and delay, and over what sets a limit, one quantity at a time; and maps of the loops' states over
+// stiffness and damping at the lowest limit of a surface, over the step of the measured position and friction, and over
+// kicks of a device without damping.
 #pragma once
 
-#include "host/limits/coupling_limits.h"
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/accuracy/accuracy.h"
+#include "host/limits/limits.h"
 #include "host/study/run/study_run.h"
-#include "host/study/stability/atlas.h"
 
 namespace forceshade::study {
+
+/// The final state of a loop. stable: its largest speed in the last quarter of the time is less than 3/4 of that in the
+/// second, or negligible against the disturbance, or falls and is too slow to move a tenth of the disturbance in that
+/// quarter, or the measured position does not change any more. unstable: it left its bound. limit_cycle: neither.
+/// quantisation_cycle: a limit cycle in which the measured position changes by one quantum at most.
+enum class LoopState { stable, quantisation_cycle, limit_cycle, unstable };
+
+const char* word_of(LoopState state);
+
+struct LoopRun {
+    double disturbance = 0.1; /* of the depth: how far too deep the probe begins */
+    double bound = 3;         /* depths: a probe further from its place than this has left; a late force is missing
+                                 in the first sample, and the resulting swing is added twice */
+    double patience = 400;    /* 1: how long a path is, in times that damping takes */
+    std::size_t steps = 0;    /* of each path; 0: settling_steps of the slowest */
+    bool all_sides = false;   /* the grip's spring holds the hand along z, too */
+    bool swings = false;      /* measure LoopOutcome::swing */
+};
+
+/// The outcome of a loop.
+struct LoopOutcome {
+    LoopState state = LoopState::stable;
+    double early = 0, late = 0; /* m/s: largest speeds in the second quarter of the time and in the last */
+    bool left = false;          /* its bound */
+    bool at_rest = false;       /* its speed is negligible against the disturbance's */
+    double moved = 0; /* m: from its place to the middle of the farthest positions of the last quarter; as swing */
+    double swing = 0; /* m: between its farthest measured positions, along the axis of the most, in the last
+                         quarter; with LoopRun::swings or where the hand measures in quanta */
+};
+
+/// All cells at once, in double where the engine has it.
+std::vector<LoopOutcome> run_cells(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                   const std::vector<LoopCell>& cells, const LoopRun& run);
+
+/// The surface's own hand, linear, then others around it.
+std::vector<LoopCell> settings_of(const LoopSurface& surface, bool quick);
+
+/// The oscillation of a probe that rests on a jump of the direction.
+struct EdgeSwing {
+    std::string surface;
+    RestPlace place;
+    double stiffness = 0; /* N/m */
+    LoopOutcome outcome;
+};
+
+/// Of the eight sharpest jumps of each kind and depth, the one with the largest swing, over stiffnesses; with the
+/// surface's own hand pressed down.
+std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, const std::vector<RestPlace>& places);
+
+/// A loop of a map.
+struct MapLoop {
+    std::string map, surface; /* "damping", "coupling", "rounding", "basin" */
+    LoopCell cell;
+    LoopOutcome outcome;
+    bool foreseen = false; /* to come to rest: by the linearised loop; with rounding by
+                              K <= min(2 b / T, 2 f_c / quantum), which is enough on a wall */
+    double kick = 0;       /* m: where kicks are varied */
+};
+
+/// Value number i of `count` in even ratios from `low` to `high`, with four digits: what is chosen freely is chosen
+/// short.
+double short_between(double low, double high, int i, int count);
+
+/// The loop with this damping, N s/m, of device and hand together.
+LoopCell damped(LoopCell cell, double damping);
+
+/// Over stiffness and damping at a limit's place; its hold must be one that paths have: down or on all sides.
+std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick);
+
+/// Over stiffness and damping of a virtual coupling (the Z-width of Colgate & Brown 1994), pressed down onto a scene of
+/// 1e6 N/m there.
+std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+
+/// Over quantum and friction, the hand pressed down there. The stiffness is the scene's, or 1000 N/m.
+std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+
+/// m: kicks up to here die out by friction, N, alone: of a mass, kg, without damping on a wall of `stiffness`, N/m,
+/// whose force is held for a sample, s. The hold feeds pi K T w A^2 / 2 a cycle, w = sqrt(K / m), and friction takes 4
+/// f_c A, so that A = 8 f_c / (pi K T w). Needs w T far below 1.
+double friction_basin(double mass, double friction, double stiffness, double sample_time);
+
+/// Loops on a wall without damping, over stiffness and kick; `foreseen` by friction_basin.
+std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+
+/// A point of a line over a map.
+struct MapCurvePoint {
+    std::string map, curve; /* "K_crit" */
+    /* SI; NaN: does not apply */
+    double stiffness = NAN, damping = NAN, quantum = NAN, friction = NAN, kick = NAN;
+    double coupling = NAN, coupling_damping = NAN; /* N/m, N s/m: of a virtual coupling */
+};
+
+/// K_crit and the linearised loop over damping, the linearised loop and what is passive over couplings, f_c = K quantum
+/// / 2 over quantum, friction_basin over stiffness: within the maps.
+std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least);
+
+/// A place, and what one quantity makes of its limit; all else is the surface's own hand.
+struct AtlasPoint {
+    LeastLimit least;     /* over the usual holds there; simulated where that takes few steps */
+    std::string quantity; /* "mass" */
+    double value = 0;     /* SI */
+
+    /// 1: the groups on which a limit depends, besides the delay in samples: K T / b, b T / m, k_g T / b.
+    double limit_group() const;
+    double mass_group() const;
+    double grip_group() const;
+};
+
+/// What is varied: mass from a gram to 10 kg, grip from 20 to 5000 N/m, damping from 0.03 to 100 N s/m, rate from 100
+/// Hz to 100 kHz, delay from 0 to 8 samples.
+struct Quantity {
+    const char *name, *unit;
+    double low, high; /* SI */
+    void (*set)(LoopCell&, double);
+};
+std::span<const Quantity> quantities();
+
+/// The row with the least limit of those with the hand's own damping, rate and delay; of all surfaces where `surface`
+/// is empty, of all depths (m) and kinds without one. Null: none.
+const LeastLimit* worst_of(const std::vector<LeastLimit>& limits, const std::string& surface = {},
+                           std::optional<double> depth = {}, std::optional<PlaceKind> kind = {});
+
+/// At the worst place of each kind with the surface's own hand: of least_limits of that surface.
+std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick);
 
 /// A point of direction_profile().
 struct ProfilePoint {
@@ -39,12 +172,6 @@ struct LoopResults {
     std::vector<MapCurvePoint> curves;
     std::string map_kind; /* of the place of the map over damping */
     std::vector<ProfilePoint> profile;
-
-    /// worst_of(limits).
-    const LeastLimit* worst(const std::string& surface = {}, std::optional<double> depth = {},
-                            std::optional<PlaceKind> kind = {}) const {
-        return worst_of(limits, surface, depth, kind);
-    }
 };
 
 /// Adds tables, figures and notes of the loops.
@@ -53,8 +180,42 @@ void add_loops(StudyData& data, const LoopResults& results);
 /// Their findings: at most six.
 std::vector<Finding> loop_findings(const LoopResults& results);
 
-/// \throws what StudyRun::run throws, UsageError for a
-/// scene that the study cannot use.
+// Differences between single and double precision: of forces over sizes, stiffnesses and distances, one parameter of a
+// plain scene after the other, to the limits of the numbers; and the worst that a search finds.
+
+/// A surface with one parameter of a plain scene at one value: the errors of its fields count together. Axes:
+/// "radius_ratio", "facets", "stiffness", "origin", "spacing", "depth"; SI.
+using NumberCase = std::vector<FieldAtHome>;
+NumberCase number_case(const std::string& surface, const std::string& axis, double value);
+std::vector<std::string> number_surfaces();
+
+/// A surface with one parameter at one value, in a precision.
+struct NumberRow {
+    std::string surface, axis;
+    double value = 0; /* SI */
+    std::string precision;
+    PrecisionErrors errors;
+};
+
+/// A part for each surface and axis; `rows` must outlive them.
+std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow>& rows);
+
+/// Adds table, figures and notes.
+void add_numbers(StudyData& data, const std::vector<NumberRow>& rows);
+
+/// The worst of a law.
+struct LawRounding : WorstRounding {
+    std::string law; /* "mesh of 8 cells, morgenbesser" */
+};
+
+/// A part for each law of the study's own, or of the scene; `found` must outlive them and receives two a law, at most:
+/// the worst of the same facet, and of another one.
+std::vector<Part> worst_rounding_parts(const PreparedCase* scene, bool quick, std::vector<LawRounding>& found);
+
+/// Adds the table and its finding. `own`: of the study's laws, not of a scene's.
+void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, bool own);
+
+/// \throws what StudyRun::run throws, UsageError for a scene that the study cannot use.
 StudyData study_stability(StudyRun& run);
 
 } // namespace forceshade::study

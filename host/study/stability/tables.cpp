@@ -221,7 +221,8 @@ Table worst_table(const LoopResults& results) {
     };
     std::vector<R> rows;
     for (const LoopSurface& surface : results.surfaces)
-        if (const LeastLimit* worst = results.worst(surface.name); worst && *worst->limit < 0.99 * worst->wall) {
+        if (const LeastLimit* worst = worst_of(results.limits, surface.name);
+            worst && *worst->limit < 0.99 * worst->wall) {
             const double x = worst->place.at.x;
             const ProfilePoint* nearest = nullptr;
             for (const ProfilePoint& point : results.profile)
@@ -244,7 +245,7 @@ Table kind_table(const LoopResults& results) {
     std::vector<const LeastLimit*> rows;
     for (const LoopSurface& surface : results.surfaces)
         for (const PlaceKind kind : kPlaceKinds)
-            if (const LeastLimit* least = results.worst(surface.name, {}, kind))
+            if (const LeastLimit* least = worst_of(results.limits, surface.name, {}, kind))
                 rows.push_back(least);
     using R = const LeastLimit*;
     return table_of<R>("loop_kinds", "The least stiffness at which loops grow, by the kind of place",

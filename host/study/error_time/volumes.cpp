@@ -1,8 +1,15 @@
-#include "host/study/error_time/bricks.h"
+#include "host/study/error_time/volumes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <thread>
+
+#include <glm/vector_relational.hpp>
+
+#include "host/field/case_law.h"
+#include "host/field/engine.h"
+#include "host/threads.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -46,6 +53,80 @@ Samples whole_of(Sample& at, const Samples& count) noexcept {
 }
 
 } // namespace
+
+GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset) {
+    GridSpec grid;
+    for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        grid.origin[axis] = low[i] - (2 + offset[i]) * spacing;
+        grid.spacing[axis] = spacing;
+        grid.size[axis] = static_cast<std::uint64_t>(std::ceil((high[i] - low[i]) / spacing)) + 6;
+    }
+    return grid;
+}
+
+TurnedGrid::TurnedGrid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset,
+                       double turn)
+    : middle(0.5 * (low + high)), cosine(std::cos(turn)), sine(std::sin(turn)) {
+    const glm::dvec3 half = 0.5 * (high - low);
+    const double x = std::abs(cosine), y = std::abs(sine);
+    const glm::dvec3 reach(x * half.x + y * half.y, y * half.x + x * half.y, half.z);
+    grid = volume_grid(middle - reach, middle + reach, spacing, offset);
+}
+
+std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turned) {
+    const GridSpec& grid = turned.grid;
+    if (turned.sine == 0) {
+        PreparedCase there = prepared;
+        there.one.scene.output.channels = layout::kChannelForce;
+        there.one.scene.grid = grid;
+        EngineOptions oracle;
+        oracle.cpu = true;
+        return evaluate<float>(there, *make_engine(oracle)).force;
+    }
+    const CaseLaw<float> law(prepared);
+    const std::size_t layer = grid.size[0] * grid.size[1];
+    std::vector<float> forces(3 * layer * grid.size[2]);
+    std::vector<std::jthread> threads;
+    for (std::size_t thread = 0; thread < most_threads(); ++thread)
+        threads.emplace_back([&, thread] {
+            layout::uint hint = 0;
+            for (std::size_t k = thread; k < grid.size[2]; k += most_threads())
+                for (std::size_t i = 0; i < layer; ++i) {
+                    const auto force = law.at(turned.place_of(i % grid.size[0], i / grid.size[0], k), hint).force;
+                    for (int axis = 0; axis < 3; ++axis)
+                        forces[3 * (k * layer + i) + std::size_t(axis)] = force[axis];
+                }
+        });
+    threads.clear();
+    return forces;
+}
+
+bool has_depths(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    return scene.surface.kind != SurfaceKind::mesh && scene.force.depth == DepthReading::vertical && !scene.texture;
+}
+
+std::vector<float> sampled_depths(const PreparedCase& prepared, const TurnedGrid& turned) {
+    const GridSpec& grid = turned.grid;
+    const CaseLaw<double> law(prepared);
+    const double below = grid.origin[2] - 1; // m: far below any surface
+    std::vector<glm::dvec4> columns;         // height above `below`, direction
+    for (std::size_t j = 0; j < grid.size[1]; ++j)
+        for (std::size_t i = 0; i < grid.size[0]; ++i) {
+            const glm::dvec3 place = turned.place_of(i, j, 0);
+            const auto found = law.at({place.x, place.y, below});
+            const glm::dvec3 direction = glm::dvec3(found.force) / reference::length(found.force);
+            columns.emplace_back(found.depth, direction.x, direction.y, direction.z);
+        }
+    std::vector<float> values;
+    for (std::size_t k = 0; k < grid.size[2]; ++k)
+        for (const glm::dvec4& column : columns) {
+            const double depth = column.x - (grid.origin[2] + grid.spacing[2] * double(k) - below);
+            values.insert(values.end(), {float(depth), float(column.y), float(column.z), float(column.w)});
+        }
+    return values;
+}
 
 NarrowBand::NarrowBand(const GridSpec& grid, std::span<const float> forces, float most)
     : origin_(grid.origin[0], grid.origin[1], grid.origin[2]),
@@ -95,7 +176,7 @@ struct AdaptiveVolume::Open {
 AdaptiveVolume::AdaptiveVolume(const GridSpec& grid, const ForceAt& force, float most, double bytes)
     : origin_(grid.origin[0], grid.origin[1], grid.origin[2]), inverse_(float(1 / (kRoot * grid.spacing[0]))) {
     const double edge = kRoot * grid.spacing[0];
-    const glm::dvec3 origin(grid.origin[0], grid.origin[1], grid.origin[2]);
+    const glm::dvec3 origin = sample_place(grid, 0, 0, 0);
     for (std::size_t axis = 0; axis < 3; ++axis)
         roots_[axis] = static_cast<std::size_t>(std::ceil(double(grid.size[axis] - 1) / kRoot));
     links_.resize(roots_[0] * roots_[1] * roots_[2]);
@@ -126,6 +207,7 @@ AdaptiveVolume::AdaptiveVolume(const GridSpec& grid, const ForceAt& force, float
 // Samples a leaf.
 AdaptiveVolume::Open AdaptiveVolume::opened(const GridSpec& grid, const ForceAt& force, float most, Open leaf) {
     const double cell = leaf.edge / kTreeCells;
+    const glm::dvec3 high = sample_place(grid, grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
     const auto place = [&](const Samples& at, double aside) {
         return leaf.low + cell * (glm::dvec3(at[0], at[1], at[2]) + aside);
     };
@@ -139,11 +221,8 @@ AdaptiveVolume::Open AdaptiveVolume::opened(const GridSpec& grid, const ForceAt&
     links_[leaf.node] = kLeaf | leaf.brick;
     for_each({kTreeCells, kTreeCells, kTreeCells}, [&](const Samples& at) {
         const glm::dvec3 middle = place(at, 0.5);
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<std::size_t>(axis);
-            if (middle[axis] > grid.origin[i] + grid.spacing[i] * double(grid.size[i] - 1))
-                return;
-        }
+        if (glm::any(glm::greaterThan(middle, high)))
+            return;
         const Sample truth = force(middle), read = trilinear(samples.data(), kTreeSamples, at, Sample(0.5F));
         const float size = reference::length(truth), off = reference::length(truth - read);
         if (size <= most)
