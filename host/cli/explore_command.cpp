@@ -15,7 +15,6 @@
 #include "host/limits/limits.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
-#include "host/paths/explore.h"
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
 #include "host/program.h"

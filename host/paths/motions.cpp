@@ -270,18 +270,6 @@ double lift_of(const PathsSpec& paths, double depth) {
     return paths.lift.value_or(std::abs(depth));
 }
 
-void set_raster(const PathsSpec& paths, const PathRegion& region, double speed, Motion& motion) {
-    motion.lines = static_cast<std::uint32_t>(paths.lines);
-    motion.run = samples_of(region.length / speed * paths.rate);
-    const double between = paths.lines > 1 ? region.width / static_cast<double>(paths.lines - 1) : 0; /* m */
-    motion.turn = samples_of(between / speed * paths.rate);
-}
-
-void set_spiral(const PathsSpec& paths, const PathRegion& region, double turns, Motion& motion) {
-    motion.across = region.inner;
-    motion.radius_step = phase_of_turns(turns / (2 * static_cast<double>(paths.lines)));
-}
-
 // The length of a round, there and back or once about, m; 0 for what has none.
 double round_length(const PathsSpec& paths, const PathRegion& region, double depth) {
     switch (paths.kind) {
@@ -303,14 +291,19 @@ double round_length(const PathsSpec& paths, const PathRegion& region, double dep
 }
 
 void set_kind(const PathsSpec& paths, const PathRegion& region, const PathPace& pace, Motion& motion) {
+    const double lines = static_cast<double>(paths.lines);
     switch (paths.kind) {
     case PathKind::raster:
-        return set_raster(paths, region, pace.speed, motion);
+        motion.lines = static_cast<std::uint32_t>(paths.lines);
+        motion.run = samples_of(region.length / pace.speed * paths.rate);
+        motion.turn = samples_of((lines > 1 ? region.width / (lines - 1) : 0) / pace.speed * paths.rate);
+        return;
     case PathKind::minimum_jerk:
         motion.run = samples_of(mean_distance(region.length, region.width) / pace.speed * paths.rate);
         return;
     case PathKind::spiral:
-        set_spiral(paths, region, pace.turns, motion);
+        motion.across = region.inner;
+        motion.radius_step = phase_of_turns(pace.turns / (2 * lines));
         break;
     case PathKind::taps:
         motion.lift = lift_of(paths, motion.depth);

@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "host/numbers.h"
-#include "host/scene/value.h"
 #include "host/spelling.h"
 
 namespace forceshade {

@@ -8,9 +8,6 @@
 
 #include "host/error.h"
 #include "host/field/case_law.h"
-#include "host/field/prepared_case.h"
-#include "host/paths/motions.h"
-#include "host/paths/recorded.h"
 #include "host/reference/chunks.h"
 #include "host/reference/contact.h"
 #include "host/reference/god_object.h"

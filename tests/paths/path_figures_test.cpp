@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/paths/explore.h"
 #include "host/paths/path_files.h"
+#include "host/paths/recorded.h"
 #include "host/reference/path_step.h"
 #include "tests/io/folder.h"
 

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/paths/explore.h"
+#include "host/paths/recorded.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::testing {

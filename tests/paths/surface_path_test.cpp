@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/paths/explore.h"
 #include "host/paths/path_files.h"
+#include "host/paths/recorded.h"
 #include "tests/io/picture.h"
 #include "tests/paths/path_workplace.h"
 
