@@ -9,7 +9,6 @@
 #include "host/error.h"
 #include "host/field/case_law.h"
 #include "host/field/engine.h"
-#include "host/referee/mesh_referee.h"
 #include "host/referee/referee.h"
 #include "host/referee/rounding_bound.h"
 

@@ -11,7 +11,7 @@
 #include "host/output/rows.h"
 #include "host/paths/scene_paths.h"
 #include "host/referee/contact_referee.h"
-#include "host/referee/path_oracle.h"
+#include "host/referee/oracle_check.h"
 
 namespace forceshade {
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <glm/mat3x3.hpp>
 
-#include "host/field/prepared_case.h"
 #include "host/norm.h"
 #include "host/program.h"
 #include "host/referee/contact_surface.h"
@@ -72,17 +71,6 @@ template <typename T> struct ContactReferee<T>::Surface : ContactSurface {
     std::uint64_t brute_every; // of the samples, those that they look at
 };
 
-template <typename T> struct ContactReferee<T>::Path {
-    std::optional<int> side;  // the winding number where the path is to be
-    std::optional<int> there; // the winding number at the last place where it is known
-    Point place{0};           // that place
-    bool other = false;       // loops over all triangles have found the path elsewhere
-    T last[3]{};              // m: the position of its last sample
-    bool begun = false, touching = false, lost = false;
-    Point probe{0}, proxy{0}; // of the last sample
-    double tolerance = 0;     // of the last sample
-};
-
 template <typename T> struct ContactReferee<T>::Sample {
     std::size_t path, step;
     glm::dvec3 probe_place, proxy_place; /* m, from the scene's origin */
@@ -91,6 +79,16 @@ template <typename T> struct ContactReferee<T>::Sample {
     double tolerance = 0;
 
     bool touching() const { return facet != layout::kNoFacet; }
+};
+
+template <typename T> struct ContactReferee<T>::Path {
+    std::optional<int> side;        // the winding number where the path is to be
+    std::optional<int> there;       // the winding number at the last place where it is known
+    Point place{0};                 // that place
+    bool other = false;             // loops over all triangles have found the path elsewhere
+    T last[3]{};                    // m: the position of its last sample, checked or not
+    std::optional<Sample> before{}; // the last one
+    bool lost = false;              // its proxy is elsewhere
 };
 
 // One sample of a path, judged.
@@ -102,21 +100,17 @@ public:
 
     void judge() {
         ++count_.samples;
-        if (!path_.begun && surface_.closed())
+        if (!path_.before && surface_.closed())
             path_.side = surface_.side_of_start(at_.probe, at_.tolerance, surface_.by_winding);
         if (surface_.closed())
             check_side();
         if (at_.touching() && depth_ > margin_)
             check_contact();
-        if (path_.begun)
-            check_growth();
+        if (path_.before)
+            check_growth(*path_.before);
         count_.near += doubtful_;
-        path_.begun = true;
+        path_.before = at_;
         path_.lost = lost_;
-        path_.touching = at_.touching();
-        path_.probe = at_.probe;
-        path_.proxy = at_.proxy;
-        path_.tolerance = at_.tolerance;
     }
 
 private:
@@ -290,10 +284,12 @@ private:
 
     // A proxy that was at a free probe, and sees the new one, goes there.
     bool check_course() {
-        const double aside = 2.5 * std::max(at_.tolerance, path_.tolerance);
-        if (!path_.begun || path_.touching || path_.lost || surface_.meets(path_.probe, at_.probe) != Meets::no ||
-            !surface_.is_clear(path_.probe, at_.probe, aside) || surface_.distance(path_.probe) <= 2 * aside ||
-            surface_.distance(at_.probe) <= 2 * aside)
+        if (!path_.before || path_.before->touching() || path_.lost)
+            return false;
+        const Point& last = path_.before->probe;
+        const double aside = 2.5 * std::max(at_.tolerance, path_.before->tolerance);
+        if (surface_.meets(last, at_.probe) != Meets::no || !surface_.is_clear(last, at_.probe, aside) ||
+            surface_.distance(last) <= 2 * aside || surface_.distance(at_.probe) <= 2 * aside)
             return false;
         note_phantom("nothing stands between the last probe and this one");
         return true;
@@ -320,13 +316,13 @@ private:
         return false;
     }
 
-    void check_growth() {
-        const double tolerance = std::max(at_.tolerance, path_.tolerance);
-        const double growth = depth_ - norm(at_.probe - path_.proxy);
+    void check_growth(const Sample& before) {
+        const double tolerance = std::max(at_.tolerance, before.tolerance);
+        const double growth = depth_ - norm(at_.probe - before.proxy);
         if (!(growth > kFew * tolerance))
             return;
-        if (path_.touching) {
-            const auto around = surface_.triangles_at(path_.proxy, 2 * growth, kFew * tolerance);
+        if (before.touching()) {
+            const auto around = surface_.triangles_at(before.proxy, 2 * growth, kFew * tolerance);
             const int facing = surface_.facing(path_.other ? std::nullopt : path_.side);
             if (growth <= kFew * (tolerance + surface_.kept_off(around, facing, tolerance, tolerance))) {
                 doubtful_ = true;

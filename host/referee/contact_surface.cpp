@@ -6,8 +6,11 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/QR>
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
+
 #include "host/norm.h"
-#include "host/referee/cones.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 
@@ -17,6 +20,7 @@ namespace {
 
 using reference::cross;
 using reference::dot;
+using reference::largest_coordinate;
 
 constexpr double kWhole = 1e-2;      // how far a winding number may be from a whole one: the tree's are good to 1e-4
 constexpr double kBothWays = 0.125;  // of a direction
@@ -38,10 +42,6 @@ int sign_in(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const
     return volume > error ? 1 : volume < -error ? -1 : 0;
 }
 
-double largest(const glm::dvec3& place) {
-    return reference::largest_coordinate(place);
-}
-
 std::optional<int> whole(double winding) {
     const double nearest = std::nearbyint(winding);
     return std::abs(winding - nearest) < kWhole ? std::optional(static_cast<int>(nearest)) : std::nullopt;
@@ -51,7 +51,8 @@ std::optional<int> whole(double winding) {
 struct SegmentBoxes {
     SegmentBoxes(const glm::dvec3& from, const glm::dvec3& to)
         : middle(0.5 * (from + to)), half(0.5 * (to - from)),
-          slack(16 * std::numeric_limits<double>::epsilon() * (1 + std::max(largest(from), largest(to)))) {
+          slack(16 * std::numeric_limits<double>::epsilon() *
+                (1 + std::max(largest_coordinate(from), largest_coordinate(to)))) {
         for (int i = 0; i < 3; ++i)
             extent[i] = std::abs(half[i]) + slack;
     }
@@ -340,6 +341,117 @@ double ContactSurface::kept_off(std::span<const std::uint32_t> triangles, int fa
                     add_corner(u, v, normal(triangles[k]));
         }
     return most;
+}
+
+namespace {
+
+using Real = long double;
+constexpr Real kDependent =
+    1e-13L;                      // length of a vector off the span of others, of the longest, below which it is in it
+constexpr int kMostRounds = 200; // a few are needed; rounding could go round for ever
+
+// The shares of the columns whose sum is nearest to a target; false if one of the columns depends on the others.
+template <int N>
+bool least_squares(const std::vector<glm::vec<N, Real>>& columns, const glm::vec<N, Real>& target,
+                   std::array<Real, N + 1>& shares) {
+    using Matrix = Eigen::Matrix<Real, N, Eigen::Dynamic, Eigen::ColMajor, N, N>;
+    const auto count = static_cast<Eigen::Index>(columns.size());
+    Eigen::ColPivHouseholderQR<Matrix> decomposition(Eigen::Map<const Matrix>(&columns[0][0], N, count));
+    decomposition.setThreshold(kDependent);
+    if (decomposition.rank() < count)
+        return false;
+    Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>>(shares.data(), count) =
+        decomposition.solve(Eigen::Map<const Eigen::Matrix<Real, N, 1>>(&target[0]));
+    return true;
+}
+
+// What a target leaves of itself off the cone that columns span.
+template <int N>
+glm::vec<N, Real> off_cone(const std::vector<glm::vec<N, Real>>& columns, const glm::vec<N, Real>& target) {
+    constexpr std::size_t kMost = N + 1;
+    std::vector<glm::vec<N, Real>> active;
+    std::array<Real, kMost> held{}, wanted{};
+    glm::vec<N, Real> left = target;
+    for (int round = 0; round < kMostRounds; ++round) {
+        const auto steepest = std::ranges::max_element(
+            columns, {}, [&](const glm::vec<N, Real>& column) { return glm::dot(column, left); });
+        if (steepest == columns.end() || !(glm::dot(*steepest, left) > 1e-15L * glm::length(target)))
+            break;
+        active.push_back(*steepest);
+        held[active.size() - 1] = 0;
+        if (active.size() == kMost || !least_squares(active, target, wanted))
+            break;
+        for (;;) {
+            Real step = 1;
+            for (std::size_t i = 0; i < active.size(); ++i)
+                if (wanted[i] <= 0)
+                    step = std::min(step, held[i] / (held[i] - wanted[i]));
+            std::size_t kept = 0;
+            for (std::size_t i = 0; i < active.size(); ++i) {
+                const Real share = held[i] + step * (wanted[i] - held[i]);
+                if (step < 1 && wanted[i] <= 0 && !(share > 1e-18L))
+                    continue;
+                active[kept] = active[i];
+                held[kept++] = share;
+            }
+            active.resize(kept);
+            if (step == 1 || !least_squares(active, target, wanted))
+                break;
+        }
+        left = target;
+        for (std::size_t i = 0; i < active.size(); ++i)
+            left -= held[i] * active[i];
+    }
+    return left;
+}
+
+} // namespace
+
+double distance_from_cone(const glm::dvec3& vector, std::span<const glm::dvec3> spans,
+                          const std::function<bool(std::size_t, std::size_t)>& together) {
+    double least = norm(vector);
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+        const glm::dvec3& u = spans[i];
+        const double on_u = reference::dot(u, vector);
+        if (on_u > 0)
+            least = std::min(least, norm(vector - on_u * u));
+        for (std::size_t j = i + 1; j < spans.size(); ++j) {
+            if (!together(i, j))
+                continue;
+            const glm::dvec3& v = spans[j];
+            const double on_v = reference::dot(v, vector), uv = reference::dot(u, v), square = 1 - uv * uv;
+            if (square > 1e-14) {
+                const double of_u = (on_u - uv * on_v) / square, of_v = (on_v - uv * on_u) / square;
+                if (of_u >= 0 && of_v >= 0)
+                    least = std::min(least, norm(vector - of_u * u - of_v * v));
+            }
+            for (std::size_t k = j + 1; k < spans.size(); ++k) {
+                const glm::dvec3& w = spans[k];
+                const glm::dvec3 vw = reference::cross(v, w);
+                const double volume = reference::dot(u, vw);
+                if (!(std::abs(volume) > 1e-12) || !together(i, k) || !together(j, k))
+                    continue;
+                if (reference::dot(vector, vw) / volume >= 0 &&
+                    reference::dot(vector, reference::cross(w, u)) / volume >= 0 &&
+                    reference::dot(vector, reference::cross(u, v)) / volume >= 0)
+                    return 0;
+            }
+        }
+    }
+    return least;
+}
+
+double distance_from_cone(const glm::dvec3& vector, std::span<const glm::dvec3> spans) {
+    return double(glm::length(off_cone<3>({spans.begin(), spans.end()}, glm::vec<3, Real>(vector))));
+}
+
+double distance_of_offset_planes(std::span<const glm::dvec3> normals) {
+    std::vector<glm::vec<4, Real>> columns;
+    for (const glm::dvec3& normal : normals)
+        columns.emplace_back(glm::vec<3, Real>(normal), 1);
+    const glm::vec<4, Real> left = off_cone<4>(columns, {0, 0, 0, 1});
+    return left.w > 1e-15L ? double(glm::length(glm::vec<3, Real>(left)) / left.w)
+                           : std::numeric_limits<double>::infinity();
 }
 
 } // namespace forceshade

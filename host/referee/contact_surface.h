@@ -4,15 +4,15 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
-#include "host/mesh/mesh.h"
 #include "host/mesh/structure.h"
-#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade {
@@ -89,5 +89,20 @@ private:
     std::vector<std::uint32_t> facet_begins_, facet_triangles_;
     std::optional<int> front_; // the winding number in front of a solid's facets
 };
+
+// Cones of normals: how far a force is from one, how far planes keep a proxy off a corner.
+
+/// How far a vector is from the cone that unit vectors span; `together(i, j)`: two of them may be combined. The
+/// nearest place of a cone is in the span of no more than three of its vectors, with no negative share of any: all are
+/// tried, in cubic time.
+double distance_from_cone(const glm::dvec3& vector, std::span<const glm::dvec3> spans,
+                          const std::function<bool(std::size_t, std::size_t)>& together);
+
+/// The same where all may be combined, in time linear in their number (active set; Lawson & Hanson 1974, chapter 23).
+double distance_from_cone(const glm::dvec3& vector, std::span<const glm::dvec3> spans);
+
+/// How far from the origin a place is at least that is 1 in front of each of the planes through the origin with these
+/// unit normals (Lawson & Hanson 1974, LDP); infinite if there is none.
+double distance_of_offset_planes(std::span<const glm::dvec3> normals);
 
 } // namespace forceshade

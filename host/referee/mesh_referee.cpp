@@ -1,7 +1,7 @@
-#include "host/referee/mesh_referee.h"
+// Of meshes.
+#include "host/referee/referee.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -5,9 +5,10 @@
 #include <cstring>
 #include <limits>
 
+#include <glm/geometric.hpp>
+
 #include "host/norm.h"
 #include "host/random.h"
-#include "host/referee/reading.h"
 #include "host/referee/validate.h"
 #include "host/reference/chunks.h"
 #include "host/reference/contact.h"
@@ -202,13 +203,12 @@ OracleError OracleCheck::compare(unsigned threads) const {
         voxels.insert(voxels.end(), some.begin(), some.end());
     std::sort(voxels.begin(), voxels.end()); // so that threads share the kinds evenly
     std::vector<OracleError> errors(std::max(1u, threads));
-    const auto compare_share = [&](std::size_t share) {
+    reference::share_out(errors.size(), errors.size(), [&](std::size_t, std::size_t share) {
         const std::size_t from = voxels.size() * share / errors.size(),
                           to = voxels.size() * (share + 1) / errors.size();
         const std::span<const Voxel> some = std::span(voxels).subspan(from, to - from);
         errors[share] = single_ ? compare_some(some, *single_) : compare_some(some, exact_);
-    };
-    reference::share_out(errors.size(), errors.size(), [&](std::size_t, std::size_t share) { compare_share(share); });
+    });
     OracleError all;
     for (const OracleError& one : errors) {
         all.compared += one.compared;

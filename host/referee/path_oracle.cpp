@@ -1,4 +1,5 @@
-#include "host/referee/path_oracle.h"
+// Of paths.
+#include "host/referee/oracle_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@
 
 #include "host/norm.h"
 #include "host/program.h"
-#include "host/referee/reading.h"
 #include "host/reference/contact.h"
 #include "host/reference/motion.h"
 #include "host/reference/path_step.h"
@@ -22,21 +22,6 @@ namespace forceshade {
 namespace {
 
 template <typename T> constexpr double kRoundoff = double(std::numeric_limits<T>::epsilon()) / 2;
-
-/// The law, and what the device displays of it.
-template <typename T> struct DisplayedReferee {
-    OracleReferee<T> oracle;
-    const layout::HandParams<T>* hand;
-
-    reference::Column<T> column(double x, double y) const { return oracle.column(x, y); }
-    Reading at(const reference::Column<T>& column, double z) const {
-        reference::Contact<T> contact = reference::contact_at(oracle.law, column, static_cast<T>(z));
-        if (hand)
-            contact.force = reference::commanded(*hand, contact.force);
-        return reading_of(contact);
-    }
-    static layout::uint facet(const reference::Column<T>& column) { return OracleReferee<T>::facet(column); }
-};
 
 // How far rounding may take a sample of a path on hardware from the oracle's, derived a priori, on an analytic surface.
 // What is computed is compared with the law at the very place where it was computed (RoundingBound, both sides round,
@@ -315,7 +300,7 @@ template <typename T> double PathOracle<T>::place_error(double size, const glm::
 template <typename T>
 bool PathOracle<T>::is_allowed(const layout::HandParams<T>* hand, const Reading& computed, const glm::dvec3& probe,
                                layout::uint channels) const {
-    const DisplayedReferee<T> referee{{input_.law}, hand};
+    const OracleReferee<T> referee{input_.law, hand};
     const double x = probe.x, y = probe.y, z = probe.z;
     const Reading truth = referee.at(referee.column(x, y), z);
     Bound displayed;

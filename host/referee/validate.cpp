@@ -12,8 +12,6 @@
 
 #include "host/norm.h"
 #include "host/program.h"
-#include "host/referee/mesh_referee.h"
-#include "host/referee/reading.h"
 #include "host/referee/rounding_bound.h"
 #include "host/reference/chunks.h"
 #include "host/reference/mesh_contact.h"

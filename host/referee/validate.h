@@ -32,14 +32,14 @@ struct Comparison {
     std::string name;
     Precision precision = Precision::f32;
     std::uint64_t voxels = 0;
-    std::uint64_t differing =
-        0; /* voxels any of whose channels differs in a bit from the oracle in the same precision */
-    std::uint64_t largest_ulp =
-        0;                    /* largest distance of a force component from that oracle's, in units in the last place */
-    std::uint64_t beyond = 0; /* voxels any of whose channels is further from that oracle than rounding allows (no
-                                 software device may differ at all) */
-    std::uint64_t boundary = 0; /* voxels that would be, but lie on an edge of that oracle */
-    Distance oracle;            /* from reference<double>; for a run in double that is the same oracle */
+    // Against the oracle in the same precision.
+    std::uint64_t differing = 0;   /* voxels any of whose channels differs in a bit */
+    std::uint64_t largest_ulp = 0; /* largest distance of a force component, in units in the last place */
+    std::uint64_t beyond = 0;      /* voxels any of whose channels is further off than rounding allows (no software
+                                      device may differ at all) */
+    std::uint64_t boundary = 0;    /* voxels that would be, but lie on an edge of that oracle */
+
+    Distance oracle; /* from reference<double>; for a run in double that is the same oracle */
     Distance closed_form;
     double largest_force = 0; /* N, of the closed form */
     bool passed = false;

@@ -9,7 +9,7 @@
 #include "host/error.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/structure.h"
-#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
 #include "host/reference/god_object.h"
 #include "tests/fuzz/meshes.h"
 #include "tests/mesh/god_object_referee.h"

@@ -10,7 +10,7 @@
 #include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/structure.h"
-#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/mesh/damage.h"

@@ -7,7 +7,7 @@
 
 #include "host/error.h"
 #include "host/mesh/structure.h"
-#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
 #include "host/reference/contact.h"
 #include "tests/mesh/shapes.h"
 

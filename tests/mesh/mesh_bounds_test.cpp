@@ -1,5 +1,5 @@
-// The factors of law_bounds.h that meshes have, recomputed by running their laws in affine arithmetic; the bound made
-// of them holds for the worst device that Vulkan allows, and sees one that is worse.
+// The factors of rounding_bound.h that meshes have, recomputed by running their laws in affine arithmetic; the bound
+// made of them holds for the worst device that Vulkan allows, and sees one that is worse.
 #include <algorithm>
 #include <cmath>
 #include <memory>

@@ -6,7 +6,7 @@
 
 #include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
-#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
 #include "host/reference/contact.h"
 #include "host/reference/elementary.h"
 #include "tests/mesh/shapes.h"

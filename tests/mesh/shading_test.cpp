@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/mesh/structure.h"
-#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
 #include "host/touch/angle.h"
 #include "tests/mesh/patch_errors.h"

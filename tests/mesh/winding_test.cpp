@@ -8,7 +8,7 @@
 #include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
 #include "host/mesh/thin_parts.h"
-#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
 #include "tests/mesh/god_object_walks.h"
 #include "tests/mesh/shapes.h"

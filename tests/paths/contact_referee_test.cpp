@@ -11,7 +11,6 @@
 #include "host/cases/path_comparison.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/mesh_file.h"
-#include "host/referee/cones.h"
 #include "host/referee/contact_surface.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"

@@ -1,5 +1,5 @@
-// The factors of law_bounds.h, recomputed by running the laws in affine arithmetic; the bounds made of them hold for
-// all that affine arithmetic and the worst device that Vulkan allows say, and see a device that is worse.
+// The factors of rounding_bound.h, recomputed by running the laws in affine arithmetic; the bounds made of them hold
+// for all that affine arithmetic and the worst device that Vulkan allows say, and see a device that is worse.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -38,7 +38,7 @@ private:
     std::mt19937_64 engine_;
 };
 
-// The largest errors of each part of a law that affine arithmetic finds, in u of what law_bounds.h says.
+// The largest errors of each part of a law that affine arithmetic finds, in u of what rounding_bound.h says.
 struct Parts {
     double facet_height = 0, facet_normal = 0, reference = 0, radial = 0, cylinder_depth = 0, cylinder_slope = 0,
            sine = 0, turns = 0, gaussian = 0, samples = 0, map_normal = 0, length = 0, force = 0;
