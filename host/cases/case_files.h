@@ -19,7 +19,7 @@
 #include "host/output/exr_volume.h"
 #include "host/output/record.h"
 #include "host/output/rows.h"
-#include "host/picture/scene_picture.h"
+#include "host/picture/picture.h"
 #include "host/program.h"
 
 namespace forceshade {

@@ -16,7 +16,7 @@
 #include "host/long_run.h"
 #include "host/numbers.h"
 #include "host/output/raw_formats.h"
-#include "host/picture/ticks.h"
+#include "host/picture/frame.h"
 #include "host/referee/oracle_check.h"
 #include "host/threads.h"
 #include "host/touch/force_errors.h"

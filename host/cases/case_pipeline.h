@@ -9,7 +9,7 @@
 
 #include "host/cases/case_files.h"
 #include "host/field/engine.h"
-#include "host/picture/slice_collector.h"
+#include "host/picture/values.h"
 
 namespace forceshade {
 

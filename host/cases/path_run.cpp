@@ -15,7 +15,7 @@
 #include "host/paths/path_files.h"
 #include "host/paths/recorded.h"
 #include "host/paths/scene_paths.h"
-#include "host/picture/scene_picture.h"
+#include "host/picture/picture.h"
 #include "host/program.h"
 
 namespace forceshade {

@@ -12,7 +12,7 @@
 
 #include "host/field/comparison.h"
 #include "host/output/vtk_file.h"
-#include "host/picture/scene_picture.h"
+#include "host/picture/picture.h"
 #include "host/picture/values.h"
 #include "host/program.h"
 #include "host/reference/contact.h"

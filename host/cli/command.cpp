@@ -11,7 +11,7 @@
 
 #include "host/error.h"
 #include "host/field/engine.h"
-#include "host/mesh/thin_parts.h"
+#include "host/mesh/structure.h"
 #include "host/output/files.h"
 #include "host/reference/god_object.h"
 #include "host/scene/value.h"

@@ -9,9 +9,8 @@
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/long_run.h"
-#include "host/mesh/marks.h"
-#include "host/mesh/pieces.h"
-#include "host/picture/mesh_picture.h"
+#include "host/mesh/findings.h"
+#include "host/picture/picture.h"
 #include "host/program.h"
 #include "host/scene/quantity.h"
 

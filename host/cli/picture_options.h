@@ -5,7 +5,7 @@
 
 #include "host/cli/command.h"
 #include "host/picture/picture.h"
-#include "host/picture/slice_collector.h"
+#include "host/picture/values.h"
 
 namespace forceshade {
 

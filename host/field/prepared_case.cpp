@@ -12,7 +12,6 @@
 #include "host/long_run.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
-#include "host/mesh/pieces.h"
 #include "host/mesh/places.h"
 #include "host/output/height_image.h"
 #include "host/output/reading.h"

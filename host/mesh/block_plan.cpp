@@ -92,6 +92,16 @@ template <typename T> PlanTriangle<T> plan_triangle(const layout::MeshView<T>& m
     return row;
 }
 
+/// True if the whole box is at least `slack` above the triangle's plane, or it has none.
+template <typename T> bool is_below(const PlanTriangle<T>& triangle, const PlanBox<T>& box, T slack) {
+    const Vector<T>& n = triangle.normal;
+    if (n.x == T(0) && n.y == T(0) && n.z == T(0))
+        return true;
+    const Vector<T> lowest{n.x > T(0) ? box.low.x : box.high.x, n.y > T(0) ? box.low.y : box.high.y,
+                           n.z > T(0) ? box.low.z : box.high.z};
+    return reference::dot(n, lowest) - triangle.offset > slack;
+}
+
 /// One thread's part in planning blocks: boxes of samples are halved along each axis, the list of triangles that may be
 /// nearest is narrowed with them, and boxes that are outside all of these go.
 template <typename T> class BlockWorker {

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include <OpenMesh/Core/Geometry/VectorT.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 
-#include "host/mesh/surface.h"
+#include "host/mesh/places.h"
 
 namespace forceshade {
 
@@ -112,17 +113,14 @@ private:
 class MatchedEdges final : public Connectivity::Structure {
 public:
     explicit MatchedEdges(const PolygonSoup& polygons)
-        : polygons_(polygons), facet_of_(polygons.corners.size()), begins_(polygons.vertices.size() + 1, 0),
+        : polygons_(polygons), sides_(polygons), begins_(polygons.vertices.size() + 1, 0),
           corners_(polygons.corners.size()) {
         for (const std::uint32_t vertex : polygons.corners)
             ++begins_[vertex + 1];
         std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
         std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
-        for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
-            for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner) {
-                facet_of_[corner] = facet;
-                corners_[next[vertex(corner)]++] = corner;
-            }
+        for (std::uint32_t corner = 0; corner < corners_.size(); ++corner)
+            corners_[next[polygons.corners[corner]]++] = corner;
     }
 
     ConnectivityCounts counts() const override {
@@ -130,28 +128,23 @@ public:
         DisjointSets fans(polygons_.corners.size()); // corners of a vertex, joined across edges
         DisjointSets pieces(polygons_.facets());
         std::vector<std::uint32_t> border;
-        // An edge is numbered by the corner where a facet's side along it begins.
-        const auto ends = [&](std::size_t begin) {
-            const auto corner = static_cast<std::uint32_t>(begin);
-            return std::pair(vertex(corner), vertex(after(corner)));
-        };
-        for_each_bundle(polygons_.vertices.size(), polygons_.corners.size(), ends, [&](const auto& sides) {
-            const std::uint32_t first = sides[0], end = after(first);
-            if (vertex(first) == vertex(end)) {
+        sides_.for_each_edge([&](std::span<const std::uint32_t> sides) {
+            const std::uint32_t first = sides[0], end = sides_.after(first);
+            if (sides_.start(first) == sides_.start(end)) {
                 for (const std::uint32_t side : sides)
-                    fans.join(side, after(side));
+                    fans.join(side, sides_.after(side));
                 return;
             }
             found.non_manifold_edges += sides.size() > 2;
             found.odd_edges += sides.size() % 2;
-            found.misoriented_edges += sides.size() == 2 && vertex(first) == vertex(sides[1]);
+            found.misoriented_edges += sides.size() == 2 && sides_.start(first) == sides_.start(sides[1]);
             if (sides.size() == 1)
                 border.push_back(first);
             for (const std::uint32_t side : sides.subspan(1)) {
-                const bool same = vertex(side) == vertex(first);
-                fans.join(first, same ? side : after(side));
-                fans.join(end, same ? after(side) : side);
-                pieces.join(facet_of_[first], facet_of_[side]);
+                const bool same = sides_.start(side) == sides_.start(first);
+                fans.join(first, same ? side : sides_.after(side));
+                fans.join(end, same ? sides_.after(side) : side);
+                pieces.join(sides_.facet(first), sides_.facet(side));
             }
         });
         found.components = pieces.count();
@@ -160,42 +153,34 @@ public:
         // Boundary edges that end in the same fan belong to the same loop.
         DisjointSets loops(polygons_.corners.size());
         for (const std::uint32_t side : border)
-            loops.join(fans.find(side), fans.find(after(side)));
-        std::vector<std::uint32_t> names;
+            loops.join(fans.find(side), fans.find(sides_.after(side)));
+        std::set<std::uint32_t> names;
         for (const std::uint32_t side : border)
-            names.push_back(loops.find(fans.find(side)));
-        std::ranges::sort(names);
-        found.holes = static_cast<std::size_t>(std::unique(names.begin(), names.end()) - names.begin());
+            names.insert(loops.find(fans.find(side)));
+        found.holes = names.size();
         return found;
     }
 
     void fan(std::uint32_t at, std::vector<FacetCorner>& corners) const override {
         corners.clear();
         for (std::uint32_t i = begins_[at]; i < begins_[at + 1]; ++i) {
-            const std::uint32_t corner = corners_[i], facet = facet_of_[corner];
+            const std::uint32_t corner = corners_[i], facet = sides_.facet(corner);
             const std::uint32_t first = polygons_.begins[facet], last = polygons_.begins[facet + 1] - 1;
-            corners.push_back({facet, vertex(corner == first ? last : corner - 1), at, vertex(after(corner))});
+            corners.push_back({facet, sides_.start(corner == first ? last : corner - 1), at, sides_.end(corner)});
         }
     }
 
 private:
-    std::uint32_t vertex(std::uint32_t corner) const { return polygons_.corners[corner]; }
-
-    std::uint32_t after(std::uint32_t corner) const {
-        const std::uint32_t facet = facet_of_[corner];
-        return corner + 1 == polygons_.begins[facet + 1] ? polygons_.begins[facet] : corner + 1;
-    }
-
     std::size_t count_shared_vertices(DisjointSets& fans) const {
         std::size_t shared = 0;
         std::vector<std::uint32_t> fans_at(polygons_.vertices.size(), 0);
         for (std::uint32_t corner = 0; corner < polygons_.corners.size(); ++corner)
-            shared += fans.find(corner) == corner && ++fans_at[vertex(corner)] == 2;
+            shared += fans.find(corner) == corner && ++fans_at[polygons_.corners[corner]] == 2;
         return shared;
     }
 
     const PolygonSoup& polygons_;
-    std::vector<std::uint32_t> facet_of_;         // of each corner
+    FacetSides sides_;
     std::vector<std::uint32_t> begins_, corners_; // of each vertex, its corners
 };
 

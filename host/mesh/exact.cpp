@@ -1,9 +1,7 @@
 #include "host/mesh/exact.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
-#include <vector>
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

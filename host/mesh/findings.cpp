@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <span>
+#include <numbers>
 #include <stdexcept>
-#include <unordered_map>
-#include <unordered_set>
 
 #include <fmt/format.h>
 
 #include "host/error.h"
 #include "host/long_run.h"
-#include "host/mesh/connectivity.h"
-#include "host/mesh/pieces.h"
 #include "host/mesh/places.h"
-#include "host/mesh/self_intersections.h"
-#include "host/mesh/surface.h"
+#include "host/mesh/structure.h"
 #include "host/numbers.h"
 #include "host/reference/elementary.h"
 
@@ -24,15 +18,19 @@ namespace forceshade {
 
 namespace {
 
-void count_kinds(const PolygonSoup& polygons, MeshFindings& found) {
+void count_facets(const PolygonSoup& polygons, MeshFindings& found) {
     found.vertices = polygons.vertices.size();
     found.facets = polygons.facets();
+    std::vector<std::uint32_t> corners;
     for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
-        const std::size_t corners = polygons.corners_of(facet);
-        found.triangles += corners == 3;
-        found.quadrilaterals += corners == 4;
-        found.others += corners != 3 && corners != 4;
-        found.most_corners = std::max(found.most_corners, corners);
+        const auto outline = polygons.outline(facet);
+        corners.assign(outline.begin(), outline.end());
+        found.triangles += corners.size() == 3;
+        found.quadrilaterals += corners.size() == 4;
+        found.others += corners.size() != 3 && corners.size() != 4;
+        found.most_corners = std::max(found.most_corners, corners.size());
+        std::ranges::sort(corners);
+        found.repeated_corner_facets += std::ranges::adjacent_find(corners) != corners.end();
     }
 }
 
@@ -43,16 +41,6 @@ void measure_box(const PolygonSoup& polygons, MeshFindings& found) {
     found.unused_vertices = static_cast<std::size_t>(std::ranges::count(used, false));
     if (const MeshBox box = bounding_box(polygons); !polygons.corners.empty())
         found.low = box.low, found.high = box.high;
-}
-
-void count_repeated_corners(const PolygonSoup& polygons, MeshFindings& found) {
-    std::vector<std::uint32_t> corners;
-    for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
-        const auto outline = polygons.outline(facet);
-        corners.assign(outline.begin(), outline.end());
-        std::ranges::sort(corners);
-        found.repeated_corner_facets += std::ranges::adjacent_find(corners) != corners.end();
-    }
 }
 
 // From the middle of the box, so that a mesh far from the origin loses no digits.
@@ -86,9 +74,8 @@ ShapeFindings inspect_shape(const PolygonSoup& all, std::size_t self_intersectio
     const Stage stage("checking the mesh");
     ShapeFindings shape;
     MeshFindings& found = shape.findings;
-    count_kinds(all, found);
+    count_facets(all, found);
     measure_box(all, found);
-    count_repeated_corners(all, found);
     std::vector<glm::dvec3> normals = facet_normals(all);
     found.degenerate_facets = count_degenerate(all, found, normals);
     CoincidentFacets coincident = find_coincident(all, normals);
@@ -285,156 +272,47 @@ void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {
 
 namespace {
 
-struct Pair {
-    std::uint32_t facets[2];
-    bool open = true; // no stray found
-};
-
-class Search {
-public:
-    Search(const PolygonSoup& polygons, std::span<const glm::dvec3> normals)
-        : polygons_(polygons), normals_(normals), places_(weld(polygons)) {}
-
-    CoincidentFacets run() {
-        match();
-        if (!pairs_.empty())
-            find_strays();
-        std::ranges::sort(found_.redundant);
-        found_.opposed = static_cast<std::size_t>(std::ranges::count(pairs_, true, &Pair::open));
-        return std::move(found_);
-    }
-
-private:
-    void match() {
-        // Each facet's corners by place, from the lowest one on towards the lower of its two neighbours.
-        std::vector<std::uint32_t> corners;
-        for (const std::uint32_t corner : polygons_.corners)
-            corners.push_back(places_[corner]);
-        const auto cycle = [&](std::size_t facet) {
-            return std::span(corners).subspan(polygons_.begins[facet], polygons_.corners_of(facet));
-        };
-        std::vector<bool> backwards(polygons_.facets());
-        std::unordered_set<std::uint32_t> turned; // facets that have coincided with one of the opposite order
-        FirstOfEqual cycles(polygons_.facets());
-        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
-            const auto mine = cycle(facet);
-            if (mine.empty())
-                continue;
-            std::rotate(mine.begin(), std::ranges::min_element(mine), mine.end());
-            backwards[facet] = mine.back() < mine[1 % mine.size()];
-            if (backwards[facet])
-                std::reverse(mine.begin() + 1, mine.end());
-            std::uint64_t hash = mine.size();
-            for (const std::uint32_t place : mine) {
-                hash = (hash ^ place) * 0x9E3779B97F4A7C15u;
-                hash ^= hash >> 29;
-            }
-            const std::uint32_t first =
-                cycles.add(hash, facet, [&](std::uint32_t other) { return std::ranges::equal(cycle(other), mine); });
-            if (first == facet)
-                continue;
-            if (backwards[first] == backwards[facet] || !turned.insert(first).second)
-                found_.redundant.push_back(facet);
-            else if (normals_[facet] != glm::dvec3(0))
-                pairs_.push_back({{first, facet}});
-        }
-    }
-
-    /// Calls use(start, end) for the places at the ends of a facet's edges.
-    template <typename Use> void for_each_edge(std::uint32_t facet, const Use& use) const {
-        const auto outline = polygons_.outline(facet);
-        for (std::size_t i = 0; i < outline.size(); ++i)
-            use(places_[outline[i]], places_[outline[i + 1 == outline.size() ? 0 : i + 1]]);
-    }
-
-    void find_strays() {
-        for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair)
-            for_each_edge(pairs_[pair].facets[0], [&](std::uint32_t start, std::uint32_t end) {
-                edges_[edge_of(start, end)].pairs.push_back(pair);
-            });
-        auto next = found_.redundant.begin();
-        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
-            if (next != found_.redundant.end() && *next == facet)
-                ++next;
-            else
-                count_directions(facet, 1);
-        }
-        std::vector<std::uint32_t> waiting(pairs_.size());
-        for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair)
-            waiting[pair] = static_cast<std::uint32_t>(pairs_.size()) - 1 - pair;
-        while (!waiting.empty()) {
-            Pair& pair = pairs_[waiting.back()];
-            waiting.pop_back();
-            const int stray = pair.open ? stray_of(pair) : -1;
-            if (stray < 0)
-                continue;
-            pair.open = false;
-            found_.redundant.push_back(pair.facets[stray]);
-            count_directions(pair.facets[stray], -1);
-            for_each_edge(pair.facets[stray], [&](std::uint32_t start, std::uint32_t end) {
-                const auto& others = edges_[edge_of(start, end)].pairs;
-                waiting.insert(waiting.end(), others.begin(), others.end());
-            });
-        }
-    }
-
-    /// Counts a facet's direction along the edges of pairs.
-    void count_directions(std::uint32_t facet, long times) {
-        for_each_edge(facet, [&](std::uint32_t start, std::uint32_t end) {
-            if (const auto edge = edges_.find(edge_of(start, end)); edge != edges_.end() && start != end)
-                edge->second.surplus += start < end ? times : -times;
-        });
-    }
-
-    /// Which of a pair is a stray; -1 if none.
-    int stray_of(const Pair& pair) const {
-        int edges = 0, more = 0, less = 0; // often in the first one's direction
-        for_each_edge(pair.facets[0], [&](std::uint32_t start, std::uint32_t end) {
-            const long surplus = edges_.find(edge_of(start, end))->second.surplus * (start < end ? 1 : -1);
-            ++edges;
-            more += surplus > 0;
-            less += surplus < 0;
-        });
-        if (less == 0 && 2 * more > edges)
-            return 0;
-        return more == 0 && 2 * less > edges ? 1 : -1;
-    }
-
-    struct Edge {
-        long surplus = 0; // how much more often facets run from the lower place to the higher one than back
-        std::vector<std::uint32_t> pairs;
+void mark_edges(const MeshStructure& structure, MeshMarks& marks) {
+    const MeshParts& parts = *structure.parts;
+    const MeshReals<double>& reals = *structure.reals;
+    const double cosine = std::cos(MeshMarks::kSharp * std::numbers::pi / 180);
+    const auto world = [&](layout::uint corner) {
+        return structure.centre +
+               structure.scale * reference::vector_at<double>(reals.vertices, parts.triangle_corners[corner]);
     };
-
-    const PolygonSoup& polygons_;
-    std::span<const glm::dvec3> normals_;
-    std::vector<std::uint32_t> places_;
-    std::vector<Pair> pairs_;
-    std::unordered_map<std::uint64_t, Edge> edges_; // of pairs
-    CoincidentFacets found_;
-};
+    for (layout::uint edge = 0; edge < parts.triangle_neighbours.size(); ++edge) {
+        const layout::uint triangle = edge / 3, across = parts.triangle_neighbours[edge];
+        std::vector<MeshMarks::Edge>* into = nullptr;
+        if (across == layout::kMeshBorder)
+            into = &marks.rims;
+        else if ((across & layout::kMeshManyBit) != 0)
+            into = &marks.crowded;
+        else if (triangle < across && parts.triangle_facets[triangle] != parts.triangle_facets[across] &&
+                 reference::dot(reference::vector_at<double>(reals.triangle_normals, triangle),
+                                reference::vector_at<double>(reals.triangle_normals, across)) < cosine)
+            into = &marks.sharp;
+        if (into)
+            into->push_back({world(edge), world(edge % 3 == 2 ? edge - 2 : edge + 1)});
+    }
+}
 
 } // namespace
 
-CoincidentFacets find_coincident(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals) {
-    return Search(polygons, facet_normals).run();
-}
-
-PolygonSoup without_facets(const PolygonSoup& polygons, std::span<const std::uint32_t> left_out) {
-    PolygonSoup rest;
-    rest.vertices = polygons.vertices;
-    rest.begins.reserve(polygons.begins.size());
-    rest.corners.reserve(polygons.corners.size());
-    auto next = left_out.begin();
-    for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet) {
-        if (next != left_out.end() && *next == facet) {
-            ++next;
-            continue;
-        }
-        const auto outline = polygons.outline(facet);
-        rest.corners.insert(rest.corners.end(), outline.begin(), outline.end());
-        rest.end_facet();
+MeshMarks find_marks(const Mesh& mesh, const MeshStructure& structure, const MeshFindings& findings) {
+    MeshMarks marks;
+    mark_edges(structure, marks);
+    marks.inward.resize(mesh.polygons.facets());
+    if (findings.misoriented_edges > 0 || !findings.inside_out.empty() || findings.volume < 0) {
+        const MeshPieces pieces = find_pieces(mesh.polygons);
+        for (std::size_t facet = 0; facet < marks.inward.size(); ++facet)
+            marks.inward[facet] = pieces.opposed[facet] || pieces.pieces[pieces.of_facet[facet]].is_inside_out();
     }
-    return rest;
+    if (findings.self_intersections.value_or(0) > 0) {
+        constexpr std::size_t kMostPairs = 100'000;
+        marks.crossing =
+            count_self_intersections(mesh.polygons, weld(mesh.polygons), mesh.triangles, kMostPairs).triangles;
+    }
+    return marks;
 }
 
 } // namespace forceshade

@@ -1,6 +1,8 @@
-// Inspection of a mesh before a law is computed on it: counts, size, and faults.
+// Inspection of a mesh before a law is computed on it: counts, size, faults, where it meets itself, and what a picture
+// marks.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +15,8 @@
 #include "host/mesh/connectivity.h"
 
 namespace forceshade {
+
+struct MeshStructure;
 
 /// Lengths, areas and volumes are in the unit of the polygons' coordinates. Vertices that no facet uses count as unused
 /// and nowhere else; redundant facets enter only the counts of facets.
@@ -84,24 +88,34 @@ std::string sentence(const MeshFault& fault);
 ///         coordinates whose volumes overflow
 void refuse_if_meaningless(const MeshFindings& findings, const std::string& mesh);
 
-// Facets with the same corners, by place, and which of them count.
-
-/// Facets coincide if they have the same places in the same or the opposite cyclic order.
-/// - The same order: a repeat of the first one in the file.
-/// - The opposite order, both with an area: of such a pair one is a stray if without it the edges match better. That
-///   is, along more than half of the pair's edges the facets of the mesh run more often in its direction than in the
-///   other, and along none less often. Strays that share edges with strays are found out one from the other.
-/// - Else a pair is a sheet of two sides, or a wall within a solid: matching edges does not distinguish the
-///   sides.
-struct CoincidentFacets {
-    std::vector<std::uint32_t> redundant; /* ascending: repeats and strays, which are ignored */
-    std::size_t opposed = 0;              /* pairs of which both count */
+/// Pairs of triangles that touch or cross without having a corner in common.
+struct SelfIntersections {
+    std::size_t pairs = 0;
+    std::vector<std::uint32_t> triangles; // of these pairs, ascending
+    bool complete = true; // false: given up after `most_pairs`, or because far too many pairs came near each other
 };
 
-/// \param facet_normals 0 where a facet has no area
-CoincidentFacets find_coincident(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
+/// With exact predicates, over the pairs whose bounding boxes overlap. Corners at the same place (`places`: of each
+/// vertex, from weld()) are the same corner; triangles without area are passed over. The result does not depend on
+/// the threads (0: most_threads()).
+SelfIntersections count_self_intersections(const PolygonSoup& polygons, std::span<const std::uint32_t> places,
+                                           const MeshTriangles& triangles, std::size_t most_pairs,
+                                           unsigned threads = 0);
 
-/// The same vertices, and the facets that are not in `left_out` (ascending).
-PolygonSoup without_facets(const PolygonSoup& polygons, std::span<const std::uint32_t> left_out);
+/// The places that a picture of a mesh marks.
+struct MeshMarks {
+    using Edge = std::array<glm::dvec3, 2>; /* m */
+
+    std::vector<Edge> rims;              // of one facet
+    std::vector<Edge> crowded;           // of more than two
+    std::vector<Edge> sharp;             // of two whose normals differ by more than kSharp
+    std::vector<bool> inward;            // of each facet: it disagrees with its piece, or its piece is inside out
+    std::vector<std::uint32_t> crossing; // triangles of Mesh, ascending, that touch or cross others
+
+    static constexpr double kSharp = 60; /* deg */
+};
+
+/// \param structure of the mesh
+MeshMarks find_marks(const Mesh& mesh, const MeshStructure& structure, const MeshFindings& findings);
 
 } // namespace forceshade

@@ -1,13 +1,8 @@
+// OBJ and OFF.
 #include "host/mesh/formats.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <span>
-#include <string>
-#include <utility>
-
-#include "host/numbers.h"
 
 namespace forceshade::mesh_file {
 
@@ -238,188 +233,160 @@ PolygonFile read_obj(const Source& source) {
     return ObjReader(source).read();
 }
 
-// STL, text and binary: triangles without vertices of their own.
-
-std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian) {
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < size; ++i)
-        bits |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << 8 * (big_endian ? size - 1 - i : i);
-    return bits;
-}
+// OFF, the Object File Format of Geomview, as text: OFF, COFF, NOFF, STOFF and their combinations.
 
 namespace {
 
-constexpr std::size_t kHeader = 84, kTriangle = 50; // bytes
-
-float read_float(const char* bytes) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(read_bits(bytes, 4)));
-}
-
-// Triangles whose vertices are their corners in order.
-PolygonSoup triangles(std::vector<glm::dvec3> corners) {
-    PolygonSoup soup;
-    soup.vertices = std::move(corners);
-    for (std::uint32_t corner = 0; corner < soup.vertices.size(); ++corner) {
-        soup.vertices[corner] += 0.0; // -0 becomes 0
-        soup.corners.push_back(corner);
-        if (corner % 3 == 2)
-            soup.end_facet();
-    }
-    return soup;
-}
-
-PolygonFile read_binary(const Source& source) {
-    const std::optional<std::size_t> behind = bytes_behind_binary_stl(source.bytes);
-    if (!behind) {
-        const std::size_t size = source.bytes.size();
-        if (size < kHeader)
-            throw IoError(
-                fmt::format("{}: {} bytes are too few for an STL file, and it is not text; it is damaged or truncated",
-                            source.name, size));
-        const std::uint64_t triangles = read_bits(source.bytes.data() + 80, 4);
-        throw IoError(fmt::format("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
-                                  "{}; it is damaged or truncated",
-                                  source.name, triangles, kHeader + kTriangle * triangles, size));
-    }
-    std::vector<glm::dvec3> corners;
-    const std::size_t end = source.bytes.size() - *behind;
-    corners.reserve((end - kHeader) / kTriangle * 3);
-    for (std::size_t begin = kHeader; begin < end; begin += kTriangle)
-        for (int corner = 1; corner <= 3; ++corner) { // behind the normal
-            const char* const at = source.bytes.data() + begin + 12 * corner;
-            corners.emplace_back(read_float(at), read_float(at + 4), read_float(at + 8));
-        }
-    std::vector<std::string> warnings;
-    if (*behind > 0)
-        warnings.push_back(
-            fmt::format("{} behind the last triangle (the file announces {}): skipped (at byte {}){}",
-                        numbers::counted(*behind, "byte"), (end - kHeader) / kTriangle, end,
-                        *behind % kTriangle == 0 ? fmt::format("; they may be {} more", *behind / kTriangle) : ""));
-    return {triangles(std::move(corners)), "", "STL (binary)", std::move(warnings)};
-}
-
-constexpr std::array kStlKeywords = std::to_array<std::string_view>(
-    {"solid", "facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"});
-
-// Lines of text, such as comments and colours, are skipped wherever a keyword is expected. A keyword in the wrong place
-// is an error: something is missing before it.
-class StlTextReader {
+class OffReader {
 public:
-    explicit StlTextReader(const Source& source) : lines_(source.name, source.bytes) {}
+    explicit OffReader(const Source& source) : name_(source.name), lines_(source.name, source.bytes) {}
 
     PolygonFile read() {
-        bool open = false;                // a solid that is to end
-        std::size_t parts = 0, begin = 0; // the first corner of the solid
-        for (;; ++parts) {
-            const std::string_view word = next_part(!open);
-            if (word.empty())
-                break;
-            if (is_keyword(word, "facet")) {
-                read_facet();
-                open = true;
-                continue;
-            }
-            const bool ends = is_keyword(word, "endsolid");
-            if (!ends && open && corners_.size() > begin)
-                lines_.damaged("expected facet or endsolid, got {}", in_quotes(word));
-            open = !ends;
-            begin = corners_.size();
-            line_ = {}; // the name
+        read_header();
+        soup_.vertices.reserve(vertices_);
+        soup_.begins.reserve(facets_ + 1);
+        for (std::size_t vertex = 0; vertex < vertices_; ++vertex)
+            read_vertex();
+        for (facet_ = 0; facet_ < facets_; ++facet_)
+            read_facet();
+        while (lines_.next_words(line_)) {
+            if (has_only_numbers(line_))
+                lines_.damaged("the file goes on behind the {} vertices and {} facets that it announces", vertices_,
+                               facets_);
+            skipped_.add(kTextLine, lines_.line_number());
         }
-        if (parts == 0)
-            lines_.damaged("not an STL file: no line begins with solid or facet");
-        return {triangles(std::move(corners_)), "", "STL (text)", skipped_.warnings()};
+        std::vector<std::string> warnings = skipped_.warnings();
+        if (!begins_with_off_)
+            warnings.insert(warnings.begin(), "does not begin with OFF; read all the same");
+        return {std::move(soup_), "", "OFF", std::move(warnings)};
     }
 
 private:
-    // Solid, endsolid or facet, left where it is; empty at the end of the file.
-    std::string_view next_part(bool may_end) {
-        for (;;) {
-            const std::string_view word = peek("facet or endsolid", may_end);
-            if (word.empty() || is_keyword(word, "facet") || is_keyword(word, "solid") || is_keyword(word, "endsolid"))
-                return word;
-            skip_text("facet or endsolid", word);
+    void read_header() {
+        next_line("its keyword OFF");
+        std::string_view word = take_word(line_);
+        std::int64_t count = 0;
+        if (parse_integer(word, count))
+            begins_with_off_ = false;
+        else if (word = count_behind(word); word.empty())
+            word = take_word(line_);
+        if (word == "BINARY")
+            throw UsageError(fmt::format("{}: binary OFF is not read; save it as text, or as PLY", name_));
+        if (word.empty()) {
+            next_line("its numbers of vertices and facets");
+            word = take_word(line_);
         }
+        vertices_ = announced(word, "vertices");
+        const auto next_count = [&] { return (word = take_word(line_)).empty() ? word = lone_count() : word; };
+        facets_ = announced(next_count(), "facets");
+        next_count(); // of edges: of no use
+        const std::size_t left = lines_.rest().size();
+        // `0 0 0` and `0`, a facet without corners, are the shortest lines; the last one's end may be missing.
+        if (vertices_ > left / 6 + 1 || facets_ > left / 2 + 1 || vertices_ * 6 + facets_ * 2 > left + 1)
+            lines_.damaged(
+                "{} vertices and {} facets are announced, which {} bytes cannot hold; the file is damaged or truncated",
+                vertices_, facets_, left);
     }
 
-    void skip_text(std::string_view expected, std::string_view word) {
-        if (std::ranges::any_of(kStlKeywords, [&](std::string_view keyword) { return is_keyword(word, keyword); }))
-            lines_.damaged("expected {}, got {}", expected, in_quotes(word));
-        skipped_.add(kTextLine, lines_.line_number());
-        line_ = {};
+    // The next line, if it is an integer alone; else empty, and that line is still to be read.
+    std::string_view lone_count() {
+        TextLines ahead = lines_;
+        std::string_view line;
+        std::int64_t count = 0;
+        if (!ahead.next_words(line))
+            return {};
+        const std::string_view word = take_word(line);
+        if (!parse_integer(word, count) || !take_word(line).empty())
+            return {};
+        lines_ = ahead;
+        return word;
+    }
+
+    // The count that stands behind the keyword without a blank, or none.
+    std::string_view count_behind(std::string_view word) const {
+        const std::optional<OffKeyword> keyword = parse_off_keyword(word);
+        if (!keyword)
+            lines_.damaged("an OFF file begins with OFF, not with {}", in_quotes(word));
+        if (keyword->prefix.find_first_of("4n") != std::string_view::npos)
+            throw UsageError(
+                fmt::format("{}: {} has vertices of other than three coordinates", name_, in_quotes(word)));
+        return keyword->count;
+    }
+
+    std::size_t announced(std::string_view word, std::string_view what) const {
+        std::int64_t count = 0;
+        if (!parse_integer(word, count) || count < 0)
+            lines_.damaged("expected the number of {}, got {}", what, in_quotes(word));
+        return static_cast<std::size_t>(count);
+    }
+
+    void next_line(std::string_view expected) {
+        if (!lines_.next_words(line_))
+            lines_.damaged("the file breaks off before {}", expected);
+    }
+
+    // What follows the coordinates in a line (a normal, a colour, a texture position) is ignored.
+    void read_vertex() {
+        next_line(fmt::format("vertex {} of {}", soup_.vertices.size(), vertices_));
+        const std::string whose = fmt::format(" of vertex {}", soup_.vertices.size());
+        soup_.vertices.push_back(read_coordinates(lines_, whose, [&] { return take_word(line_); }));
     }
 
     void read_facet() {
-        next_word("facet");
-        next_word("normal");
-        for (int axis = 0; axis < 3; ++axis) // ignored, often nan
-            if (peek("a normal").empty() || take_word(line_).empty())
-                lines_.damaged("a normal has three coordinates");
-        next_word("outer");
-        next_word("loop");
-        for (int corner = 0; corner < 3; ++corner)
-            read_vertex();
-        next_word("endloop");
-        next_word("endfacet");
-    }
-
-    void read_vertex() {
-        next_word("vertex");
-        corners_.push_back(read_coordinates(lines_, "", [&] {
-            peek("a coordinate");
-            return take_word(line_);
-        }));
-    }
-
-    // The next word, left where it is; empty only at an end of the file that is allowed.
-    std::string_view peek(std::string_view expected, bool may_end = false) {
-        for (;;) {
-            std::string_view words = line_;
-            if (const std::string_view word = take_word(words); !word.empty())
-                return word;
-            if (!lines_.next(line_)) {
-                line_ = {};
-                if (may_end)
-                    return {};
-                lines_.damaged("the file breaks off before {}", expected);
-            }
+        next_line(fmt::format("facet {} of {}", facet_, facets_));
+        const std::size_t line = lines_.line_number(), begin = soup_.corners.size();
+        const std::size_t count = announced(take_word(line_), "corners of a facet");
+        if (count > line_.size() / 2 + lines_.rest().size() / 2)
+            lines_.damaged("a facet with {} corners, more than the file's bytes can hold", count);
+        for (std::size_t corner = 0; corner < count; ++corner)
+            soup_.corners.push_back(read_corner());
+        if (count >= 3) {
+            soup_.end_facet();
+        } else {
+            soup_.corners.resize(begin);
+            skipped_.add(kShortFaces[count], line);
         }
     }
 
-    // Of a facet. A number there may be a coordinate, and is not text.
-    void next_word(std::string_view keyword) {
-        for (;;) {
-            const std::string_view word = peek(keyword);
-            double value = 0;
-            if (is_keyword(word, keyword))
-                break;
-            if (parse_number(word, value))
-                lines_.damaged("expected {}, got {}", keyword, in_quotes(word));
-            skip_text(keyword, word);
+    // A long facet may go on in the next line.
+    std::uint32_t read_corner() {
+        std::string_view word = take_word(line_);
+        if (word.empty()) {
+            next_line(fmt::format("all corners of facet {}", facet_));
+            word = take_word(line_);
         }
-        take_word(line_);
+        std::int64_t index = 0;
+        if (!parse_integer(word, index))
+            lines_.damaged("{} is not a vertex", in_quotes(word));
+        if (index < 0 || index >= static_cast<std::int64_t>(vertices_))
+            lines_.damaged("no vertex {}; there are {}, and the first is 0", index, vertices_);
+        return static_cast<std::uint32_t>(index);
     }
 
+    std::string name_;
     TextLines lines_;
     std::string_view line_;
-    std::vector<glm::dvec3> corners_;
+    PolygonSoup soup_;
     Skipped skipped_{"in line"};
+    std::size_t vertices_ = 0, facets_ = 0;
+    bool begins_with_off_ = true;
+    std::size_t facet_ = 0; // the one that is read, from 0
 };
 
 } // namespace
 
-std::optional<std::size_t> bytes_behind_binary_stl(std::string_view bytes) {
-    if (bytes.size() < kHeader)
+std::optional<OffKeyword> parse_off_keyword(std::string_view word) {
+    const std::size_t at = std::min(word.find("OFF"), word.find("off"));
+    if (at == std::string_view::npos)
         return {};
-    const std::size_t triangles = read_bits(bytes.data() + 80, 4), needed = kHeader + kTriangle * triangles;
-    if (bytes.size() < needed || (triangles == 0 && bytes.size() > needed))
-        return {};
-    return bytes.size() - needed;
+    const OffKeyword keyword{word.substr(0, at), word.substr(at + 3)};
+    const bool known = keyword.prefix.find_first_not_of("STCN4n") == std::string_view::npos &&
+                       keyword.count.find_first_not_of("0123456789") == std::string_view::npos;
+    return known ? std::optional(keyword) : std::nullopt;
 }
 
-PolygonFile read_stl(const Source& source) {
-    const bool text = looks_like_text(source.bytes) && !bytes_behind_binary_stl(source.bytes);
-    return text ? StlTextReader(source).read() : read_binary(source);
+PolygonFile read_off(const Source& source) {
+    return OffReader(source).read();
 }
 
 } // namespace forceshade::mesh_file

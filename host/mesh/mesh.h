@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -75,6 +76,16 @@ struct MeshTriangles {
     std::vector<glm::dvec3> normals; /* 1: unit, good to a few ULP whatever the shape; 0 where there is no area */
 };
 
+/// K - 2 triangles for each facet of K corners, the same ones in every run:
+/// - a triangle as it is, from its first corner;
+/// - a convex quadrilateral cut along its shorter diagonal, along the one from its first corner if they are equal; one
+///   with a reflex or straight corner, from that corner;
+/// - more corners: the constrained Delaunay triangulation of the facet's projection along its Newell normal;
+/// - a fan from the first corner where that is impossible: the projection crosses or touches itself, or the facet has
+///   no area.
+/// \param facet_normals unit Newell normals, 0 where a facet has no area
+MeshTriangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
+
 /// A mesh prepared for the laws, in metres. Facets and vertices keep the order of the file.
 struct Mesh {
     PolygonSoup polygons;                        /* m; where corners at a vertex have several normals, a
@@ -95,8 +106,8 @@ struct MeshPlacement {
     std::array<double, 3> translate{}; /* m */
 };
 
-/// Facets keep their order and numbers, vertices too. How facets are cut into triangles: surface.h. Corners must be in
-/// range, and normals not 0. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or
+/// Facets keep their order and numbers, vertices too. How facets are cut: triangulate(). Corners must be in range, and
+/// normals not 0. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or
 /// not finite
 /// \param known how these facets are connected, if that is known
 Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, const Smoothing& smoothing = {},
@@ -121,5 +132,16 @@ struct MeshFrame {
 /// Of the corners of facets only: a vertex that none uses has no say.
 /// \throws UsageError if the box is not finite in metres
 MeshFrame frame_of(const PolygonSoup& polygons);
+
+/// Number of facets that are caps or have no area at all, which make_surface() leaves out.
+/// \throws UsageError if the box is not finite in metres
+std::size_t count_caps(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
+
+/// The mesh's triangles without redundant facets and without needles of two equal corners (their two sides are one
+/// edge), closed over its caps. A cap has a corner on its longest side: exactly, or to within the rounding of the
+/// world's coordinates, where its normal is noise. It says that this corner lies on that side, and goes; every other
+/// triangle with that side is cut in two there, through caps of caps too, so that edges match whose triangles met
+/// across caps. The pieces keep plane, normal and facet. \returns empty if these are the mesh's triangles as they are
+std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& frame);
 
 } // namespace forceshade

@@ -1,19 +1,338 @@
+// Which format a file has, STL, which only its length tells from text, and what the readers share.
 #include "host/mesh/mesh_file.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
+#include <charconv>
 #include <cmath>
 #include <future>
-#include <optional>
 
-#include <fmt/format.h>
+#include <locale.h>
+#include <stdlib.h>
 
-#include "host/error.h"
 #include "host/long_run.h"
 #include "host/mesh/formats.h"
 #include "host/mesh/places.h"
+#include "host/numbers.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
+
+namespace forceshade::mesh_file {
+
+// Lines, words and numbers, and the count of skipped elements.
+
+namespace {
+
+// Lines and words are short, and searching through them for one of several characters with string_view's functions
+// takes several times as long.
+bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+
+void skip_blanks(std::string_view& line) {
+    line.remove_prefix(static_cast<std::size_t>(std::ranges::find_if_not(line, is_blank) - line.begin()));
+}
+
+// std::from_chars leaves the value alone where it is beyond the range of double, on either side.
+double beyond_range(std::string_view word) {
+    static const locale_t classic = ::newlocale(LC_ALL_MASK, "C", nullptr);
+    return ::strtod_l(std::string(word).c_str(), nullptr, classic);
+}
+
+std::string_view without_plus(std::string_view word) {
+    if (word.size() > 1 && word[0] == '+' && word[1] != '-')
+        word.remove_prefix(1);
+    return word;
+}
+
+} // namespace
+
+TextLines::TextLines(std::string file, std::string_view text, std::size_t number)
+    : file_(std::move(file)), text_(text), number_(number) {}
+
+bool TextLines::next(std::string_view& line) {
+    if (text_.empty())
+        return false;
+    ++number_;
+    const auto end = static_cast<std::size_t>(
+        std::ranges::find_if(text_, [](char c) { return c == '\n' || c == '\r'; }) - text_.begin());
+    line = text_.substr(0, end);
+    if (line.starts_with("\xEF\xBB\xBF")) // not only in the first: files are joined as they are
+        line.remove_prefix(3);
+    has_end_ = end < text_.size();
+    if (!has_end_) {
+        text_ = {};
+        return true;
+    }
+    const bool two = text_[end] == '\r' && end + 1 < text_.size() && text_[end + 1] == '\n';
+    text_.remove_prefix(end + (two ? 2 : 1));
+    return true;
+}
+
+bool TextLines::next_words(std::string_view& line) {
+    while (next(line)) {
+        line = line.substr(0, line.find('#'));
+        skip_blanks(line);
+        if (!line.empty())
+            return true;
+    }
+    return false;
+}
+
+std::string_view take_word(std::string_view& line) {
+    skip_blanks(line);
+    const auto end = static_cast<std::size_t>(std::ranges::find_if(line, is_blank) - line.begin());
+    const std::string_view word = line.substr(0, end);
+    line.remove_prefix(end);
+    return word;
+}
+
+std::string in_quotes(std::string_view word) {
+    constexpr std::size_t kMost = 24;
+    std::string text = "\"";
+    for (const char c : word.substr(0, kMost))
+        text += c < ' ' || c == '\x7F' ? '?' : c; // bytes beyond ASCII are negative: shown as ? too
+    return text + (word.size() > kMost ? "...\"" : "\"");
+}
+
+bool parse_number(std::string_view word, double& value) {
+    word = without_plus(word);
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (end != word.data() + word.size() || error == std::errc::invalid_argument)
+        return false;
+    if (error == std::errc::result_out_of_range)
+        value = beyond_range(word);
+    return true;
+}
+
+bool parse_integer(std::string_view word, std::int64_t& value) {
+    word = without_plus(word);
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error == std::errc() && end == word.data() + word.size();
+}
+
+bool has_only_numbers(std::string_view line) {
+    std::string_view word = take_word(line);
+    if (word.empty())
+        return false;
+    double value = 0;
+    for (; !word.empty(); word = take_word(line))
+        if (!parse_number(word, value) && word.find_first_not_of("/-0123456789") != std::string_view::npos)
+            return false;
+    return true;
+}
+
+bool looks_like_text(std::string_view bytes) {
+    constexpr std::size_t kLooked = 1024;
+    return bytes.substr(0, kLooked).find('\0') == std::string_view::npos;
+}
+
+bool is_keyword(std::string_view word, std::string_view keyword) {
+    return std::ranges::equal(word, keyword,
+                              [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+void Skipped::add(const Kind& kind, std::size_t place) {
+    const auto known = std::ranges::find(entries_, kind.one, [](const Entry& entry) { return entry.kind.one; });
+    if (known == entries_.end())
+        entries_.push_back({kind, 1, place});
+    else
+        ++known->count;
+}
+
+std::vector<std::string> Skipped::warnings() const {
+    std::vector<std::string> warnings;
+    for (const auto& [kind, count, first] : entries_)
+        warnings.push_back(fmt::format("{} {}: skipped ({}{} {})", count, count == 1 ? kind.one : kind.several,
+                                       count == 1 ? "" : "the first ", where_, first));
+    return warnings;
+}
+
+// STL, text and binary: triangles without vertices of their own.
+
+std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i)
+        bits |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << 8 * (big_endian ? size - 1 - i : i);
+    return bits;
+}
+
+namespace {
+
+constexpr std::size_t kHeader = 84, kTriangle = 50; // bytes
+
+float read_float(const char* bytes) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(read_bits(bytes, 4)));
+}
+
+// Triangles whose vertices are their corners in order.
+PolygonSoup triangles(std::vector<glm::dvec3> corners) {
+    PolygonSoup soup;
+    soup.vertices = std::move(corners);
+    for (std::uint32_t corner = 0; corner < soup.vertices.size(); ++corner) {
+        soup.vertices[corner] += 0.0; // -0 becomes 0
+        soup.corners.push_back(corner);
+        if (corner % 3 == 2)
+            soup.end_facet();
+    }
+    return soup;
+}
+
+PolygonFile read_binary(const Source& source) {
+    const std::optional<std::size_t> behind = bytes_behind_binary_stl(source.bytes);
+    if (!behind) {
+        const std::size_t size = source.bytes.size();
+        if (size < kHeader)
+            throw IoError(
+                fmt::format("{}: {} bytes are too few for an STL file, and it is not text; it is damaged or truncated",
+                            source.name, size));
+        const std::uint64_t triangles = read_bits(source.bytes.data() + 80, 4);
+        throw IoError(fmt::format("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
+                                  "{}; it is damaged or truncated",
+                                  source.name, triangles, kHeader + kTriangle * triangles, size));
+    }
+    std::vector<glm::dvec3> corners;
+    const std::size_t end = source.bytes.size() - *behind;
+    corners.reserve((end - kHeader) / kTriangle * 3);
+    for (std::size_t begin = kHeader; begin < end; begin += kTriangle)
+        for (int corner = 1; corner <= 3; ++corner) { // behind the normal
+            const char* const at = source.bytes.data() + begin + 12 * corner;
+            corners.emplace_back(read_float(at), read_float(at + 4), read_float(at + 8));
+        }
+    std::vector<std::string> warnings;
+    if (*behind > 0)
+        warnings.push_back(
+            fmt::format("{} behind the last triangle (the file announces {}): skipped (at byte {}){}",
+                        numbers::counted(*behind, "byte"), (end - kHeader) / kTriangle, end,
+                        *behind % kTriangle == 0 ? fmt::format("; they may be {} more", *behind / kTriangle) : ""));
+    return {triangles(std::move(corners)), "", "STL (binary)", std::move(warnings)};
+}
+
+constexpr std::array kStlKeywords = std::to_array<std::string_view>(
+    {"solid", "facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"});
+
+// Lines of text, such as comments and colours, are skipped wherever a keyword is expected. A keyword in the wrong place
+// is an error: something is missing before it.
+class StlTextReader {
+public:
+    explicit StlTextReader(const Source& source) : lines_(source.name, source.bytes) {}
+
+    PolygonFile read() {
+        bool open = false;                // a solid that is to end
+        std::size_t parts = 0, begin = 0; // the first corner of the solid
+        for (;; ++parts) {
+            const std::string_view word = next_part(!open);
+            if (word.empty())
+                break;
+            if (is_keyword(word, "facet")) {
+                read_facet();
+                open = true;
+                continue;
+            }
+            const bool ends = is_keyword(word, "endsolid");
+            if (!ends && open && corners_.size() > begin)
+                lines_.damaged("expected facet or endsolid, got {}", in_quotes(word));
+            open = !ends;
+            begin = corners_.size();
+            line_ = {}; // the name
+        }
+        if (parts == 0)
+            lines_.damaged("not an STL file: no line begins with solid or facet");
+        return {triangles(std::move(corners_)), "", "STL (text)", skipped_.warnings()};
+    }
+
+private:
+    // Solid, endsolid or facet, left where it is; empty at the end of the file.
+    std::string_view next_part(bool may_end) {
+        for (;;) {
+            const std::string_view word = peek("facet or endsolid", may_end);
+            if (word.empty() || is_keyword(word, "facet") || is_keyword(word, "solid") || is_keyword(word, "endsolid"))
+                return word;
+            skip_text("facet or endsolid", word);
+        }
+    }
+
+    void skip_text(std::string_view expected, std::string_view word) {
+        if (std::ranges::any_of(kStlKeywords, [&](std::string_view keyword) { return is_keyword(word, keyword); }))
+            lines_.damaged("expected {}, got {}", expected, in_quotes(word));
+        skipped_.add(kTextLine, lines_.line_number());
+        line_ = {};
+    }
+
+    void read_facet() {
+        next_word("facet");
+        next_word("normal");
+        for (int axis = 0; axis < 3; ++axis) // ignored, often nan
+            if (peek("a normal").empty() || take_word(line_).empty())
+                lines_.damaged("a normal has three coordinates");
+        next_word("outer");
+        next_word("loop");
+        for (int corner = 0; corner < 3; ++corner)
+            read_vertex();
+        next_word("endloop");
+        next_word("endfacet");
+    }
+
+    void read_vertex() {
+        next_word("vertex");
+        corners_.push_back(read_coordinates(lines_, "", [&] {
+            peek("a coordinate");
+            return take_word(line_);
+        }));
+    }
+
+    // The next word, left where it is; empty only at an end of the file that is allowed.
+    std::string_view peek(std::string_view expected, bool may_end = false) {
+        for (;;) {
+            std::string_view words = line_;
+            if (const std::string_view word = take_word(words); !word.empty())
+                return word;
+            if (!lines_.next(line_)) {
+                line_ = {};
+                if (may_end)
+                    return {};
+                lines_.damaged("the file breaks off before {}", expected);
+            }
+        }
+    }
+
+    // Of a facet. A number there may be a coordinate, and is not text.
+    void next_word(std::string_view keyword) {
+        for (;;) {
+            const std::string_view word = peek(keyword);
+            double value = 0;
+            if (is_keyword(word, keyword))
+                break;
+            if (parse_number(word, value))
+                lines_.damaged("expected {}, got {}", keyword, in_quotes(word));
+            skip_text(keyword, word);
+        }
+        take_word(line_);
+    }
+
+    TextLines lines_;
+    std::string_view line_;
+    std::vector<glm::dvec3> corners_;
+    Skipped skipped_{"in line"};
+};
+
+} // namespace
+
+std::optional<std::size_t> bytes_behind_binary_stl(std::string_view bytes) {
+    if (bytes.size() < kHeader)
+        return {};
+    const std::size_t triangles = read_bits(bytes.data() + 80, 4), needed = kHeader + kTriangle * triangles;
+    if (bytes.size() < needed || (triangles == 0 && bytes.size() > needed))
+        return {};
+    return bytes.size() - needed;
+}
+
+PolygonFile read_stl(const Source& source) {
+    const bool text = looks_like_text(source.bytes) && !bytes_behind_binary_stl(source.bytes);
+    return text ? StlTextReader(source).read() : read_binary(source);
+}
+
+} // namespace forceshade::mesh_file
 
 namespace forceshade {
 

@@ -1,15 +1,17 @@
-#include "host/mesh/pieces.h"
+// Which facets belong together: pieces, and facets that coincide.
+#include "host/mesh/connectivity.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 
 #include "host/error.h"
 #include "host/mesh/places.h"
-#include "host/mesh/surface.h"
 #include "host/numbers.h"
 #include "host/reference/elementary.h"
 
@@ -51,11 +53,7 @@ private:
 class PieceFinder {
 public:
     explicit PieceFinder(const PolygonSoup& polygons)
-        : polygons_(polygons), sets_(polygons.facets()), facet_of_(polygons.corners.size()) {
-        for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
-            std::fill(facet_of_.begin() + polygons.begins[facet], facet_of_.begin() + polygons.begins[facet + 1],
-                      facet);
-    }
+        : polygons_(polygons), sides_(polygons), sets_(polygons.facets()) {}
 
     MeshPieces run() {
         join();
@@ -71,17 +69,10 @@ public:
     }
 
 private:
-    std::uint32_t start(std::size_t side) const { return polygons_.corners[side]; }
-    std::uint32_t end(std::size_t side) const {
-        const std::uint32_t facet = facet_of_[side];
-        return polygons_.corners[side + 1 == polygons_.begins[facet + 1] ? polygons_.begins[facet] : side + 1];
-    }
-
     /// Calls use(sides) for the sides of facets along each edge that has two places.
     template <typename Use> void for_each_edge(const Use& use) const {
-        const auto ends = [&](std::size_t side) { return std::pair(start(side), end(side)); };
-        for_each_bundle(polygons_.vertices.size(), polygons_.corners.size(), ends, [&](const auto& sides) {
-            if (start(sides[0]) != end(sides[0]))
+        sides_.for_each_edge([&](std::span<const std::uint32_t> sides) {
+            if (sides_.start(sides[0]) != sides_.end(sides[0]))
                 use(sides);
         });
     }
@@ -90,8 +81,8 @@ private:
         for_each_edge([&](const auto& sides) {
             if (sides.size() != 2)
                 return;
-            const std::uint32_t one = facet_of_[sides[0]], other = facet_of_[sides[1]];
-            if (!sets_.join(one, other, start(sides[0]) == start(sides[1])))
+            const std::uint32_t one = sides_.facet(sides[0]), other = sides_.facet(sides[1]);
+            if (!sets_.join(one, other, sides_.start(sides[0]) == sides_.start(sides[1])))
                 contradictions_.push_back(one);
         });
     }
@@ -119,7 +110,7 @@ private:
         for_each_edge([&](const auto& sides) {
             here.clear();
             for (const std::uint32_t side : sides)
-                here.push_back(found_.of_facet[facet_of_[side]]);
+                here.push_back(found_.of_facet[sides_.facet(side)]);
             std::ranges::sort(here);
             for (auto first = here.begin(); first != here.end();) {
                 const auto next = std::upper_bound(first, here.end(), *first);
@@ -146,11 +137,9 @@ private:
         for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
             const std::uint32_t piece = found_.of_facet[facet];
             facets_of_[piece].push_back(facet);
+            MeshBox& box = boxes_[piece];
             for (const std::uint32_t vertex : polygons_.outline(facet))
-                for (int axis = 0; axis < 3; ++axis) {
-                    boxes_[piece].low[axis] = std::min(boxes_[piece].low[axis], polygons_.vertices[vertex][axis]);
-                    boxes_[piece].high[axis] = std::max(boxes_[piece].high[axis], polygons_.vertices[vertex][axis]);
-                }
+                box = {glm::min(box.low, polygons_.vertices[vertex]), glm::max(box.high, polygons_.vertices[vertex])};
             for_each_triangle(facet, [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
                 const glm::dvec3 normal = cross<double>(b - a, c - a);
                 const double size = std::sqrt(dot(normal, normal)) / 2;
@@ -199,8 +188,9 @@ private:
     }
 
     const PolygonSoup& polygons_;
+    FacetSides sides_;
     OrientedSets sets_;
-    std::vector<std::uint32_t> facet_of_, contradictions_; // of each corner; facets
+    std::vector<std::uint32_t> contradictions_; // facets
     MeshPieces found_;
     std::vector<MeshBox> boxes_;
     std::vector<std::vector<std::uint32_t>> facets_of_; // of each piece
@@ -263,6 +253,160 @@ std::vector<std::string> orient_outward(PolygonSoup& polygons) {
                 turn(polygons, facet);
     }
     return turned;
+}
+
+namespace {
+
+struct Pair {
+    std::uint32_t facets[2];
+    bool open = true; // no stray found
+};
+
+class CoincidentSearch {
+public:
+    CoincidentSearch(const PolygonSoup& polygons, std::span<const glm::dvec3> normals)
+        : polygons_(polygons), normals_(normals), places_(weld(polygons)) {}
+
+    CoincidentFacets run() {
+        match();
+        if (!pairs_.empty())
+            find_strays();
+        std::ranges::sort(found_.redundant);
+        found_.opposed = static_cast<std::size_t>(std::ranges::count(pairs_, true, &Pair::open));
+        return std::move(found_);
+    }
+
+private:
+    void match() {
+        // Each facet's corners by place, from the lowest one on towards the lower of its two neighbours.
+        std::vector<std::uint32_t> corners;
+        for (const std::uint32_t corner : polygons_.corners)
+            corners.push_back(places_[corner]);
+        const auto cycle = [&](std::size_t facet) {
+            return std::span(corners).subspan(polygons_.begins[facet], polygons_.corners_of(facet));
+        };
+        std::vector<bool> backwards(polygons_.facets());
+        std::unordered_set<std::uint32_t> turned; // facets that have coincided with one of the opposite order
+        FirstOfEqual cycles(polygons_.facets());
+        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
+            const auto mine = cycle(facet);
+            if (mine.empty())
+                continue;
+            std::rotate(mine.begin(), std::ranges::min_element(mine), mine.end());
+            backwards[facet] = mine.back() < mine[1 % mine.size()];
+            if (backwards[facet])
+                std::reverse(mine.begin() + 1, mine.end());
+            std::uint64_t hash = mine.size();
+            for (const std::uint32_t place : mine) {
+                hash = (hash ^ place) * 0x9E3779B97F4A7C15u;
+                hash ^= hash >> 29;
+            }
+            const std::uint32_t first =
+                cycles.add(hash, facet, [&](std::uint32_t other) { return std::ranges::equal(cycle(other), mine); });
+            if (first == facet)
+                continue;
+            if (backwards[first] == backwards[facet] || !turned.insert(first).second)
+                found_.redundant.push_back(facet);
+            else if (normals_[facet] != glm::dvec3(0))
+                pairs_.push_back({{first, facet}});
+        }
+    }
+
+    /// Calls use(start, end) for the places at the ends of a facet's edges.
+    template <typename Use> void for_each_edge(std::uint32_t facet, const Use& use) const {
+        const auto outline = polygons_.outline(facet);
+        for (std::size_t i = 0; i < outline.size(); ++i)
+            use(places_[outline[i]], places_[outline[i + 1 == outline.size() ? 0 : i + 1]]);
+    }
+
+    void find_strays() {
+        for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair)
+            for_each_edge(pairs_[pair].facets[0], [&](std::uint32_t start, std::uint32_t end) {
+                edges_[edge_of(start, end)].pairs.push_back(pair);
+            });
+        auto next = found_.redundant.begin();
+        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
+            if (next != found_.redundant.end() && *next == facet)
+                ++next;
+            else
+                count_directions(facet, 1);
+        }
+        std::vector<std::uint32_t> waiting(pairs_.size());
+        for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair)
+            waiting[pair] = static_cast<std::uint32_t>(pairs_.size()) - 1 - pair;
+        while (!waiting.empty()) {
+            Pair& pair = pairs_[waiting.back()];
+            waiting.pop_back();
+            const int stray = pair.open ? stray_of(pair) : -1;
+            if (stray < 0)
+                continue;
+            pair.open = false;
+            found_.redundant.push_back(pair.facets[stray]);
+            count_directions(pair.facets[stray], -1);
+            for_each_edge(pair.facets[stray], [&](std::uint32_t start, std::uint32_t end) {
+                const auto& others = edges_[edge_of(start, end)].pairs;
+                waiting.insert(waiting.end(), others.begin(), others.end());
+            });
+        }
+    }
+
+    /// Counts a facet's direction along the edges of pairs.
+    void count_directions(std::uint32_t facet, long times) {
+        for_each_edge(facet, [&](std::uint32_t start, std::uint32_t end) {
+            if (const auto edge = edges_.find(edge_of(start, end)); edge != edges_.end() && start != end)
+                edge->second.surplus += start < end ? times : -times;
+        });
+    }
+
+    /// Which of a pair is a stray; -1 if none.
+    int stray_of(const Pair& pair) const {
+        int edges = 0, more = 0, less = 0; // often in the first one's direction
+        for_each_edge(pair.facets[0], [&](std::uint32_t start, std::uint32_t end) {
+            const long surplus = edges_.find(edge_of(start, end))->second.surplus * (start < end ? 1 : -1);
+            ++edges;
+            more += surplus > 0;
+            less += surplus < 0;
+        });
+        if (less == 0 && 2 * more > edges)
+            return 0;
+        return more == 0 && 2 * less > edges ? 1 : -1;
+    }
+
+    struct Edge {
+        long surplus = 0; // how much more often facets run from the lower place to the higher one than back
+        std::vector<std::uint32_t> pairs;
+    };
+
+    const PolygonSoup& polygons_;
+    std::span<const glm::dvec3> normals_;
+    std::vector<std::uint32_t> places_;
+    std::vector<Pair> pairs_;
+    std::unordered_map<std::uint64_t, Edge> edges_; // of pairs
+    CoincidentFacets found_;
+};
+
+} // namespace
+
+CoincidentFacets find_coincident(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals) {
+    return CoincidentSearch(polygons, facet_normals).run();
+}
+
+PolygonSoup without_facets(const PolygonSoup& polygons, std::span<const std::uint32_t> left_out) {
+    PolygonSoup rest;
+    rest.vertices = polygons.vertices;
+    rest.begins.reserve(polygons.begins.size());
+    rest.corners.reserve(polygons.corners.size());
+    auto next = left_out.begin();
+    for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet) {
+        if (next != left_out.end() && *next == facet) {
+            ++next;
+            continue;
+        }
+        const auto outline = polygons.outline(facet);
+        rest.corners.insert(rest.corners.end(), outline.begin(), outline.end());
+        rest.end_facet();
+    }
+    return rest;
 }
 
 } // namespace forceshade

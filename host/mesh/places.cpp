@@ -1,14 +1,10 @@
 #include "host/mesh/places.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
-#include <utility>
 
-#include "host/mesh/surface.h"
 #include "host/reference/elementary.h"
 
 namespace forceshade {
@@ -93,6 +89,11 @@ std::size_t DisjointSets::count() const noexcept {
     for (std::size_t i = 0; i < parents_.size(); ++i)
         sets += parents_[i] == i;
     return sets;
+}
+
+FacetSides::FacetSides(const PolygonSoup& polygons) : polygons_(polygons), facets_(polygons.corners.size()) {
+    for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
+        std::fill_n(facets_.begin() + polygons.begins[facet], polygons.corners_of(facet), facet);
 }
 
 std::vector<std::uint32_t> weld(std::span<const double> vertices) {
@@ -193,13 +194,7 @@ namespace {
 class Gaps {
 public:
     explicit Gaps(const PolygonSoup& polygons) {
-        std::vector<std::uint32_t> after(polygons.corners.size());
-        for (std::size_t facet = 0; facet < polygons.facets(); ++facet)
-            for (std::uint32_t i = polygons.begins[facet]; i < polygons.begins[facet + 1]; ++i)
-                after[i] = i + 1 < polygons.begins[facet + 1] ? i + 1 : polygons.begins[facet];
-        const auto ends = [&](std::size_t side) {
-            return std::pair(polygons.corners[side], polygons.corners[after[side]]);
-        };
+        const FacetSides all(polygons);
         std::vector<std::uint32_t> numbers(polygons.vertices.size(), kNone);
         const auto number = [&](std::uint32_t vertex) {
             if (numbers[vertex] == kNone) {
@@ -208,8 +203,8 @@ public:
             }
             return numbers[vertex];
         };
-        for_each_bundle(polygons.vertices.size(), polygons.corners.size(), ends, [&](const auto& sides) {
-            const auto [start, end] = ends(sides[0]);
+        all.for_each_edge([&](std::span<const std::uint32_t> sides) {
+            const std::uint32_t start = all.start(sides[0]), end = all.end(sides[0]);
             if (start != end && sides.size() % 2 == 1)
                 edges_.emplace_back(number(start), number(end));
         });

@@ -1,10 +1,14 @@
-// Which vertices of a mesh are one place: those with equal coordinates, and those nearer to each other than a distance.
+// Which vertices of a mesh are one place: those with equal coordinates, and those nearer to each other than a distance;
+// and which edges run between the same two.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "host/mesh/mesh.h"
@@ -53,6 +57,66 @@ public:
 
 private:
     std::vector<std::uint32_t> parents_;
+};
+
+/// A key that is the same for two pairs of places if and only if they are the ends of the same edge.
+inline std::uint64_t edge_of(std::uint32_t place, std::uint32_t other) noexcept {
+    return place < other ? std::uint64_t(place) << 32 | other : std::uint64_t(other) << 32 | place;
+}
+
+/// Calls use(numbers) for all edges between one pair of places, pair by pair, by the lower place, then the higher one;
+/// the numbers ascend. `ends(number)`: the places of an edge's two ends, below `places`.
+template <typename Ends, typename Use>
+void for_each_bundle(std::size_t places, std::size_t edges, const Ends& ends, const Use& use) {
+    struct FiledEdge {
+        std::uint32_t higher, number;
+    };
+    const auto lower = [&](std::size_t edge) { return std::min(ends(edge).first, ends(edge).second); };
+    std::vector<std::uint32_t> begins(places + 1, 0), bundle;
+    for (std::size_t edge = 0; edge < edges; ++edge)
+        ++begins[lower(edge) + 1];
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    std::vector<FiledEdge> filed(edges); // by lower place
+    std::vector<std::uint32_t> next(begins.begin(), begins.end() - 1);
+    for (std::size_t edge = 0; edge < edges; ++edge)
+        filed[next[lower(edge)]++] = {std::max(ends(edge).first, ends(edge).second), static_cast<std::uint32_t>(edge)};
+    for (std::size_t place = 0; place < places; ++place) {
+        const auto here = std::span(filed).subspan(begins[place], begins[place + 1] - begins[place]);
+        std::ranges::sort(here, {}, [](const FiledEdge& edge) { return std::pair(edge.higher, edge.number); });
+        for (auto edge = here.begin(); edge != here.end(); use(std::span<const std::uint32_t>(bundle))) {
+            bundle.clear();
+            for (const std::uint32_t higher = edge->higher; edge != here.end() && edge->higher == higher; ++edge)
+                bundle.push_back(edge->number);
+        }
+    }
+}
+
+/// The sides of facets, numbered by the corners where they begin. The polygons must outlive it.
+class FacetSides {
+public:
+    explicit FacetSides(const PolygonSoup& polygons);
+
+    std::uint32_t facet(std::size_t side) const { return facets_[side]; }
+    /// The next one of the same facet.
+    std::uint32_t after(std::uint32_t side) const {
+        const std::uint32_t facet = facets_[side];
+        return side + 1 == polygons_.begins[facet + 1] ? polygons_.begins[facet] : side + 1;
+    }
+    std::uint32_t start(std::uint32_t side) const { return polygons_.corners[side]; }
+    std::uint32_t end(std::uint32_t side) const { return start(after(side)); }
+
+    /// Calls use(sides) for those along each edge (see for_each_bundle), and for those without length at each vertex.
+    template <typename Use> void for_each_edge(const Use& use) const {
+        const auto ends = [&](std::size_t number) {
+            const auto side = static_cast<std::uint32_t>(number);
+            return std::pair(start(side), end(side));
+        };
+        for_each_bundle(polygons_.vertices.size(), polygons_.corners.size(), ends, use);
+    }
+
+private:
+    const PolygonSoup& polygons_;
+    std::vector<std::uint32_t> facets_; // of each side
 };
 
 /// One representative for all vertices at the same place: the lowest. `vertices` has three numbers a vertex; 0 and -0

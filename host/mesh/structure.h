@@ -112,10 +112,14 @@ inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3
 /// m: z of the highest place of the mesh above or below (x, y), m; empty elsewhere.
 std::optional<double> height_at(const MeshStructure& structure, double x, double y);
 
+/// Whether straight in front of or behind the middle of some triangle another one stands within `reach`, in units of
+/// the mesh's frame: a thin wall, a sharp wedge, or a narrow gap. Looks at 2^16 triangles at most, evenly chosen.
+bool has_thin_parts(const MeshStructure& structure, double reach);
+
 /// For the generalized winding number: the moments of each node's triangles and the edges where the surface ends.
 std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure);
 
-// The steps of build_structure: the tree over its triangles, and what lies across their edges.
+// Of build_structure: the tree over its triangles.
 
 /// The box of a triangle, rounded outwards to single precision.
 struct TreeItem {
@@ -134,15 +138,5 @@ std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned 
 
 /// Fills parts.slabs.
 void bound_by_slabs(MeshParts& parts, const MeshReals<double>& reals, unsigned threads);
-
-/// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
-void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
-
-/// Fills reals.vertex_pseudonormals: for each place the sum of its triangles' normals, weighted by the angle there
-/// (Baerentzen and Aanaes 2005).
-void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
-
-/// True if no edge's or vertex' pseudonormal is so short that rounding could turn what it says.
-bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals);
 
 } // namespace forceshade

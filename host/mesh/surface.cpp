@@ -1,5 +1,4 @@
-#include "host/mesh/surface.h"
-
+// The triangles that a mesh's facets are cut into, and those of them that the laws use.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/mesh/exact.h"
+#include "host/mesh/places.h"
 #include "host/reference/elementary.h"
 
 namespace forceshade {

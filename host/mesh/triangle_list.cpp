@@ -172,15 +172,6 @@ FS_INLINE void mark(const T* __restrict worst, std::size_t count, std::uint8_t* 
 FS_WIDE_LOOPS(float, std::int32_t)
 FS_WIDE_LOOPS(double, std::int64_t)
 
-template <typename T> bool is_below(const PlanTriangle<T>& triangle, const PlanBox<T>& box, T slack) {
-    const Vector<T>& n = triangle.normal;
-    if (n.x == T(0) && n.y == T(0) && n.z == T(0))
-        return true;
-    const Vector<T> lowest{n.x > T(0) ? box.low.x : box.high.x, n.y > T(0) ? box.low.y : box.high.y,
-                           n.z > T(0) ? box.low.z : box.high.z};
-    return reference::dot(n, lowest) - triangle.offset > slack;
-}
-
 template <typename T>
 void TriangleList<T>::fill(std::span<const layout::uint> ids, std::span<const PlanTriangle<T>> rows) {
     ids_.assign(ids.begin(), ids.end());
@@ -281,8 +272,6 @@ template <typename T> std::size_t TriangleList<T>::near_one(const Vector<T>& poi
     return stride_ * near_least_of(scratch_.data(), samples);
 }
 
-template bool is_below(const PlanTriangle<float>&, const PlanBox<float>&, float);
-template bool is_below(const PlanTriangle<double>&, const PlanBox<double>&, double);
 template class TriangleList<float>;
 template class TriangleList<double>;
 

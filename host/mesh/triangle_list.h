@@ -38,9 +38,6 @@ template <typename T> struct PlanTriangle {
     std::array<T, 2> unused = {}; /* a row is 16 numbers */
 };
 
-/// True if the whole box is at least `slack` above the triangle's plane, or it has none.
-template <typename T> bool is_below(const PlanTriangle<T>& triangle, const PlanBox<T>& box, T slack);
-
 /// What narrowing needs of some triangles, by columns.
 template <typename T> class TriangleList {
 public:

@@ -7,9 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "host/picture/colours.h"
-#include "host/picture/frame.h"
-
 namespace forceshade::picture {
 namespace {
 
@@ -38,10 +35,6 @@ Range range_of(const ChartAxis& axis, const std::vector<double>& values) {
     }
     const double border = high > low ? 0.05 * (high - low) : std::max(std::fabs(high), 1.0) * 0.1;
     return {low >= 0 && low < 0.4 * high ? 0 : low - border, high <= 0 && high > 0.4 * low ? 0 : high + border};
-}
-
-Axis chart_axis(const ChartAxis& axis, const Range& range, std::size_t most) {
-    return axis.make ? axis.make(most) : number_axis(axis.label, range, most);
 }
 
 // A number of cells or a limit of their colours.
@@ -183,10 +176,7 @@ public:
         const double title = chart_.panels.empty() ? 0 : kPanelTitle;
         plot_ = {box.x, box.y + title, (box.width - (count - 1) * kPanelGap) / count, box.height};
         for (double beyond = 0; plot_.width > 100; plot_.width -= beyond) {
-            x_axis_ = fit_axis(plot_.width, false, [&](std::size_t most) {
-                return map() ? Cells::axis(chart_.x, cells_.xs, most)
-                             : chart_axis(chart_.x, x_, most_of(counted_[0], x_, most));
-            });
+            x_axis_ = make_axis_of(chart_.x, cells_.xs, x_, counted_[0], plot_.width, false);
             const AxisTick& last = x_axis_.ticks.back();
             beyond = plot_.x + (count - 1) * (plot_.width + kPanelGap) + last.fraction * plot_.width +
                      measure(last.label, kChartLabelStyle).width / 2 - sheet_width + 4;
@@ -276,18 +266,23 @@ private:
         counted_ = {counted(chart_.x, xs), counted(chart_.y, ys)};
     }
 
-    // Nothing lies between what is counted: then no more ticks than whole numbers.
-    static std::size_t most_of(bool counted, const Range& range, std::size_t most) {
+    // `values`: of a map's columns or rows. Nothing lies between what is counted: then no more ticks than whole
+    // numbers.
+    Axis make_axis_of(const ChartAxis& axis, const std::vector<double>& values, const Range& range, bool counted,
+                      double pixels, bool vertical) const {
         const double whole = std::max(2.0, std::floor(range.high) - std::ceil(range.low) + 1);
-        return counted && whole < static_cast<double>(most) ? static_cast<std::size_t>(whole) : most;
+        return fit_axis(pixels, vertical, [&](std::size_t most) {
+            if (map())
+                return Cells::axis(axis, values, most);
+            if (counted && whole < static_cast<double>(most))
+                most = static_cast<std::size_t>(whole);
+            return axis.make ? axis.make(most) : number_axis(axis.label, range, most);
+        });
     }
 
     Axis make_y_axis(double height) const {
         if (!bars())
-            return fit_axis(height, true, [&](std::size_t most) {
-                return map() ? Cells::axis(chart_.y, cells_.ys, most)
-                             : chart_axis(chart_.y, y_, most_of(counted_[1], y_, most));
-            });
+            return make_axis_of(chart_.y, cells_.ys, y_, counted_[1], height, true);
         Axis axis{chart_.y.label, {}};
         const auto count = static_cast<double>(chart_.groups.size());
         for (std::size_t i = 0; i < chart_.groups.size(); ++i)

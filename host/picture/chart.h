@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/picture/canvas.h"
-#include "host/picture/ticks.h"
+#include "host/picture/frame.h"
 
 namespace forceshade::picture {
 

@@ -1,5 +1,4 @@
-#include "host/picture/colours.h"
-
+// Colours and marks.
 #include <algorithm>
 #include <charconv>
 #include <cmath>

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "host/picture/frame.h"
-#include "host/picture/slice_collector.h"
 
 namespace forceshade::picture {
 namespace {
@@ -213,9 +212,9 @@ private:
         }
         const Box sample{0, 0, panel_width_, panel_height_};
         if (!pieces(sample, sheet_.lines.nominal).empty())
-            legend_.push_back(surface_item("surface", false));
+            legend_.push_back(line_item("surface", surface_stroke(false)));
         if (!pieces(sample, sheet_.lines.smooth).empty())
-            legend_.push_back(surface_item("shape that the shading imitates", true));
+            legend_.push_back(line_item("shape that the shading imitates", surface_stroke(true)));
         Census all;
         for (const Panel& panel : sheet_.panels)
             all = all + take_census(panel.values.value);

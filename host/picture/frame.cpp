@@ -254,6 +254,12 @@ void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upp
     }
 }
 
+LegendItem line_item(std::string text, Stroke stroke, double width) {
+    return {std::move(text), width, [stroke = std::move(stroke)](Canvas& canvas, Point left, Point right) {
+                canvas.polyline(std::array{left, right}, stroke);
+            }};
+}
+
 LegendItem swatch_item(std::string text, Rgb8 colour, std::function<void(Canvas&, const Box&)> more) {
     return {std::move(text), kSwatch, [colour, more = std::move(more)](Canvas& canvas, Point left, Point) {
                 const Box box{left.x, left.y - kSwatch / 2, kSwatch, kSwatch};
@@ -306,12 +312,6 @@ Stroke surface_stroke(bool smooth, double width) {
 void draw_surface_line(Canvas& canvas, const std::vector<Point>& points, bool smooth) {
     canvas.polyline(points, {kPaper, 5, {}, true});
     canvas.polyline(points, surface_stroke(smooth));
-}
-
-LegendItem surface_item(std::string text, bool smooth) {
-    return {std::move(text), kKeyLength, [smooth](Canvas& canvas, Point left, Point right) {
-                canvas.polyline(std::array{left, right}, surface_stroke(smooth));
-            }};
 }
 
 namespace {

@@ -1,5 +1,4 @@
-#include "host/picture/mesh_picture.h"
-
+// Of meshes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "host/mesh/findings.h"
 #include "host/picture/frame.h"
 
 namespace forceshade::picture {
@@ -152,11 +152,8 @@ std::vector<LegendItem> legend(const MeshMarks& marks) {
     const auto add = [&](const std::vector<MeshMarks::Edge>& edges, Rgb8 colour, double width,
                          const std::string& what) {
         if (!edges.empty())
-            items.push_back({fmt::format("{} {}", counted(edges.size(), "edge"), what), kKeyLength,
-                             [=](Canvas& canvas, Point left, Point right) {
-                                 const Point ends[] = {left, right};
-                                 canvas.polyline(ends, {colour, width, {}, false});
-                             }});
+            items.push_back(
+                line_item(fmt::format("{} {}", counted(edges.size(), "edge"), what), {colour, width, {}, false}));
     };
     add(marks.rims, kRim, 3, "of holes or rims");
     add(marks.crowded, kCrowded, 3, "of more than two facets");
@@ -180,20 +177,11 @@ void draw_axes_of(Canvas& canvas, const ViewPoint& point, Point origin) {
 
 /// A bar of 1, 2 or 5 times a power of ten, about a fifth of the picture long.
 LegendItem scale_item(double pixels_a_unit, double pixels, const std::string& unit) {
-    const double most = 0.2 * pixels / pixels_a_unit;
-    double length = std::pow(10.0, std::floor(std::log10(most)));
-    for (const double more : {5.0, 2.0})
-        if (more * length <= most) {
-            length *= more;
-            break;
-        }
+    const double length = round_below(0.2 * pixels / pixels_a_unit);
     const Unit best = choose_unit(length, "m");
-    return {unit == "m" ? fmt::format("{:.3g} {}", divide_by_power_of_ten(length, best.exponent), best.name)
-                        : fmt::format("{:.3g} {}", length, unit),
-            length * pixels_a_unit, [](Canvas& canvas, Point left, Point right) {
-                const Point ends[] = {left, right};
-                canvas.polyline(ends, {kInk, 3, {}, false});
-            }};
+    return line_item(unit == "m" ? fmt::format("{:.3g} {}", divide_by_power_of_ten(length, best.exponent), best.name)
+                                 : fmt::format("{:.3g} {}", length, unit),
+                     {kInk, 3, {}, false}, length * pixels_a_unit);
 }
 
 } // namespace

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "host/picture/chart.h"
-#include "host/picture/colours.h"
 #include "host/picture/frame.h"
 
 namespace forceshade::picture {

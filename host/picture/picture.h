@@ -15,6 +15,15 @@
 
 struct _cairo_surface;
 
+namespace forceshade {
+struct Case;
+struct Mesh;
+struct MeshMarks;
+struct PathsSpec;
+struct PreparedCase;
+struct Scene;
+} // namespace forceshade
+
 namespace forceshade::picture {
 
 /// Pixels; (x, y) is the upper left corner.
@@ -113,6 +122,12 @@ struct Breadth {
 };
 Breadth drawn_breadth(const std::vector<DrawnPath>& paths);
 
+/// A mesh from two opposite sides, with what is remarkable in it marked.
+/// Of a mesh with at least one triangle that has an area. Marks are drawn over everything, pale where the mesh hides
+/// them. `unit` of lengths: "m", or what else stands in their place.
+Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh, const MeshMarks& marks,
+                  const std::string& unit = "m");
+
 /// Which files of a picture to write.
 struct Endings {
     bool png = false, svg = false, pdf = false;
@@ -128,4 +143,39 @@ std::vector<std::string> names_with(const std::string& stem, const Endings& endi
 std::vector<FileRecord> write_picture(const std::filesystem::path& stem, const Endings& endings,
                                       const Picture& picture);
 
+// What a scene says of its pictures: their title, and the outlines over the forces.
+
+/// "Bump of 2 facets, radius 15.2 mm, shaded as its cylinder, stiffness 2 N/mm": the surface, its shading, and whatever
+/// else varies in the case's study.
+std::string title_of(const Case& one, bool with_shading = true);
+
+/// "100 paths (strokes)".
+std::string paths_title(const PathsSpec& paths);
+
 } // namespace forceshade::picture
+
+namespace forceshade {
+
+/// Where a section in the x-z plane lies.
+struct SectionSpan {
+    double from = 0, to = 0; /* m: x */
+    double y = 0;            /* m */
+};
+
+/// The surface that depth is measured from, and the shape that shading imitates (empty without shading).
+picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionSpan& section);
+/// The same over the grid.
+picture::SurfaceLines surface_lines(const PreparedCase& prepared, double y /* m */);
+
+/// m: 1 mm; on a bump narrower than 20 mm a twentieth of its width.
+double pressed_depth(const Scene& scene);
+
+/// A stroke over the grid at one y, m, with the probe at one depth straight below the surface, where it has one; N, in
+/// double precision and without a history.
+struct SceneStroke {
+    std::vector<picture::StrokedForce> forces;
+    double depth = 0; /* m */
+};
+SceneStroke stroke_of(const PreparedCase& prepared, double y);
+
+} // namespace forceshade

@@ -1,5 +1,4 @@
-#include "host/picture/scene_picture.h"
-
+// What a scene says of its pictures.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,9 +9,11 @@
 #include <fmt/format.h>
 
 #include "host/field/case_law.h"
+#include "host/field/prepared_case.h"
 #include "host/field/tables.h"
 #include "host/output/height_image.h"
-#include "host/picture/ticks.h"
+#include "host/picture/frame.h"
+#include "host/picture/picture.h"
 #include "host/reference/elementary.h"
 #include "host/scene/schema.h"
 

@@ -1,4 +1,5 @@
-#include "host/picture/ticks.h"
+// Ticks.
+#include "host/picture/frame.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // What a picture of a field is drawn from: plane slices of a force volume, whole or sub-sampled; a slice as one number
-// a sample; and the colours that show it.
+// a sample; the colours that show it; and what collects the slices.
 #pragma once
 
 #include <array>
@@ -12,9 +12,35 @@
 #include <string_view>
 #include <vector>
 
-#include "host/picture/colours.h"
+#include "host/scene/scene.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::picture {
+
+// Colours of numbers: maps of d3, as on the report's page, that are read in grey and without red-green vision, but for
+// the cyclic one.
+
+/// 8-bit sRGB.
+struct Rgb8 {
+    std::uint8_t r, g, b;
+    friend bool operator==(const Rgb8&, const Rgb8&) = default;
+};
+
+/// 0x00RRGGBB.
+constexpr std::uint32_t packed(Rgb8 c) {
+    return static_cast<std::uint32_t>(c.r << 16 | c.g << 8 | c.b);
+}
+
+/// Where the force is zero.
+inline constexpr Rgb8 kNoForceColour{255, 255, 255};
+/// NaN values are drawn as a checker of these two, so that they stand out without colour vision too.
+inline constexpr std::array<Rgb8, 2> kNonFiniteColours{Rgb8{255, 0, 200}, Rgb8{0, 0, 0}};
+
+/// viridis; plasma, for a second quantity; blue, white, red; a rainbow that begins again where it ends.
+enum class ColourMap { sequential, second, diverging, cyclic };
+
+/// The colour at `share` of the map, in [0, 1].
+Rgb8 colour_at(ColourMap map, double share);
 
 /// Where the samples of a slice lie: horizontal u and vertical v, increasing; sample (i, j) is number j * u.size() + i.
 struct SliceAxes {
@@ -102,5 +128,56 @@ Window contact_window(std::span<const ValueSlice> slices, std::optional<std::arr
 
 ValueSlice cropped(const ValueSlice& slice, const Window& window);
 FieldSlice cropped(const FieldSlice& slice, const Window& window);
+
+// Keeps of a force volume, as its chunks pass by, only what the pictures show: at most 24 MiB, whatever the grid.
+
+inline constexpr std::size_t kMaxSliceSamples = 256; // along one axis of a slice
+inline constexpr std::size_t kMaxTiles = 36;
+
+/// `wanted` of `count` indices as evenly as whole numbers allow, first and last among them; all if `count` is no more.
+std::vector<std::uint64_t> even_indices(std::uint64_t count, std::size_t wanted);
+
+/// Which slice is kept, and what of the tiles.
+struct SliceChoice {
+    std::size_t axis = 1;                    // the slice is normal to x, y or z
+    std::optional<double> at;                /* m: the sample nearest to it; without: the middle one, rounded down */
+    Quantity quantity = Quantity::magnitude; // an angle needs chunks with unshaded forces
+};
+
+/// Receives every chunk of a field once, in any order and of any size. Samples that never came are NaN.
+class SliceCollector {
+public:
+    /// With `repeat_y`, chunks hold the one row y_first = 0, y_count = 1, which stands for every y of the grid.
+    SliceCollector(const GridSpec& grid, bool repeat_y, const SliceChoice& choice = {});
+
+    template <typename real> void add(const layout::FieldChunk<real>& chunk); // float or double
+
+    /// F over the chosen slice.
+    const FieldSlice& slice() const { return slice_; }
+    /// The same of the force without shading; no samples where the chunks have no such channel.
+    const FieldSlice& unshaded() const { return unshaded_; }
+    /// The quantity over x (u) and y (v) at up to kMaxTiles evenly spaced z, from the lowest z to the highest.
+    const std::vector<ValueSlice>& tiles() const { return tiles_; }
+
+private:
+    // Samples of the grid in a plane: `axis` as in SliceAxes.
+    struct Plane {
+        std::array<std::size_t, 3> axis;
+        std::vector<std::uint64_t> u, v;
+        std::uint64_t at;
+    };
+    Plane plane(std::size_t normal, std::uint64_t at) const;
+    SliceAxes axes_of(const Plane& plane) const;
+    template <typename real, typename Keep>
+    void visit(const layout::FieldChunk<real>& chunk, const Plane& plane, const Keep& keep) const;
+
+    GridSpec grid_;
+    bool repeat_y_;
+    SliceChoice choice_;
+    Plane plane_;
+    FieldSlice slice_, unshaded_;
+    std::vector<Plane> tile_planes_;
+    std::vector<ValueSlice> tiles_;
+};
 
 } // namespace forceshade::picture

@@ -8,7 +8,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/output/reading.h"
-#include "host/picture/colours.h"
+#include "host/picture/canvas.h"
 #include "host/program.h"
 #include "host/report/sections.h"
 #include "report_assets.h"

@@ -12,7 +12,7 @@
 #include "host/limits/linear_loop.h"
 #include "host/long_run.h"
 #include "host/output/exr_volume.h"
-#include "host/picture/scene_picture.h"
+#include "host/picture/picture.h"
 #include "host/report/sections.h"
 #include "host/scene/study.h"
 #include "report_assets.h"

@@ -11,8 +11,7 @@
 #include "host/mesh/connectivity.h"
 #include "host/mesh/exact.h"
 #include "host/mesh/mesh_file.h"
-#include "host/mesh/self_intersections.h"
-#include "host/mesh/surface.h"
+#include "host/mesh/places.h"
 #include "tests/mesh/damage.h"
 #include "tests/mesh/shapes.h"
 

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/mesh/connectivity.h"
 #include "host/mesh/findings.h"
-#include "host/mesh/marks.h"
-#include "host/mesh/pieces.h"
+#include "host/mesh/structure.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 

@@ -7,7 +7,6 @@
 
 #include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
-#include "host/mesh/thin_parts.h"
 #include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
 #include "tests/mesh/god_object_walks.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/picture/picture.h"
-#include "host/picture/slice_collector.h"
+#include "host/picture/values.h"
 #include "host/scene/scene.h"
 
 #include <functional>

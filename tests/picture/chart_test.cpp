@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/picture/canvas.h"
 #include "host/picture/chart.h"
-#include "host/picture/colours.h"
 #include "tests/picture/cases.h"
 
 namespace forceshade::picture {

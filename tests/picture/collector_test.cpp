@@ -1,4 +1,4 @@
-#include "host/picture/slice_collector.h"
+#include "host/picture/values.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -10,7 +10,6 @@
 
 #include "host/picture/canvas.h"
 #include "host/picture/frame.h"
-#include "host/picture/ticks.h"
 
 namespace forceshade::picture {
 namespace {

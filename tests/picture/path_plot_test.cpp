@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "host/field/prepared_case.h"
 #include "host/picture/canvas.h"
-#include "host/picture/scene_picture.h"
+#include "host/picture/picture.h"
 #include "host/scene/cases.h"
 #include "tests/picture/cases.h"
 

@@ -9,7 +9,7 @@
 
 #include "host/cases/surface_file.h"
 #include "host/output/reading.h"
-#include "host/picture/scene_picture.h"
+#include "host/picture/picture.h"
 #include "tests/io/folder.h"
 #include "tests/io/vtk_bytes.h"
 #include "tests/unit/laws.h"

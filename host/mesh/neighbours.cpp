@@ -1,15 +1,18 @@
-#include "host/mesh/self_intersections.h"
-
+// What is near a triangle: triangles that touch or cross, parts too thin for single precision, and the obstacles of a
+// god-object.
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <limits>
 #include <mutex>
-#include <vector>
+
+#include <glm/common.hpp>
 
 #include "host/mesh/exact.h"
+#include "host/mesh/findings.h"
 #include "host/mesh/structure.h"
 #include "host/reference/chunks.h"
+#include "host/reference/mesh_nearest.h"
 #include "host/reference/mesh_neighbourhood.h"
 
 namespace forceshade {
@@ -171,5 +174,169 @@ SelfIntersections count_self_intersections(const PolygonSoup& polygons, std::spa
                                            const MeshTriangles& triangles, std::size_t most_pairs, unsigned threads) {
     return Search(polygons, places, triangles, most_pairs, reference::threads_for(threads)).run();
 }
+
+namespace {
+
+constexpr std::size_t kMostLooks = std::size_t(1) << 16;
+constexpr double kTouching = 1e-9; /* nearer facets coincide, as the two sides of a sheet */
+constexpr double kBeside = 1e-12;  /* what rounding makes of a place on a triangle */
+
+using Place = reference::Vector<double>;
+
+bool is_crossed(const reference::Triangle<double>& triangle, const Place& from, const Place& to, double reach) {
+    const double begin = reference::dot(triangle.normal, from - triangle.corners[0]);
+    const double end = reference::dot(triangle.normal, to - triangle.corners[0]);
+    if (!(begin * end <= 0) || begin == end)
+        return false;
+    const double time = begin / (begin - end);
+    const Place crossing = from + time * (to - from);
+    return time * reach > kTouching && reference::nearest_on_triangle(crossing, triangle).square < kBeside * kBeside;
+}
+
+bool meets(const layout::MeshNode& node, layout::uint child, const Place& low, const Place& high) {
+    return node.low_x[child] <= high.x && node.high_x[child] >= low.x && node.low_y[child] <= high.y &&
+           node.high_y[child] >= low.y && node.low_z[child] <= high.z && node.high_z[child] >= low.z;
+}
+
+/// Whether a triangle other than this one crosses a straight line from its middle.
+bool is_faced(const layout::MeshView<double>& mesh, layout::uint index, double reach) {
+    const reference::Triangle<double> triangle = reference::triangle_at(mesh, index);
+    const Place middle = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3.0;
+    bool faced = false;
+    for (const double side : {-reach, reach}) {
+        const Place end = middle + side * triangle.normal;
+        const Place low = glm::min(middle, end), high = glm::max(middle, end);
+        reference::visit_tree(
+            mesh, [&](layout::uint) { return !faced; },
+            [&](const layout::MeshNode& node, layout::uint child) { return meets(node, child, low, high); },
+            [&](layout::uint first, layout::uint last) {
+                for (; first < last; ++first)
+                    faced = faced ||
+                            (first != index && is_crossed(reference::triangle_at(mesh, first), middle, end, reach));
+            });
+    }
+    return faced;
+}
+
+} // namespace
+
+bool has_thin_parts(const MeshStructure& structure, double reach) {
+    const MeshTables<double> tables = make_mesh_tables<double>(structure, 0);
+    const layout::MeshView<double> mesh = tables.view();
+    const std::size_t every = std::max<std::size_t>(1, structure.triangles() / kMostLooks);
+    for (std::size_t i = 0; i < structure.triangles(); i += every)
+        if (is_faced(mesh, static_cast<layout::uint>(i), reach))
+            return true;
+    return false;
+}
+
+using layout::uint;
+using reference::Vector;
+
+namespace {
+
+/// Whether a proxy that slides over the front of a triangle, from place to place above it to a skin beyond its edges,
+/// may meet another: errs on the side of meeting it.
+template <typename T> class SlideOver {
+    using Skin = reference::Skin<T>;
+
+public:
+    SlideOver(const layout::MeshView<T>& mesh, uint index)
+        : mesh_(mesh), index_(index), triangle_(reference::triangle_at(mesh, index)) {
+        for (uint i = 0; i < 3; ++i) {
+            const Vector<T> edge = triangle_.corners[(i + 1) % 3] - triangle_.corners[i];
+            inwards_[i] = reference::cross(triangle_.normal, edge);
+            aside_[i] = -kReach * std::sqrt(reference::dot(edge, edge));
+        }
+    }
+
+    /// Appends what it may meet; kMeshAnyObstacle if that is much, which the tree finds faster.
+    void find(std::vector<uint>& obstacles) const {
+        constexpr std::size_t kMost = 48;
+        const std::size_t before = obstacles.size();
+        const auto add = [&](const layout::MeshNode& node, unsigned i) {
+            reference::visit_leaf(node.child[i], [&](uint triangle, uint end) {
+                for (; triangle < end; ++triangle)
+                    if (may_meet(triangle))
+                        obstacles.push_back(triangle);
+            });
+            return obstacles.size() - before <= kMost;
+        };
+        const bool has_area = reference::dot(triangle_.normal, triangle_.normal) > T(0);
+        if (has_area && reference::visit_leaves(mesh_, box(), add))
+            return;
+        obstacles.resize(before);
+        obstacles.push_back(layout::kMeshAnyObstacle);
+    }
+
+private:
+    reference::MoveBox box() const {
+        reference::MoveBox box;
+        for (int i = 0; i < 3; ++i) {
+            const auto [low, high] =
+                std::minmax({triangle_.corners[0][i], triangle_.corners[1][i], triangle_.corners[2][i]});
+            box.low[i] = static_cast<float>(low) - kMargin;
+            box.high[i] = static_cast<float>(high) + kMargin;
+        }
+        return box;
+    }
+
+    bool may_meet(uint other) const {
+        if (other == index_)
+            return false;
+        const reference::Triangle<T> triangle = reference::triangle_at(mesh_, other);
+        T heights[3];
+        for (int i = 0; i < 3; ++i)
+            heights[i] = reference::dot(triangle_.normal, triangle.corners[i] - triangle_.corners[0]);
+        const auto [low, high] = std::minmax({heights[0], heights[1], heights[2]});
+        // As TouchPool::lies_below has it, to the bit.
+        if (high <= Skin::kFlush || low > kReach)
+            return false;
+        for (uint i = 0; i < 3; ++i) {
+            const auto side = [&](int corner) {
+                return reference::dot(inwards_[i], triangle.corners[corner] - triangle_.corners[i]);
+            };
+            if (std::max({side(0), side(1), side(2)}) < aside_[i])
+                return false;
+        }
+        return true;
+    }
+
+    static constexpr T kReach = Skin::kCorner; /* four times what a slide reaches over the face and beyond its edges */
+    static constexpr float kMargin = reference::kBoxMargin<T>;
+    const layout::MeshView<T>& mesh_;
+    uint index_;
+    reference::Triangle<T> triangle_;
+    Vector<T> inwards_[3];
+    T aside_[3];
+};
+
+} // namespace
+
+template <typename T> void find_obstacles(MeshTables<T>& tables, unsigned threads) {
+    constexpr std::size_t kShare = 4096; // triangles that a thread takes at once
+    const layout::MeshView<T> mesh = tables.view();
+    const std::size_t count = mesh.triangle_facets.size();
+    std::vector<std::vector<uint>> shares((count + kShare - 1) / kShare);
+    auto found = std::make_shared<MeshObstacles>();
+    found->begins.resize(count + 1);
+    reference::share_out(threads, shares.size(), [&](std::size_t, std::size_t share) {
+        const std::size_t end = std::min(count, (share + 1) * kShare);
+        for (std::size_t i = share * kShare; i < end; ++i) {
+            SlideOver<T>(mesh, static_cast<uint>(i)).find(shares[share]);
+            found->begins[i + 1] = static_cast<uint>(shares[share].size());
+        }
+    });
+    for (std::size_t share = 0; share < shares.size(); ++share) {
+        const auto first = static_cast<uint>(found->triangles.size());
+        for (std::size_t i = share * kShare; i < std::min(count, (share + 1) * kShare); ++i)
+            found->begins[i + 1] += first;
+        found->triangles.insert(found->triangles.end(), shares[share].begin(), shares[share].end());
+    }
+    tables.obstacles = std::move(found);
+}
+
+template void find_obstacles(MeshTables<float>&, unsigned);
+template void find_obstacles(MeshTables<double>&, unsigned);
 
 } // namespace forceshade
