@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "host/field/comparison.h"
+#include "host/field/prepared_case.h"
 #include "host/output/exr_volume.h"
 #include "host/output/record.h"
 #include "host/output/rows.h"

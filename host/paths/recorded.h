@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host/field/prepared_case.h"
 #include "host/output/reading.h"
 #include "host/paths/path_reader.h"
 #include "host/reference/elementary.h"
@@ -111,8 +112,6 @@ private:
 };
 
 // The positions of recorded paths, a batch at a time.
-
-struct PreparedCase;
 
 /// Samples of a batch of several recorded paths, at most, each counted as long as the longest.
 inline constexpr std::size_t kRecordedSamples = std::size_t(1) << 20;
