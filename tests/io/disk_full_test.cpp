@@ -19,6 +19,7 @@ using testing::Folder;
 using testing::message_of;
 using testing::sample_header;
 using testing::SampleField;
+using testing::says;
 
 constexpr std::array<std::uint64_t, 3> kFieldSize{256, 32, 32};
 
@@ -68,9 +69,7 @@ TEST(DiskFull, ends_in_an_error_and_no_file) {
             header.threads = threads;
             {
                 VolumeWriter writer(folder / "a.exr", header);
-                const std::string message = write_all(writer, field);
-                EXPECT_NE(message.find("a.exr: File too large; the file system or a limit"), std::string::npos)
-                    << message;
+                EXPECT_TRUE(says(write_all(writer, field), "a.exr: File too large; the file system or a limit"));
             }
             EXPECT_TRUE(folder.names().empty());
         }
@@ -100,15 +99,13 @@ TEST(DiskFull, ends_in_an_error_for_the_other_formats) {
     const FileSizeLimit limit(1 << 20);
     {
         NpyWriter npy(folder / "a.npy", kFieldSize, layout::kChannelForce, Precision::f32);
-        EXPECT_NE(write_all(npy, field).find("a.npy: File too large"), std::string::npos);
+        EXPECT_TRUE(says(write_all(npy, field), "a.npy: File too large"));
         VtiWriter vti(folder / "a.vti", {kFieldSize, {}, {1, 1, 1}, layout::kChannelForce, Precision::f32});
-        EXPECT_NE(write_all(vti, field).find("a.vti: File too large"), std::string::npos);
+        EXPECT_TRUE(says(write_all(vti, field), "a.vti: File too large"));
         VtkFile vtp(folder / "a.vtp", "PolyData",
                     {{"small", "Float32", 1, 1}, {"large", "Float32", 1, field.force.size()}}, "");
-        EXPECT_NE(message_of<IoError>([&] {
-                      vtp.write("large", std::as_bytes(std::span(field.force)));
-                  }).find("a.vtp.large: File too large"),
-                  std::string::npos)
+        EXPECT_TRUE(says(message_of<IoError>([&] { vtp.write("large", std::as_bytes(std::span(field.force))); }),
+                         "a.vtp.large: File too large"))
             << "an array that is compressed beside the file";
     }
     EXPECT_TRUE(folder.names().empty());
@@ -130,9 +127,9 @@ TEST(DiskFull, of_a_real_file_system_says_so) {
     read_only = message_of<IoError>(
         [&] { VolumeWriter(folder / "small/a.exr", sample_header(kFieldSize, layout::kChannelForce)); });
     ::umount((folder / "small").c_str());
-    EXPECT_NE(message.find("a.exr: No space left on device; free space there"), std::string::npos) << message;
+    EXPECT_TRUE(says(message, "a.exr: No space left on device; free space there"));
     EXPECT_TRUE(empty);
-    EXPECT_NE(read_only.find("a.exr: Read-only file system; choose a folder"), std::string::npos) << read_only;
+    EXPECT_TRUE(says(read_only, "a.exr: Read-only file system; choose a folder"));
 }
 
 } // namespace

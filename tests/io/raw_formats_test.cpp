@@ -18,6 +18,7 @@ namespace {
 using testing::Folder;
 using testing::message_of;
 using testing::SampleField;
+using testing::says;
 using testing::tight;
 
 template <typename T> std::string bytes_of(const std::vector<T>& values) {
@@ -45,7 +46,7 @@ TEST(Npy, is_a_header_and_the_samples) {
     EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.force, testing::kSampleSize, field.pitch, 3)));
     NpyWriter facet(folder / "b.npy", testing::kSampleSize, layout::kChannelFacet, Precision::f64);
     const std::string ids = written(facet, field, folder / "b.npy");
-    EXPECT_NE(ids.find("'<u4', 'fortran_order': False, 'shape': (7, 11, 37), "), std::string::npos);
+    EXPECT_TRUE(says(ids, "'<u4', 'fortran_order': False, 'shape': (7, 11, 37), "));
     EXPECT_TRUE(ids.substr(128) == bytes_of(tight(field.facet, testing::kSampleSize, field.pitch, 1)));
 }
 
@@ -54,7 +55,7 @@ TEST(Npy, keeps_doubles) {
     const SampleField<double> field(testing::kSampleSize);
     NpyWriter depth(folder / "a.npy", testing::kSampleSize, layout::kChannelDepth, Precision::f64);
     const std::string bytes = written(depth, field, folder / "a.npy");
-    EXPECT_NE(bytes.find("'<f8'"), std::string::npos);
+    EXPECT_TRUE(says(bytes, "'<f8'"));
     EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.depth, testing::kSampleSize, field.pitch, 1)));
 }
 
@@ -76,11 +77,10 @@ TEST(Vti, is_xml_and_the_arrays) {
     const VtiHeader header{testing::kSampleSize, {-0.025, 0, 1e-9}, {0.0002, 0.1, 1}, 31, Precision::f32};
     VtiWriter writer(folder / "a.vti", header);
     const std::string bytes = written(writer, field, folder / "a.vti");
-    EXPECT_NE(
-        bytes.find("<ImageData WholeExtent=\"0 36 0 10 0 6\" Origin=\"-0.025 0 1e-09\" Spacing=\"0.0002 0.1 1\">"),
-        std::string::npos);
-    EXPECT_NE(bytes.find("<PointData Vectors=\"force\" Scalars=\"depth\">"), std::string::npos);
-    EXPECT_NE(bytes.find("type=\"Int32\" Name=\"facet\""), std::string::npos) << "no facet is -1";
+    EXPECT_TRUE(
+        says(bytes, "<ImageData WholeExtent=\"0 36 0 10 0 6\" Origin=\"-0.025 0 1e-09\" Spacing=\"0.0002 0.1 1\">"));
+    EXPECT_TRUE(says(bytes, "<PointData Vectors=\"force\" Scalars=\"depth\">"));
+    EXPECT_TRUE(says(bytes, "type=\"Int32\" Name=\"facet\"")) << "no facet is -1";
     EXPECT_TRUE(bytes.ends_with("\n</AppendedData>\n</VTKFile>\n"));
     const auto expect_array = [&](const char* name, const char* type, std::size_t components,
                                   const std::string& samples) {
@@ -197,9 +197,9 @@ TEST_F(Vtp, refuses_too_few_and_too_many_samples_and_leaves_nothing) {
         file.write("force", std::as_bytes(std::span(force_)));
         write_ids(file);
         file.write("Points", std::as_bytes(std::span(places_).first(30)));
-        EXPECT_NE(message_of<std::logic_error>([&] { file.finish(); }).find("of Points have come"), std::string::npos);
-        EXPECT_NE(message_of<std::logic_error>([&] { write_ids(file); }).find("no room"), std::string::npos);
-        EXPECT_NE(message_of<std::logic_error>([&] { file.write("none", {}); }).find("none"), std::string::npos);
+        EXPECT_TRUE(says(message_of<std::logic_error>([&] { file.finish(); }), "of Points have come"));
+        EXPECT_TRUE(says(message_of<std::logic_error>([&] { write_ids(file); }), "no room"));
+        EXPECT_TRUE(says(message_of<std::logic_error>([&] { file.write("none", {}); }), "none"));
     }
     EXPECT_TRUE(folder_.names().empty());
 }

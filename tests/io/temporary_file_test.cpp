@@ -17,6 +17,7 @@ namespace {
 
 using testing::Folder;
 using testing::message_of;
+using testing::says;
 
 TEST(TemporaryFile, appears_under_its_name_only_when_published) {
     const Folder folder;
@@ -80,12 +81,12 @@ TEST(TemporaryFile, says_what_stands_in_its_way) {
     const auto why = [](const std::filesystem::path& path) {
         return message_of<IoError>([&] { write_file_atomically(path, std::string_view("x")); });
     };
-    EXPECT_NE(why(folder / "missing/a.exr").find("missing/a.exr: No such file or directory; create its folder first"),
-              std::string::npos);
-    EXPECT_NE(why(folder / "file/a.exr").find("not a folder"), std::string::npos);
-    EXPECT_NE(why(folder / "folder").find("a folder has that name"), std::string::npos);
-    EXPECT_NE(why(folder / "").find("a folder has that name"), std::string::npos);
-    EXPECT_NE(why("/proc/a.exr").find("cannot write /proc/a.exr"), std::string::npos); // not even root may
+    EXPECT_TRUE(
+        says(why(folder / "missing/a.exr"), "missing/a.exr: No such file or directory; create its folder first"));
+    EXPECT_TRUE(says(why(folder / "file/a.exr"), "not a folder"));
+    EXPECT_TRUE(says(why(folder / "folder"), "a folder has that name"));
+    EXPECT_TRUE(says(why(folder / ""), "a folder has that name"));
+    EXPECT_TRUE(says(why("/proc/a.exr"), "cannot write /proc/a.exr")); // not even root may
     EXPECT_EQ(folder.names(), (std::vector<std::string>{"file", "folder"}));
 }
 
@@ -183,9 +184,9 @@ TEST(StaleTemporaries, are_none_in_a_folder_that_is_not_there) {
 
 TEST(ReadableFile, says_what_stands_in_its_way) {
     const Folder folder;
-    EXPECT_NE(message_of<IoError>([&] { read_file(folder / "missing"); }).find("missing: No such file or directory"),
-              std::string::npos);
-    EXPECT_NE(message_of<IoError>([&] { read_file(folder.path()); }).find("not a regular file"), std::string::npos);
+    EXPECT_TRUE(
+        says(message_of<IoError>([&] { read_file(folder / "missing"); }), "missing: No such file or directory"));
+    EXPECT_TRUE(says(message_of<IoError>([&] { read_file(folder.path()); }), "not a regular file"));
 }
 
 TEST(Sha256, agrees_with_the_standards_examples) {
