@@ -39,7 +39,7 @@ struct Wrong {
 class ContactReferee : public ::testing::Test {
 protected:
     PreparedCase prepared(const PolygonSoup& polygons, const std::string& more = "") const {
-        std::ofstream(folder_ / "mesh.obj") << as_obj(polygons);
+        folder_.write("mesh.obj", as_obj(polygons));
         return CasePreparation().prepare(
             parse_scene("[surface]\nkind = \"mesh\"\nfile = \"mesh.obj\"\n" + more, "scene", folder_.path()));
     }
@@ -114,7 +114,7 @@ TEST_F(ContactReferee, SeesAProxyThatFellThrough) {
                                 free_at({0, 0.3, -0.4}),
                                 {{0, 0, -1.5}, {0, 0, -1}}}; // held from within
     expect(one, path, {.dropped = 2, .other = 1});
-    EXPECT_NE(count_of<double>(one, path).first.find("path 0, step 2"), std::string::npos);
+    EXPECT_TRUE(says(count_of<double>(one, path).first, "path 0, step 2"));
     // From within to the outside: of a cube that is turned inside out, so that its inside is free.
     expect(prepared(shapes::reversed(shapes::cube())), {free_at({0, 0, 0}), {{0, 0, 2}, {0, 0, 1}}, free_at({0, 0, 2})},
            {.dropped = 1});
@@ -322,7 +322,7 @@ TEST_F(ContactReferee, SeesAProxyAtTheFarEndOfAThinWedge) {
     wrong[2] = {end, {0, 1.0000072313490214, 0}, 0};
     for (const ContactCount& count : {count_of<float>(one, wrong), count_of<double>(one, wrong)}) {
         EXPECT_EQ(count.grew, 1u);
-        EXPECT_NE(count.first.find("path 0, step 2"), std::string::npos) << count.first;
+        EXPECT_TRUE(says(count.first, "path 0, step 2"));
     }
 }
 
@@ -337,9 +337,9 @@ TEST_F(ContactReferee, FillsColumnsOfTheTableOfValidate) {
     EXPECT_GT(comparison.contacts.brute, 1000u);
     EXPECT_LT(comparison.contacts.near, 1000u);
     EXPECT_EQ(comparison.contacts.wrong(), 0u);
-    EXPECT_NE(path_comparison_table({comparison}).find("judged at 6000 samples"), std::string::npos);
-    EXPECT_NE(path_comparison_json({comparison}).find("\"on_other_side\": 0"), std::string::npos);
-    EXPECT_NE(path_comparison_json({comparison}).find("\"phantoms\": 0"), std::string::npos);
+    EXPECT_TRUE(says(path_comparison_table({comparison}), "judged at 6000 samples"));
+    EXPECT_TRUE(says(path_comparison_json({comparison}), "\"on_other_side\": 0"));
+    EXPECT_TRUE(says(path_comparison_json({comparison}), "\"phantoms\": 0"));
 }
 
 // The sign of tiny volumes, and of lines that graze an edge.

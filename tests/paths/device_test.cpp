@@ -299,17 +299,6 @@ TEST(HandMap, NearCriticalDamping) {
     }
 }
 
-TEST(HandMap, ClosedFormsWithoutSpring) {
-    const Axis axis{0.1, 1, 0};
-    const layout::AxisMap<double> map = axis_map(axis, 1e-3);
-    const double decay = std::exp(-0.01);
-    EXPECT_EQ(map.x_error, 0);
-    EXPECT_EQ(map.v_error, 0);
-    EXPECT_NEAR(map.v_speed, decay, 1e-16);
-    EXPECT_NEAR(map.x_speed, 0.1 * (1 - decay), 1e-16);
-    EXPECT_NEAR(map.x_force, (1e-3 - 0.1 * (1 - decay)) / 1, 1e-16);
-}
-
 TEST(HandMap, ExtremesAreNumbers) {
     for (const double mass : {1e-12, 1e-3, 1e12})
         for (const double damping : {0.0, 1e-150, 1.0, 1e12})

@@ -6,15 +6,17 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "host/cases/path_run.h"
 #include "host/field/engine.h"
 #include "host/output/exr_volume.h"
 #include "host/output/rows.h"
+#include "tests/mesh/shapes.h"
+#include "tests/mesh/written_files.h"
 #include "tests/paths/explored.h"
 #include "tests/paths/path_workplace.h"
-#include "tests/paths/polygons.h"
 
 namespace forceshade::testing {
 namespace {
@@ -36,11 +38,10 @@ struct Felt {
 class FarScene : public PathWorkplace {
 protected:
     FarScene() {
-        std::vector<Polygon> ball = sphere(1, 3);
-        for (Polygon& polygon : ball)
-            for (glm::dvec3& corner : polygon)
-                corner = rounded(corner);
-        write("ball.obj", obj(ball));
+        PolygonSoup ball = shapes::icosphere(2);
+        for (glm::dvec3& vertex : ball.vertices)
+            vertex = rounded(vertex);
+        write("ball.obj", as_obj(ball));
     }
 
     // A ball of 1 m about `shift`, m.
@@ -118,9 +119,9 @@ protected:
         std::size_t touching = 0;
         for (std::size_t i = 0; i < here.size(); ++i) {
             touching += here[i].facet >= 0;
-            largest = std::max(largest, length(here[i].force));
-            force = std::max(force, length(there[i].force - here[i].force));
-            proxy = std::max(proxy, length(there[i].proxy - here[i].proxy));
+            largest = std::max(largest, glm::length(here[i].force));
+            force = std::max(force, glm::length(there[i].force - here[i].force));
+            proxy = std::max(proxy, glm::length(there[i].proxy - here[i].proxy));
         }
         EXPECT_GT(touching, here.size() / 10);
         EXPECT_LE(force, tolerance * largest);
@@ -161,7 +162,7 @@ TEST_F(FarScene, GivesTheSameForcesBitForBitWhereTheShiftIsOfWholeScales) {
     ASSERT_EQ(here.size(), there.size());
     for (std::size_t i = 0; i < here.size(); ++i) {
         EXPECT_EQ(here[i].force, there[i].force);
-        EXPECT_LT(length(here[i].proxy - there[i].proxy), 1e-7) << "here they are written as floats";
+        EXPECT_LT(glm::length(here[i].proxy - there[i].proxy), 1e-7) << "here they are written as floats";
         EXPECT_EQ(here[i].facet, there[i].facet);
     }
 }
@@ -175,7 +176,7 @@ TEST_F(FarScene, HasItsTextureWhereTheWorldHasIt) {
     const std::vector<Felt> other = along_paths({(1 << 20) + 0.0625, 0, 0}, texture);
     double most = 0;
     for (std::size_t i = 0; i < here.size(); ++i)
-        most = std::max(most, length(here[i].force - other[i].force));
+        most = std::max(most, glm::length(here[i].force - other[i].force));
     EXPECT_GT(most, 0.1);
 }
 
@@ -218,11 +219,11 @@ TEST_F(FarScene, IsWrittenInWorldCoordinates) {
     const std::vector<glm::dvec3> places = way();
     const PathSamples samples = read_paths(path("a.exr"), 10, 10000);
     EXPECT_EQ(samples.origin, shift);
-    const std::string npy = read("a.position.npy"), proxies = read("a.proxy.npy"), force = read("a.force.npy");
-    EXPECT_NE(npy.find("'<f8'"), npy.npos);
-    EXPECT_NE(proxies.find("'<f8'"), proxies.npos);
-    EXPECT_NE(force.find("'<f4'"), force.npos);
-    EXPECT_NE(read("a.vtp").find("type=\"Float64\" Name=\"proxy\""), std::string::npos);
+    const std::string npy = read("a.position.npy");
+    EXPECT_TRUE(says(npy, "'<f8'"));
+    EXPECT_TRUE(says(read("a.proxy.npy"), "'<f8'"));
+    EXPECT_TRUE(says(read("a.force.npy"), "'<f4'"));
+    EXPECT_TRUE(says(read("a.vtp"), "type=\"Float64\" Name=\"proxy\""));
     ASSERT_EQ(samples.position.size(), 3 * places.size());
     std::vector<double> written(3 * places.size());
     ASSERT_GT(npy.size(), written.size() * sizeof(double));

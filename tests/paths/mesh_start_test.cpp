@@ -20,7 +20,7 @@ constexpr double kStartStiffness = 1000; // N/m
 // A cube of 2 cm whose top is z = 0.
 class MeshStart : public ::testing::Test {
 protected:
-    MeshStart() { std::ofstream(folder_ / "cube.obj") << kCubeObj; }
+    MeshStart() { folder_.write("cube.obj", kCubeObj); }
     std::string scene(const std::string& keys) const {
         return "[surface]\nkind = \"mesh\"\nfile = \"cube.obj\"\nunit = \"cm\"\n[paths]\n" + keys;
     }

@@ -8,10 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "host/paths/motions.h"
+#include "tests/io/folder.h"
 #include "tests/paths/explored.h"
 
 namespace forceshade {
 namespace {
+
+using testing::says;
 
 constexpr std::array kKinds{"strokes", "raster", "circle", "spiral", "taps", "random_walk", "minimum_jerk"};
 
@@ -235,11 +238,10 @@ TEST(Pace, HalfARoundASample) {
     EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"29 m/s\"\n").size(), 0u);
     const auto fast = pace_warnings_of("count = 1\nspeed = \"31 m/s\"\n");
     ASSERT_EQ(fast.size(), 1u);
-    EXPECT_NE(fast[0].find("a speed below 30 m/s, or a rate above 1.03e+03 Hz"), std::string::npos) << fast[0];
+    EXPECT_TRUE(says(fast[0], "a speed below 30 m/s, or a rate above 1.03e+03 Hz"));
     const auto some = pace_warnings_of(std::string("count = 300\n") + kSpread);
     ASSERT_EQ(some.size(), 1u);
-    EXPECT_NE(some[0].find(" of 300 paths half a round or more"), std::string::npos);
-    EXPECT_NE(some[0].find("below 30 m/s"), std::string::npos);
+    EXPECT_TRUE(says(some[0], " of 300 paths half a round or more", "below 30 m/s"));
     EXPECT_EQ(pace_warnings_of(std::string("count = 300\nrate = \"2 kHz\"\n") + kSpread).size(), 0u);
     for (const char* kind : {"circle", "spiral", "raster", "minimum_jerk", "random_walk"})
         EXPECT_EQ(pace_warnings_of(
@@ -254,7 +256,7 @@ TEST(Pace, TooSlowForAPhase) {
     for (const char* speed : {"1 nm/s", "0.01 nm/s"}) { // 1 nm/s is 1.7e-11 rounds a sample
         const auto slow = pace_warnings_of(fmt::format("count = 1\nspeed = \"{}\"\n", speed));
         ASSERT_EQ(slow.size(), 1u) << speed;
-        EXPECT_NE(slow[0].find("right is a speed above 1.4e-06 m/s"), std::string::npos) << slow[0];
+        EXPECT_TRUE(says(slow[0], "right is a speed above 1.4e-06 m/s"));
     }
     EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"1 nm/s\"\nrate = \"1 Hz\"\n").size(), 1u);
     for (const char* kind : {"raster", "minimum_jerk"}) // whole samples, 3e7 for 30 mm, and no phase
@@ -263,7 +265,7 @@ TEST(Pace, TooSlowForAPhase) {
     EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"0.01 mm/s\"\nkind = \"spiral\"\nlines = 2\n").size(), 0u);
     const auto out = pace_warnings_of("count = 1\nspeed = \"0.01 mm/s\"\nkind = \"spiral\"\nlines = 100\n");
     ASSERT_EQ(out.size(), 1u) << "the way out and back takes 200 rounds";
-    EXPECT_NE(out[0].find("right is a speed above 0.000439 m/s"), std::string::npos) << out[0];
+    EXPECT_TRUE(says(out[0], "right is a speed above 0.000439 m/s"));
     EXPECT_EQ(pace_warnings_of("count = 1\nspeed = \"1 nm/s\"\nrate = \"0.1 Hz\"\n").size(), 0u);
 }
 
@@ -275,9 +277,7 @@ TEST(Pace, TremorOfHalfTheRate) {
     EXPECT_EQ(tremor("400 Hz").size(), 0u);
     const auto fast = tremor("420 Hz");
     ASSERT_EQ(fast.size(), 1u);
-    EXPECT_NE(fast[0].find("tremor.frequency"), std::string::npos);
-    EXPECT_NE(fast[0].find("right is a frequency below 416.7 Hz, or a rate above 1008 Hz"), std::string::npos)
-        << fast[0];
+    EXPECT_TRUE(says(fast[0], "tremor.frequency", "right is a frequency below 416.7 Hz, or a rate above 1008 Hz"));
     EXPECT_EQ(pace_warnings_of("count = 1\ntremor.frequency = \"900 Hz\"\n").size(), 0u) << "it does not tremble";
 }
 
@@ -286,7 +286,7 @@ TEST(Pace, OfARoundThatDoesNotClose) {
     EXPECT_EQ(warnings("count = 1\nsteps = 601\n").size(), 0u);
     const auto open = warnings("count = 1\nsteps = 500\n");
     ASSERT_EQ(open.size(), 1u);
-    EXPECT_NE(open[0].find("set steps = 601 or more"), std::string::npos) << open[0];
+    EXPECT_TRUE(says(open[0], "set steps = 601 or more"));
     EXPECT_EQ(warnings("count = 1\nsteps = 500\nkind = \"minimum_jerk\"\n").size(), 0u) << "it has no rounds";
     EXPECT_EQ(warnings("count = 300\nsteps = 500\nspeed = { min = \"50 mm/s\", max = \"200 mm/s\" }\n").size(), 0u)
         << "some close";

@@ -1,7 +1,5 @@
 // Numbers of paths made of their metrics, the table of them, and what a picture of paths says.
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -104,12 +102,9 @@ TEST(PathSummary, LeavesCellsEmptyThatHaveNoMeaning) {
     figures.fell = true;
     summary.add(8, figures);
     summary.finish();
-    std::ifstream file(folder / "a.paths.csv");
-    std::ostringstream text;
-    text << file.rdbuf();
-    EXPECT_EQ(text.str(), std::string(path_summary_header()) +
-                              "7,3,0,0,0,0,0,0,0,,0,,,,,,,,0,,0,,0,0\n"
-                              "8,3,0,0.1,0,0,0,0,0,0.25,2,-1,0.5,2,,,,,1,1700000000.125,1,,0,0\n");
+    EXPECT_EQ(folder.read("a.paths.csv"), std::string(path_summary_header()) +
+                                              "7,3,0,0,0,0,0,0,0,,0,,,,,,,,0,,0,,0,0\n"
+                                              "8,3,0,0.1,0,0,0,0,0,0.25,2,-1,0.5,2,,,,,1,1700000000.125,1,,0,0\n");
 }
 
 TEST(PathPicture, TellsHowCloselyPathsFollowALine) {

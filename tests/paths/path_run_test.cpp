@@ -1,8 +1,8 @@
 // An engine that errs is caught, wherever it errs and however little; one that does not, is not.
 #include <cmath>
-#include <fstream>
 #include <functional>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/cases/path_comparison.h"
@@ -103,9 +103,8 @@ TEST_F(PathRun, CatchesASingleBit) {
             const PathRecord record = run(engine, prepared());
             EXPECT_EQ(record.error.differing, 1u) << path << ' ' << step;
             EXPECT_EQ(record.error.beyond, 1u);
-            const std::string wrong = error_text(record, "a.exr", "device");
-            EXPECT_NE(wrong.find("path " + std::to_string(path) + ", step " + std::to_string(step)), std::string::npos)
-                << wrong;
+            EXPECT_TRUE(says(error_text(record, "a.exr", "device"),
+                             "path " + std::to_string(path) + ", step " + std::to_string(step)));
         }
 }
 
@@ -166,7 +165,7 @@ TEST_F(PathRun, CatchesPositionsAndMetrics) {
     const PathRecord record = run(other, prepared());
     EXPECT_EQ(record.error.metrics, 1u);
     EXPECT_EQ(record.error.beyond, 0u);
-    EXPECT_NE(error_text(record, "a.exr", "device").find("path 3: its metrics"), std::string::npos);
+    EXPECT_TRUE(says(error_text(record, "a.exr", "device"), "path 3: its metrics"));
 }
 
 TEST_F(PathRun, OfMetricsAloneIsHeldAgainstTheOracleToo) {
@@ -186,8 +185,7 @@ TEST_F(PathRun, RefusesForcesThatAreNoNumbersAndLeavesNothing) {
     Tampering engine;
     change(engine, 4, 5, NAN);
     const PreparedCase one = prepared();
-    const std::string message = message_of<Error>([&] { run(engine, one); });
-    EXPECT_NE(message.find("path 4 at step 5"), std::string::npos) << message;
+    EXPECT_TRUE(says(message_of<Error>([&] { run(engine, one); }), "path 4 at step 5"));
     EXPECT_EQ(folder_.names(), std::vector<std::string>{});
 }
 
@@ -201,13 +199,12 @@ TEST_F(PathRun, ComparesEvenlyChosenPathsOfMany) {
 }
 
 TEST_F(PathRun, OfRecordedPathsTakesHardlyMoreStepsThanTheyHave) {
-    std::ofstream file(folder_ / "in.csv");
-    file << "path,t,x,y,z\n";
+    std::string rows = "path,t,x,y,z\n";
     std::uint64_t samples = 0;
     for (int path = 0; path < 500; ++path)
         for (int i = 0; i < (path == 250 ? 100000 : 2); ++i, ++samples)
-            file << path << ',' << i << ",0,0,0.003\n";
-    file.close();
+            rows += fmt::format("{},{},0,0,0.003\n", path, i);
+    folder_.write("in.csv", rows);
     for (const bool metrics_only : {false, true}) {
         Tampering engine;
         PathRunOptions options = recorded(!metrics_only);
@@ -230,11 +227,10 @@ TEST_F(PathRun, OfRecordedPathsTakesHardlyMoreStepsThanTheyHave) {
 // Only where there is contact comes with the metrics, window after window.
 TEST_F(PathRun, OfMetricsOfALongRecordedPathOnHardware) {
     constexpr int kSteps = 5000;
-    std::ofstream file(folder_ / "in.csv");
-    file << "path,t,x,y,z\n";
+    std::string rows = "path,t,x,y,z\n";
     for (int i = 0; i < kSteps; ++i)
-        file << "0," << i << ",0,0," << (i % 2 ? "0.003\n" : "-0.001\n");
-    file.close();
+        rows += fmt::format("0,{},0,0,{}\n", i, i % 2 ? 0.003 : -0.001);
+    folder_.write("in.csv", rows);
     Tampering engine;
     engine.software = false;
     std::size_t windows = 0;
@@ -247,10 +243,10 @@ TEST_F(PathRun, OfMetricsOfALongRecordedPathOnHardware) {
 
 TEST_F(PathRun, OfAFileThatChangesMeanwhileWritesNothing) {
     const auto write = [&](int rows) {
-        std::ofstream file(folder_ / "in.csv");
-        file << "path,t,x,y,z\n";
+        std::string text = "path,t,x,y,z\n";
         for (int i = 0; i < rows; ++i)
-            file << "0," << i << ",0,0,0.003\n";
+            text += fmt::format("0,{},0,0,0.003\n", i);
+        folder_.write("in.csv", text);
     };
     for (const int later : {150000, 1000, 0}) {
         write(200000);
@@ -260,9 +256,8 @@ TEST_F(PathRun, OfAFileThatChangesMeanwhileWritesNothing) {
                 write(later);
         };
         const PreparedCase one = prepared();
-        const std::string message = message_of<IoError>([&] { run_paths(engine, one, recorded(true)); });
-        EXPECT_NE(message.find("in.csv was changed while it was read; no file was written"), std::string::npos)
-            << message;
+        EXPECT_TRUE(says(message_of<IoError>([&] { run_paths(engine, one, recorded(true)); }),
+                         "in.csv was changed while it was read; no file was written"));
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"in.csv"});
     }
 }
@@ -274,7 +269,7 @@ TEST_F(PathRun, ValidationCoversEveryPath) {
     EXPECT_FALSE(comparison.passed);
     EXPECT_EQ(comparison.error.samples, 10000u);
     EXPECT_EQ(comparison.error.differing, 1u);
-    EXPECT_NE(path_comparison_table({comparison}).find("FAILED: path 49, step 199"), std::string::npos);
+    EXPECT_TRUE(says(path_comparison_table({comparison}), "FAILED: path 49, step 199"));
     EXPECT_EQ(totals_of(std::vector{comparison}).differing, 1u);
 }
 

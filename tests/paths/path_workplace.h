@@ -2,7 +2,6 @@
 #pragma once
 
 #include <charconv>
-#include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -29,15 +28,9 @@ protected:
     std::filesystem::path path(const std::string& name) const { return folder_ / name; }
 
     std::filesystem::path write(const std::string& name, const std::string& text) const {
-        std::ofstream(path(name), std::ios::binary) << text;
-        return path(name);
+        return folder_.write(name, text);
     }
-    std::string read(const std::string& name) const {
-        std::ifstream file(path(name), std::ios::binary);
-        std::ostringstream text;
-        text << file.rdbuf();
-        return text.str();
-    }
+    std::string read(const std::string& name) const { return folder_.read(name); }
 
     PreparedCase prepare(const std::string& scene, Precision precision = Precision::f64) const {
         const std::vector<Override> replaced{{"run.precision", precision == Precision::f32 ? "f32" : "f64"}};

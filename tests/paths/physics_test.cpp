@@ -1,4 +1,4 @@
-// The oracle against closed forms: sampled stability, flutter, and the work round a rectangle (shaders/README.md).
+// The oracle against closed forms: sampled stability, flutter, and the paths of the paper (shaders/README.md).
 #include <cmath>
 #include <numbers>
 
@@ -33,29 +33,13 @@ template <typename Function> double zero_of(double low, double high, const Funct
     return (low + high) / 2;
 }
 
-// A probe pressed into the plane with a constant force, at rest but a ten thousandth of its depth too deep.
+// At rest but a ten thousandth of its depth too deep.
 std::string pressed(const Plant& plant, double stiffness, int delay) {
     const double keeps = std::exp(-plant.damping * plant.period / plant.mass); // of its speed, in a sample
-    return fmt::format(R"(
-[force]
-stiffness = "{} N/m"
-[paths]
-count = 1
-steps = {}
-rate = "{} Hz"
-length = "0 m"
-press = "1 N"
-start_depth = "{} m"
-[hand]
-mass = "{} kg"
-damping = "{} N s/m"
-grip_stiffness = "0 N/m"
-grip_damping = "0 N s/m"
-delay_samples = {}
-max_force = "1000 N"
-)",
-                       stiffness, static_cast<int>(400 / (1 - keeps)), 1 / plant.period, 1.0001 / stiffness, plant.mass,
-                       plant.damping, delay);
+    return testing::pressed_scene(
+        plant, stiffness, 1.0001,
+        fmt::format("count = 1\nsteps = {}\nrate = \"{} Hz\"\n", static_cast<int>(400 / (1 - keeps)), 1 / plant.period),
+        fmt::format("delay_samples = {}\nmax_force = \"1000 N\"\n", delay));
 }
 
 TEST(SampledStability, LimitOfAPlaneToATenthOfAPercent) {
@@ -107,43 +91,6 @@ TEST(Flutter, LimitOfAShadedDip) {
     const double held = limit(1000), continuous = limit(20000);
     EXPECT_NEAR(continuous, 71, 0.03 * 71);
     EXPECT_NEAR(held, 69, 0.03 * 69);
-}
-
-// There at d1 and back at d2 over the flat shaded plane.
-TEST(Work, RoundTheRectangle) {
-    constexpr int kSteps = 1 << 23; // a round
-    constexpr double kDeep = 0.002, kShallow = 0.001, kStiffness = 500;
-    constexpr std::array<double, 3> kRadii{600, 1000, 1400};
-    constexpr std::array<double, 3> kWork{2.3061e-3, 1.4841e-3, 1.0823e-3}; // J
-    for (std::size_t i = 0; i < 3; ++i) {
-        const double radius = kRadii[i] * kMil, end = 0.999 * 500 * kMil;
-        const auto result = explored<double>(fmt::format(R"(
-[surface]
-radius = "{} mil"
-[force]
-stiffness = "500 N/m"
-shading = "reference"
-[paths]
-count = 1
-steps = {}
-length = "{} m"
-centre = ["{} m", "0 m"]
-speed = "{} m/s"
-depth = "2 mm"
-depth_back = "1 mm"
-)",
-                                                         kRadii[i], kSteps + 1, end, end / 2, 2 * end * 1000 / kSteps),
-                                             {}, false);
-        const auto& metrics = result.metrics.front();
-        const double share = end / radius;
-        const double exact =
-            kStiffness * (kDeep - kShallow) * end * end / (2 * radius) +
-            kStiffness / 2 * (kDeep * kDeep - kShallow * kShallow) * (std::sqrt(1 - share * share) - 1);
-        EXPECT_EQ(metrics.rounds, 1u);
-        EXPECT_NEAR(metrics.largest_round, exact, 1e-6 * exact);
-        EXPECT_EQ(metrics.least_round, metrics.largest_round);
-        EXPECT_NEAR(exact, kWork[i], 1e-7);
-    }
 }
 
 // As in the paper: over a shaded bump the probe goes along the polygon while the force turns as on the cylinder.

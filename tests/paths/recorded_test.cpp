@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -15,20 +14,15 @@
 namespace forceshade {
 namespace {
 
+using testing::says;
+
 class Recorded : public ::testing::Test {
 protected:
-    std::filesystem::path write(const std::string& text) const {
-        std::ofstream(folder_ / "paths.csv", std::ios::binary) << text;
-        return folder_ / "paths.csv";
-    }
+    std::filesystem::path write(const std::string& text) const { return folder_.write("paths.csv", text); }
     std::string error(const std::string& text, const RecordedOptions& options) const {
-        try {
-            RecordedFile(write(text), options);
-        } catch (const UsageError& found) {
-            const std::string message = found.what();
-            return message.substr(message.find("paths.csv"));
-        }
-        return "(no error)";
+        const std::string message =
+            forceshade::testing::message_of<UsageError>([&] { RecordedFile(write(text), options); });
+        return message.empty() ? "(no error)" : message.substr(message.find("paths.csv"));
     }
 
     forceshade::testing::Folder folder_;
@@ -119,25 +113,21 @@ TEST_F(Recorded, AFileThatChangesIsNoLongerRead) {
         const auto written = std::filesystem::last_write_time(path);
         write(later);
         std::filesystem::last_write_time(path, touch ? written + std::chrono::seconds(1) : written);
-        try {
+        return forceshade::testing::message_of<IoError>([&] {
             for (std::size_t first = 0, count = 0; first < file->paths(); first += count) {
                 count = recorded.select(first, 100);
                 recorded.positions(0, 10);
             }
             file->require_unchanged();
-        } catch (const IoError& error) {
-            return std::string(error.what());
-        }
-        return std::string("(no error)");
+        });
     };
     std::string renumbered = text, other = text;
     renumbered.replace(renumbered.rfind("\n61,") + 1, 2, "97");
     other.replace(other.rfind("0.001"), 5, "0.002");
     for (const std::size_t kept : {0u, 1000u}) {
         for (const std::string& later : {text.substr(0, text.size() / 2), text.substr(0, 14), renumbered, other})
-            EXPECT_NE(refusal(later, kept).find("paths.csv was changed while it was read"), std::string::npos)
-                << later.size();
-        EXPECT_EQ(refusal(text, kept, false), "(no error)");
+            EXPECT_TRUE(says(refusal(later, kept), "paths.csv was changed while it was read")) << later.size();
+        EXPECT_EQ(refusal(text, kept, false), "");
     }
 }
 
@@ -157,7 +147,7 @@ TEST_F(Recorded, TimesIncreaseAndKeepToTheRate) {
 TEST_F(Recorded, TheProbeGoesWhereTheFileSays) {
     const auto file = write(grouped(40));
     for (const char* surface : {"kind = \"bump\"\n", "kind = \"mesh\"\nfile = \"cube.obj\"\n"}) {
-        std::ofstream(folder_ / "cube.obj") << kCubeObj;
+        folder_.write("cube.obj", kCubeObj);
         const auto prepared = prepared_scene(
             fmt::format("[surface]\n{}[paths]\nkind = \"recorded\"\nfile = \"paths.csv\"\n", surface), folder_.path());
         ScenePaths<double> source(prepared);
@@ -178,7 +168,7 @@ TEST_F(Recorded, TheFileIsTheOneThatTheSceneMeans) {
     PreparedCase prepared = prepared_scene(scene, folder_.path());
     add_recorded_digest(prepared);
     EXPECT_EQ(prepared.one.scene.paths->sha256.size(), 64u);
-    EXPECT_NE(prepared.scene.find("sha256 = \"" + prepared.one.scene.paths->sha256), std::string::npos);
+    EXPECT_TRUE(says(prepared.scene, "sha256 = \"" + prepared.one.scene.paths->sha256));
     PreparedCase again = prepared_scene(prepared.scene, folder_.path());
     add_recorded_digest(again);
     EXPECT_EQ(again.one.scene, prepared.one.scene);
