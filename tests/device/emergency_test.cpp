@@ -26,50 +26,39 @@ private:
     DeviceFacts facts_;
 };
 
+/// Does so while a device is to be halted, and comes back only from what does not end the process.
+template <typename Work> void with_a_device(const Work& work) {
+    Telling device;
+    const Emergency emergency(device);
+    work();
+    std::_Exit(0);
+}
+
 TEST(EmergencyDeathTest, EverySignalThatEndsTheProcessHaltsTheDevice) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "the sanitizer has the signals";
 #endif
     for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGQUIT, SIGXCPU, SIGALRM,
                              SIGUSR1, SIGUSR2, SIGIO, SIGPWR})
-        EXPECT_EXIT(
-            {
-                Telling device;
-                const Emergency emergency(device);
-                ::raise(signal);
-                std::_Exit(0);
-            },
-            ::testing::KilledBySignal(signal), "^halted\n$")
-            << signal;
-    EXPECT_EXIT(
-        {
-            Telling device;
-            const Emergency emergency(device);
-            std::abort();
-        },
-        ::testing::KilledBySignal(SIGABRT), "^halted\n$");
+        EXPECT_EXIT(with_a_device([&] { ::raise(signal); }), ::testing::KilledBySignal(signal), "^halted\n$") << signal;
+    EXPECT_EXIT(with_a_device([] { std::abort(); }), ::testing::KilledBySignal(SIGABRT), "^halted\n$");
 }
 
 TEST(EmergencyDeathTest, WhatIsIgnoredStaysIgnored) {
-    EXPECT_EXIT(
-        {
-            std::signal(SIGQUIT, SIG_IGN);
-            Telling device;
-            const Emergency emergency(device);
-            ::raise(SIGQUIT);
-            std::_Exit(0);
-        },
-        ::testing::ExitedWithCode(0), "^$");
+    const auto ignored = [] {
+        std::signal(SIGQUIT, SIG_IGN);
+        with_a_device([] { ::raise(SIGQUIT); });
+    };
+    EXPECT_EXIT(ignored(), ::testing::ExitedWithCode(0), "^$");
 }
 
 TEST(EmergencyDeathTest, AfterItsEndNothingIsHalted) {
-    EXPECT_EXIT(
-        {
-            Telling device;
-            { const Emergency emergency(device); }
-            std::abort();
-        },
-        ::testing::KilledBySignal(SIGABRT), "^$");
+    const auto outlived = [] {
+        Telling device;
+        { const Emergency emergency(device); }
+        std::abort();
+    };
+    EXPECT_EXIT(outlived(), ::testing::KilledBySignal(SIGABRT), "^$");
 }
 
 } // namespace

@@ -114,134 +114,110 @@ TEST(HaplyFaults, AreSurvived) {
     }
 }
 
-TEST(HaplyFaults, NeverAnswers) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    const unsigned connections = service.connections();
-    service.set(Fault::never_answers);
-    const std::size_t before = service.received().size();
-    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) { return reading.answer == Answer::failed; }));
+TEST_F(RunningHaply, NeverAnswers) {
+    const unsigned connections = service_.connections();
+    service_.set(Fault::never_answers);
+    const std::size_t before = service_.received().size();
+    EXPECT_TRUE(loop_until(*device_, [&](const Reading& reading, bool) { return reading.answer == Answer::failed; }));
     // The command under way, one without force behind it, and nothing more until the connection is given up.
-    EXPECT_TRUE(loop_until(*device, [&](const Reading&, bool) { return service.connections() > connections; }));
+    EXPECT_TRUE(loop_until(*device_, [&](const Reading&, bool) { return service_.connections() > connections; }));
     std::size_t of_the_old = 0;
     glm::dvec3 last_of_the_old = kPush;
-    for (const Received& each : service.received())
+    for (const Received& each : service_.received())
         if (each.connection == connections) {
             ++of_the_old;
             last_of_the_old = each.force;
         }
     EXPECT_LE(of_the_old, before + 3);
     EXPECT_EQ(last_of_the_old, glm::dvec3(0));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
-    EXPECT_TRUE(ends_without_force(service));
-    service.set(Fault::none);
-    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(received_only_what_was_commanded(service_));
+    EXPECT_TRUE(ends_without_force(service_));
+    service_.set(Fault::none);
+    EXPECT_TRUE(runs_well(*device_, service_));
 }
 
 /// The loop is silent, so that what is not asked for comes while no answer is owed, but on a machine that is very busy.
-TEST(HaplyFaults, DropsWhatItDidNotAskFor) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    ASSERT_TRUE(wait_until([&] { return ends_without_force(service); })); // the loop counts as silent
-    service.set(Fault::unasked);
+TEST_F(RunningHaply, DropsWhatItDidNotAskFor) {
+    ASSERT_TRUE(wait_until([&] { return ends_without_force(service_); })); // the loop counts as silent
+    service_.set(Fault::unasked);
     unsigned near = 0, far = 0;
     EXPECT_TRUE(wait_until([&] {
-        const Reading reading = device->read();
+        const Reading reading = device_->read();
         if (reading.answer != Answer::failed)
             ++(in_reach(reading.position) ? near : far);
-        return near > 200 && complains(*device, "not asked for");
+        return near > 200 && complains(*device_, "not asked for");
     }));
     EXPECT_LT(4 * far, near);
 }
 
 /// One that comes while an answer is owed passes for it; those after it set the count right again.
-TEST(HaplyFaults, AnswersTooManyAndOutOfOrder) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    service.set(Fault::older);
-    EXPECT_TRUE(runs_well(*device, service));
-    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+TEST_F(RunningHaply, AnswersTooManyAndOutOfOrder) {
+    service_.set(Fault::older);
+    EXPECT_TRUE(runs_well(*device_, service_));
+    EXPECT_TRUE(loop_until(*device_, [&](const Reading& reading, bool) {
         EXPECT_TRUE(reading.answer == Answer::failed || in_reach(reading.position));
-        return complains(*device, "not asked for");
+        return complains(*device_, "not asked for");
     }));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
+    EXPECT_TRUE(received_only_what_was_commanded(service_));
 }
 
-TEST(HaplyFaults, GoesAwayAndComesBack) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
+TEST_F(RunningHaply, GoesAwayAndComesBack) {
     for (int time = 0; time < 2; ++time) {
-        service.go_away();
+        service_.go_away();
         EXPECT_TRUE(loop_until(
-            *device, [](const Reading& reading, bool taken) { return reading.answer == Answer::failed && !taken; }));
+            *device_, [](const Reading& reading, bool taken) { return reading.answer == Answer::failed && !taken; }));
         for (int i = 0; i < 100; ++i)
-            EXPECT_TRUE(loop_until(*device, [](const Reading& reading, bool taken) {
+            EXPECT_TRUE(loop_until(*device_, [](const Reading& reading, bool taken) {
                 EXPECT_EQ(reading.answer, Answer::failed);
                 EXPECT_FALSE(taken);
                 return true;
             }));
-        service.come_back();
-        EXPECT_TRUE(runs_well(*device, service));
+        service_.come_back();
+        EXPECT_TRUE(runs_well(*device_, service_));
     }
-    EXPECT_TRUE(received_only_what_was_commanded(service));
+    EXPECT_TRUE(received_only_what_was_commanded(service_));
 }
 
-TEST(HaplyFaults, LeavesWhileTheServiceIsAway) {
-    SimulatedService service({});
-    auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    service.go_away();
-    ASSERT_TRUE(loop_until(*device, [](const Reading&, bool taken) { return !taken; }));
-    device.reset(); // comes back at all
+TEST_F(RunningHaply, LeavesWhileTheServiceIsAway) {
+    service_.go_away();
+    ASSERT_TRUE(loop_until(*device_, [](const Reading&, bool taken) { return !taken; }));
+    device_.reset(); // comes back at all
     SUCCEED();
 }
 
-TEST(HaplyFaults, LeavesWhileTheServiceIsMute) {
-    SimulatedService service({});
-    auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    service.set(Fault::never_answers);
+TEST_F(RunningHaply, LeavesWhileTheServiceIsMute) {
+    service_.set(Fault::never_answers);
     const auto start = std::chrono::steady_clock::now();
-    device.reset();
+    device_.reset();
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
-    EXPECT_TRUE(wait_until([&] { return ends_without_force(service); }));
+    EXPECT_TRUE(wait_until([&] { return ends_without_force(service_); }));
 }
 
-TEST(HaplyFaults, ASecondDeviceInMidLoopIsLeftAlone) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    service.set_devices({"04BA", "049D"});
-    EXPECT_TRUE(runs_well(*device, service));
-    service.go_away(); // the choice is not made anew
-    service.come_back();
-    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+TEST_F(RunningHaply, ASecondDeviceInMidLoopIsLeftAlone) {
+    service_.set_devices({"04BA", "049D"});
+    EXPECT_TRUE(runs_well(*device_, service_));
+    service_.go_away(); // the choice is not made anew
+    service_.come_back();
+    EXPECT_TRUE(loop_until(*device_, [&](const Reading& reading, bool) {
         EXPECT_TRUE(reading.answer == Answer::failed || in_reach(reading.position));
-        return service.connections() == 3 && reading.answer == Answer::fresh;
+        return service_.connections() == 3 && reading.answer == Answer::fresh;
     }));
-    EXPECT_TRUE(received_only_what_was_commanded(service, "04BA"));
+    EXPECT_TRUE(received_only_what_was_commanded(service_, "04BA"));
 }
 
-TEST(HaplyFaults, AnotherDeviceInItsPlaceIsNotTaken) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    service.set_devices({"049D"});
-    service.go_away();
-    service.come_back();
-    const std::size_t before = service.received().size();
+TEST_F(RunningHaply, AnotherDeviceInItsPlaceIsNotTaken) {
+    service_.set_devices({"049D"});
+    service_.go_away();
+    service_.come_back();
+    const std::size_t before = service_.received().size();
     EXPECT_TRUE(wait_until([&] {
-        device->write(kPush);
-        return service.connections() >= 5;
+        device_->write(kPush);
+        return service_.connections() >= 5;
     }));
-    for (std::size_t i = before; i < service.received().size(); ++i)
-        EXPECT_EQ(service.received()[i].connection, 2u);
-    EXPECT_EQ(device->read().answer, Answer::failed);
-    EXPECT_TRUE(wait_until([&] { return complains(*device, "does not list the device"); }));
+    for (std::size_t i = before; i < service_.received().size(); ++i)
+        EXPECT_EQ(service_.received()[i].connection, 2u);
+    EXPECT_EQ(device_->read().answer, Answer::failed);
+    EXPECT_TRUE(wait_until([&] { return complains(*device_, "does not list the device"); }));
 }
 
 } // namespace

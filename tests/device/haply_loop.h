@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -65,6 +66,15 @@ inline ::testing::AssertionResult runs_well(BackEnd& device, const SimulatedServ
     return ::testing::AssertionFailure() << fresh << " positions; error_text: "
                                          << (device.error_text() != nullptr ? device.error_text() : "none");
 }
+
+/// A service and a device of it that runs well.
+class RunningHaply : public ::testing::Test {
+protected:
+    void SetUp() override { ASSERT_TRUE(runs_well(*device_, service_)); }
+
+    SimulatedService service_{{}};
+    std::unique_ptr<BackEnd> device_ = open_haply(options_of(service_));
+};
 
 /// Every force that was received is none or the push, and of the device.
 inline ::testing::AssertionResult received_only_what_was_commanded(const SimulatedService& service,

@@ -1,12 +1,14 @@
 // The haply back end with a service that is well: dialects, axes, devices to choose from, ways out.
-#include <csignal>
-
 #include <glm/common.hpp>
 
 #include "tests/device/haply_loop.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::device::test {
 namespace {
+
+using forceshade::testing::message_of;
+using forceshade::testing::says;
 
 TEST(Haply, ReadsPositionsAndDisplaysForces) {
     SimulatedService service({});
@@ -81,14 +83,7 @@ TEST(Haply, OneOfSeveralDevicesMustBeChosen) {
     script.devices = {"04BA", "049D"};
     SimulatedService service(script);
     HaplyOptions options = options_of(service);
-    try {
-        open_haply(options);
-        FAIL() << "took one of two";
-    } catch (const UsageError& error) {
-        const std::string text = error.what();
-        EXPECT_NE(text.find("04BA, 049D"), std::string::npos) << text;
-        EXPECT_NE(text.find("?device=04BA"), std::string::npos) << text;
-    }
+    EXPECT_TRUE(says(message_of<UsageError>([&] { open_haply(options); }), "04BA, 049D", "?device=04BA"));
     options.device_id = "04BA";
     const auto device = open_haply(options);
     EXPECT_TRUE(runs_well(*device, service));
@@ -112,56 +107,28 @@ TEST(Haply, LooksWithoutSendingAForce) {
     EXPECT_TRUE(service.received().empty());
 }
 
-TEST(Haply, TakesLeavePolitelyWithoutForce) {
-    SimulatedService service({});
-    auto device = open_haply(options_of(service));
-    ASSERT_TRUE(wait_until([&] { return service.farewells() == 1; })); // of the look before
-    ASSERT_TRUE(runs_well(*device, service));
-    device.reset();
-    EXPECT_TRUE(wait_until([&] { return service.open() == 0; }));
-    EXPECT_EQ(service.farewells(), 2u);
-    EXPECT_TRUE(ends_without_force(service));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
+TEST_F(RunningHaply, TakesLeavePolitelyWithoutForce) {
+    ASSERT_TRUE(wait_until([&] { return service_.farewells() == 1; })); // of the look before
+    device_.reset();
+    EXPECT_TRUE(wait_until([&] { return service_.open() == 0; }));
+    EXPECT_EQ(service_.farewells(), 2u);
+    EXPECT_TRUE(ends_without_force(service_));
+    EXPECT_TRUE(received_only_what_was_commanded(service_));
 }
 
-TEST(Haply, HaltsForGood) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    device->halt();
-    device->halt();
+TEST_F(RunningHaply, HaltsForGood) {
+    device_->halt();
+    device_->halt();
     for (int i = 0; i < 100; ++i) {
-        EXPECT_FALSE(device->write(kPush));
+        EXPECT_FALSE(device_->write(kPush));
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    EXPECT_EQ(device->read().answer, Answer::failed);
-    EXPECT_TRUE(wait_until([&] { return service.open() == 0; }));
-    EXPECT_TRUE(ends_without_force(service));
-    const unsigned connections = service.connections();
+    EXPECT_EQ(device_->read().answer, Answer::failed);
+    EXPECT_TRUE(wait_until([&] { return service_.open() == 0; }));
+    EXPECT_TRUE(ends_without_force(service_));
+    const unsigned connections = service_.connections();
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    EXPECT_EQ(service.connections(), connections); // does not come back
-}
-
-BackEnd* halted_by_signal = nullptr;
-
-TEST(Haply, HaltsFromASignalHandler) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    halted_by_signal = device.get();
-    struct sigaction action {};
-    struct sigaction before {};
-    action.sa_handler = [](int) { halted_by_signal->halt(); };
-    sigaction(SIGUSR1, &action, &before);
-    const bool refused = loop_until(*device, [count = 0](const Reading&, bool taken) mutable {
-        if (++count == 50)
-            raise(SIGUSR1);
-        return !taken;
-    });
-    sigaction(SIGUSR1, &before, nullptr);
-    EXPECT_TRUE(refused);
-    EXPECT_TRUE(wait_until([&] { return service.open() == 0; }));
-    EXPECT_TRUE(ends_without_force(service));
+    EXPECT_EQ(service_.connections(), connections); // does not come back
 }
 
 TEST(Haply, DisplaysNoForceUntilTheDeviceIsReadyAndSaysWhy) {
@@ -216,28 +183,22 @@ TEST(Haply, DisplaysNoForceUntilTheDeviceIsReadyAndSaysWhy) {
     }
 }
 
-TEST(Haply, ALoopThatStopsLeavesNoForce) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service)); // and is not heard of any more
-    EXPECT_TRUE(wait_until([&] { return ends_without_force(service); }));
+TEST_F(RunningHaply, ALoopThatStopsLeavesNoForce) {
+    EXPECT_TRUE(wait_until([&] { return ends_without_force(service_); }));
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    EXPECT_TRUE(ends_without_force(service));
-    EXPECT_TRUE(runs_well(*device, service)); // until it goes on
+    EXPECT_TRUE(ends_without_force(service_));
+    EXPECT_TRUE(runs_well(*device_, service_)); // until it goes on
 }
 
-TEST(Haply, AForceThatIsNoNumberIsNone) {
-    SimulatedService service({});
-    const auto device = open_haply(options_of(service));
-    ASSERT_TRUE(runs_well(*device, service));
-    const std::size_t before = service.received().size();
+TEST_F(RunningHaply, AForceThatIsNoNumberIsNone) {
+    const std::size_t before = service_.received().size();
     const double nan = std::numeric_limits<double>::quiet_NaN();
     ASSERT_TRUE(wait_until([&] {
-        device->write({nan, 0, std::numeric_limits<double>::infinity()});
-        return service.received().size() > before + 20;
+        device_->write({nan, 0, std::numeric_limits<double>::infinity()});
+        return service_.received().size() > before + 20;
     }));
-    EXPECT_TRUE(received_only_what_was_commanded(service));
-    EXPECT_TRUE(ends_without_force(service));
+    EXPECT_TRUE(received_only_what_was_commanded(service_));
+    EXPECT_TRUE(ends_without_force(service_));
 }
 
 } // namespace

@@ -53,17 +53,6 @@ TEST_F(Hd, TellsWhatItIs) {
     EXPECT_EQ(device->error_text(), nullptr);
 }
 
-TEST_F(Hd, IsFoundWithoutMovingIt) {
-    const DeviceKind found = find_hd();
-    EXPECT_EQ(found.place, HD_STUB);
-    EXPECT_EQ(found.name, "Touch (serial number 8042)");
-    EXPECT_EQ(stub_.calls("hdEnable"), 0);
-    EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
-    stub_.devices(0);
-    EXPECT_EQ(find_hd().name, "");
-    expect_words(find_hd().problem, {"Communication configuration error", "0x0303"});
-}
-
 TEST_F(Hd, TellsItsButtons) {
     const auto device = open_hd("");
     EXPECT_EQ(device->facts().buttons, 4u);

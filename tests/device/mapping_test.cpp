@@ -2,12 +2,12 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "device/backends/devices.h"
 #include "tests/device/loop_runs.h"
+#include "tests/paths/sampled_plants.h"
 
 namespace forceshade::device {
 namespace {
@@ -86,16 +86,10 @@ TEST(Mapping, TheEnergyIsTheHands) {
 
 // A wall well below the limit of sampled stability that a scale of 2 takes above it; the controller sees the hand's.
 TEST(Mapping, ThePassivityControllerSeesTheStiffnessThatIsFelt) {
-    constexpr double kLimit = 1001.11; /* N/m: of a mass of 75 g, 0.5 N s/m, 1 kHz */
-    const auto prepared = [&](double stiffness) {
-        return prepared_scene(fmt::format(
-            "[force]\nstiffness = \"{} N/m\"\n[paths]\nlength = \"0 m\"\npress = \"1 N\"\nstart_depth = \"{} m\"\n"
-            "[hand]\nmass = \"0.075 kg\"\ndamping = \"0.5 N s/m\"\ngrip_stiffness = \"0 N/m\"\ngrip_damping = \"0 N "
-            "s/m\"\nmax_force = \"10 N\"\n",
-            stiffness, 1.01 / (1.05 * kLimit)));
-    };
+    const forceshade::testing::Plant& plant = forceshade::testing::kPlants[0];
+    const PreparedCase scene = prepared_scene(
+        forceshade::testing::pressed_scene(plant, 0.525 * plant.limit, 0.505, "", "max_force = \"10 N\"\n"));
     const auto run = [&](double scale, bool passivity) {
-        const PreparedCase scene = prepared(0.525 * kLimit);
         const auto sim = make_sim(scene, 1000);
         LoopSettings settings = unlimited(22500);
         settings.mapping.scale = scale;

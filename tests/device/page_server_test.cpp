@@ -14,28 +14,48 @@
 #include <gtest/gtest.h>
 
 #include "host/server/page_server.h"
+#include "tests/io/folder.h"
 
 namespace forceshade {
 namespace {
 
-/// A WebSocket of a page, connected.
+using testing::says;
+
+struct Place {
+    explicit Place(const std::string& address) {
+        const std::size_t colon = address.find(':', 5) + 1, slash = address.find('/', colon);
+        path = address.substr(slash);
+        host = address.substr(7, slash - 7);
+        port = static_cast<std::uint16_t>(std::stoi(address.substr(colon)));
+    }
+    std::string path, host;
+    std::uint16_t port;
+};
+
+/// A connection that has sent `asked`.
+int connection_to(const Place& place, const std::string& asked, int receive_buffer = 0) {
+    const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (receive_buffer > 0)
+        ::setsockopt(client, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    sockaddr_in there{};
+    there.sin_family = AF_INET;
+    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    there.sin_port = htons(place.port);
+    EXPECT_EQ(::connect(client, reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
+    EXPECT_EQ(::send(client, asked.data(), asked.size(), MSG_NOSIGNAL), std::ssize(asked));
+    return client;
+}
+
+/// A WebSocket of a page, connected, of which little waits to be read.
 class PageClient {
 public:
-    explicit PageClient(const std::string& address) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-        const std::size_t port = address.find(':', 5) + 1, path = address.find('/', port);
-        const int small = 4096; // of what is not read
-        ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
-        sockaddr_in there{};
-        there.sin_family = AF_INET;
-        there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        there.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(port))));
-        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
-        const std::string asked =
-            fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-                        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n",
-                        address.substr(path), address.substr(7, path - 7));
-        EXPECT_EQ(::send(socket_, asked.data(), asked.size(), 0), std::ssize(asked));
-    }
+    explicit PageClient(const Place& page)
+        : socket_(connection_to(
+              page,
+              fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n",
+                          page.path, page.host),
+              4096)) {}
     ~PageClient() { ::close(socket_); }
 
     /// How many bytes came until the server closed it.
@@ -57,7 +77,8 @@ TEST(PageServer, WhoTakesNothingIsClosedAndWaitedForByNobody) {
     std::atomic<int> closed = 0;
     std::optional<PageServer> server(std::in_place, std::vector<ServedPage>{{"view", "<p>a page</p>"}},
                                      std::uint16_t{0}, [&](const std::string&) { ++closed; });
-    const PageClient stuck(server->address("view")), reader(server->address("view"));
+    const Place view(server->address("view"));
+    const PageClient stuck(view), reader(view);
     std::size_t got = 0;
     std::jthread reading([&] { got = reader.read_all(); });
     for (int opened = 0; opened < 2;)
@@ -84,16 +105,8 @@ TEST(PageServer, WhoTakesNothingIsClosedAndWaitedForByNobody) {
 
 // What the server answers to a request, to the end.
 std::string answer_to(const std::string& address) {
-    const std::size_t port = address.find(':', 5) + 1, path = address.find('/', port);
-    const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in there{};
-    there.sin_family = AF_INET;
-    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    there.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(port))));
-    EXPECT_EQ(::connect(client, reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
-    const std::string asked =
-        fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\n\r\n", address.substr(path), address.substr(7, path - 7));
-    EXPECT_EQ(::send(client, asked.data(), asked.size(), MSG_NOSIGNAL), std::ssize(asked));
+    const Place page(address);
+    const int client = connection_to(page, fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\n\r\n", page.path, page.host));
     std::string all, room(4096, '\0');
     for (ssize_t got = 0; (got = ::recv(client, room.data(), room.size(), 0)) > 0;)
         all.append(room, 0, static_cast<std::size_t>(got));
@@ -108,15 +121,14 @@ TEST(PageServer, EachPageHasAnAddressThatTheOthersDoNotTell) {
                       0);
     const std::string person = server.address("person");
     const std::string page = answer_to(person);
-    EXPECT_NE(page.find("200 OK"), std::string::npos) << page;
+    EXPECT_TRUE(says(page, "200 OK"));
     const std::size_t nonce = page.find("<script nonce=\"") + 15;
-    EXPECT_NE(page.find("'nonce-" + page.substr(nonce, page.find('"', nonce) - nonce) + "'"), std::string::npos)
-        << page;
+    EXPECT_TRUE(says(page, "'nonce-" + page.substr(nonce, page.find('"', nonce) - nonce) + "'"));
     EXPECT_NE(answer_to(person).substr(nonce, 32), page.substr(nonce, 32)) << "another each time";
     const std::string folder = person.substr(0, person.rfind('/') + 1);
-    EXPECT_EQ(answer_to(folder + "operator").find("secret"), std::string::npos);
-    EXPECT_NE(answer_to(server.address("operator")).find("secret"), std::string::npos);
-    EXPECT_NE(answer_to(folder + "edge.svg").find("sandbox"), std::string::npos);
+    EXPECT_FALSE(says(answer_to(folder + "operator"), "secret"));
+    EXPECT_TRUE(says(answer_to(server.address("operator")), "secret"));
+    EXPECT_TRUE(says(answer_to(folder + "edge.svg"), "sandbox"));
 }
 
 // Browsers, or what is none, that begin requests and never end them: they hold few threads with small stacks, and after
@@ -124,23 +136,15 @@ TEST(PageServer, EachPageHasAnAddressThatTheOthersDoNotTell) {
 TEST(PageServer, HalfRequestsDoNotKeepTheOthersOut) {
     PageServer server({{"view", "<p>here</p>"}}, 0);
     const std::string address = server.address("view");
-    const std::size_t port = address.find(':', 5) + 1;
-    sockaddr_in there{};
-    there.sin_family = AF_INET;
-    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    there.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(port))));
     std::vector<int> halves;
-    for (int i = 0; i < 200; ++i) {
-        halves.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-        EXPECT_EQ(::connect(halves.back(), reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
-        ::send(halves.back(), "GET /", 5, MSG_NOSIGNAL);
-    }
+    for (int i = 0; i < 200; ++i)
+        halves.push_back(connection_to(Place(address), "GET /"));
     std::size_t threads = 0;
     for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
         threads += !task.path().empty();
     EXPECT_LT(threads, 50u);
     std::this_thread::sleep_for(std::chrono::milliseconds(2500));
-    EXPECT_NE(answer_to(address).find("here"), std::string::npos);
+    EXPECT_TRUE(says(answer_to(address), "here"));
     for (const int half : halves)
         ::close(half);
 }

@@ -1,4 +1,4 @@
-#include "tests/device/simulated_messages.h"
+#include "tests/device/simulated_service.h"
 
 #include <array>
 #include <cmath>
@@ -169,37 +169,15 @@ std::string unasked_state(const ServiceScript& script, double seconds) {
 }
 
 Fault fault_named(const std::string& name) {
-    constexpr std::array<std::pair<const char*, Fault>, 26> names{{
-        {"none", Fault::none},
-        {"no_inventory", Fault::no_inventory},
-        {"never_answers", Fault::never_answers},
-        {"late", Fault::late},
-        {"unasked", Fault::unasked},
-        {"older", Fault::older},
-        {"not_json", Fault::not_json},
-        {"wrong_types", Fault::wrong_types},
-        {"huge", Fault::huge},
-        {"deep", Fault::deep},
-        {"nan", Fault::nan},
-        {"null", Fault::null},
-        {"text", Fault::text},
-        {"missing", Fault::missing},
-        {"infinite", Fault::infinite},
-        {"far", Fault::far},
-        {"no_state", Fault::no_state},
-        {"empty", Fault::empty},
-        {"refuses", Fault::refuses},
-        {"no_websocket", Fault::no_websocket},
-        {"no_http", Fault::no_http},
-        {"closes", Fault::closes},
-        {"uncalibrated", Fault::uncalibrated},
-        {"no_power", Fault::no_power},
-        {"not_ready", Fault::not_ready},
-        {"not_started", Fault::not_started},
-    }};
-    for (const auto& [known, fault] : names)
-        if (name == known)
-            return fault;
+    constexpr std::array kNames{"none",      "no_inventory", "never_answers", "late",   "unasked",      "older",
+                                "not_json",  "wrong_types",  "huge",          "deep",   "nan",          "null",
+                                "text",      "missing",      "infinite",      "far",    "no_state",     "empty",
+                                "refuses",   "no_websocket", "no_http",       "closes", "uncalibrated", "no_power",
+                                "not_ready", "not_started"};
+    static_assert(kNames.size() == static_cast<std::size_t>(Fault::not_started) + 1);
+    for (std::size_t i = 0; i < kNames.size(); ++i)
+        if (name == kNames[i])
+            return static_cast<Fault>(i);
     throw std::invalid_argument("no such fault: " + name);
 }
 

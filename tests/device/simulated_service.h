@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@
 
 namespace forceshade::device::test {
 
-/// What a service does wrong, from the moment it is told to.
+/// What a service does wrong, from the moment it is told to. fault_named() has the names in this order.
 enum class Fault {
     none,
     no_inventory,  // takes up connections and says nothing
@@ -89,5 +90,21 @@ private:
     class Inside;
     std::unique_ptr<Inside> inside_;
 };
+
+// What it says and understands, apart from sockets.
+
+/// Of a command; nothing for what is none. `understood` is false, and the force zero, in the other dialect.
+std::optional<Received> read_command(const std::string& message, const ServiceScript& script);
+
+std::string inventory(const ServiceScript& script);
+
+/// The answer to a command `seconds` after the start, spoiled as the script's fault says.
+std::string answer(const ServiceScript& script, double seconds, const glm::dvec3& force);
+
+/// A state that nobody asked for: as the script's fault says, of a place where the device never is, or an older one.
+std::string unasked_state(const ServiceScript& script, double seconds);
+
+/// Where the first device is.
+glm::dvec3 place_at(const ServiceScript& script, double seconds);
 
 } // namespace forceshade::device::test

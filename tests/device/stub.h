@@ -145,6 +145,27 @@ void hold(long hand) {
     state.hand = hand;
 }
 
+/// One device that does what it should, with nobody's hand on it.
+void reset(double x, double y, double z, double most_force) {
+    for (Call& entry : state.calls)
+        entry.made = entry.first_failing = entry.end_failing = 0;
+    state.hand = state.buttons = 0;
+    state.devices = 1;
+    state.scale = 1;
+    state.most_force = most_force;
+    state.continuous_force = 0.88;
+    state.calibration = 0x5000;
+    state.styles = 2;
+    display(0, 0, 0);
+    state.forces = 0;
+    state.position[0] = x;
+    state.position[1] = y;
+    state.position[2] = z;
+    record_to(nullptr);
+    const std::lock_guard lock(state.order_mutex);
+    state.order.clear();
+}
+
 /// Run when the library is loaded.
 const bool set_up = [] {
     double x = 0, y = 0, z = 0;

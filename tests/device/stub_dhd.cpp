@@ -39,17 +39,7 @@ void let_watchdog_bite() {
 extern "C" {
 
 void stub_reset() {
-    for (stub::Call& entry : stub::state.calls)
-        entry.made = entry.first_failing = entry.end_failing = 0;
-    stub_position(0.01, 0.02, 0.03);
-    stub::display(0, 0, 0);
-    stub::state.forces = 0;
-    stub_devices(1);
-    stub_buttons(0);
-    stub::state.hand = 0;
-    stub_most_force(8);
-    stub_record(nullptr);
-    stub_order();
+    stub::reset(0.01, 0.02, 0.03, 8);
     enabled = false;
     watchdog = cause = 0;
 }

@@ -66,21 +66,7 @@ extern "C" {
 
 void stub_reset() {
     stop();
-    for (stub::Call& entry : stub::state.calls)
-        entry.made = entry.first_failing = entry.end_failing = 0;
-    stub_position(10, 20, 30);
-    stub::display(0, 0, 0);
-    stub::state.forces = 0;
-    stub_devices(1);
-    stub_buttons(0);
-    stub::state.hand = 0;
-    stub_most_force(3.3);
-    stub_scale(1);
-    stub_calibration(0x5000);
-    stub_styles(2);
-    stub_continuous_force(0.88);
-    stub_order();
-    stub_record(nullptr);
+    stub::reset(10, 20, 30, 3.3);
     frozen = enabled = false;
     const std::lock_guard lock(mutex);
     errors.clear();
@@ -164,26 +150,15 @@ ErrorInfo hdGetError() {
     return {code, -1, 7};
 }
 const char* hdGetErrorString(unsigned code) {
-    switch (code) {
-    case 0x0100:
-        return "Invalid enumeration";
-    case 0x0201:
-        return "Maximum force exceeded";
-    case 0x0204:
-        return "Force error";
-    case 0x0300:
-        return "Device fault";
-    case 0x0302:
-        return "Communication error";
-    case 0x0303:
-        return "Communication configuration error";
-    case 0x0304:
-        return "Timer error";
-    case 0x0501:
-        return "Scheduler full";
-    default:
-        return "some error";
-    }
+    constexpr std::pair<unsigned, const char*> kTexts[]{
+        {0x0100, "Invalid enumeration"}, {0x0201, "Maximum force exceeded"},
+        {0x0204, "Force error"},         {0x0300, "Device fault"},
+        {0x0302, "Communication error"}, {0x0303, "Communication configuration error"},
+        {0x0304, "Timer error"},         {0x0501, "Scheduler full"}};
+    for (const auto& [known, text] : kTexts)
+        if (code == known)
+            return text;
+    return "some error";
 }
 unsigned long hdScheduleAsynchronous(Callback call, void* of, unsigned short) {
     if (failed("hdScheduleAsynchronous", 0x0501))

@@ -25,10 +25,11 @@ namespace forceshade::device::testing {
 
 using forceshade::testing::Folder;
 using forceshade::testing::message_of;
+using forceshade::testing::says;
 
 inline void expect_words(const std::string& text, const std::vector<std::string>& words) {
     for (const std::string& word : words)
-        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
+        EXPECT_TRUE(says(text, word));
 }
 
 /// From construction on the environment names this library.
