@@ -1,6 +1,8 @@
 // Work round loops below a surface, against closed forms; curl; and what is said of loops.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <span>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,20 +10,100 @@
 #include "host/error.h"
 #include "host/mesh/mesh.h"
 #include "host/output/files.h"
+#include "host/reference/elementary.h"
 #include "host/study/energy/energy.h"
 #include "host/touch/own_surfaces.h"
-#include "tests/unit/closed_forms.h"
 
 namespace forceshade::study {
 namespace {
 
+// Work round a loop over half a bump in closed form: out below the nominal surface from x = 0 to x1 at depth d1, back
+// at depth d2.
+struct BumpLoop {
+    double stiffness; /* K, N/m */
+    double radius;    /* R, m */
+    double end;       /* x1, m: less than a */
+    double out, back; /* d1, d2, m: vertical depths */
+};
+
+double squares(const BumpLoop& loop) {
+    return 0.5 * loop.stiffness * (loop.out * loop.out - loop.back * loop.back);
+}
+
+/// The chord of the circle over [left, right].
+double chord_slope(double radius, double left, double right) {
+    return -(left + right) / (reference::circle_rise(radius, left) + reference::circle_rise(radius, right));
+}
+
+double cosine(double slope) {
+    return 1 / std::sqrt(1 + slope * slope);
+}
+
+/// The integral of N_z = sqrt(R^2 - x^2) / R from 0 to x, m.
+double upward(double radius, double x) {
+    return (x * reference::circle_rise(radius, x) + radius * radius * std::asin(x / radius)) / (2 * radius);
+}
+
+/// use(from, to, slope) for each facet's part within [0, x1], from left to right.
+template <typename Use> void over_facets(const BumpLoop& loop, std::span<const double> vertices, const Use& use) {
+    for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
+        const double from = std::max(vertices[i], 0.0), to = std::min(vertices[i + 1], loop.end);
+        if (from < to)
+            use(from, to, chord_slope(loop.radius, vertices[i], vertices[i + 1]));
+    }
+}
+
+/// The flat shaded plane (L4 with one facet, L5 of a cylinder): K (d1 - d2) x1^2 / (2 R) + K/2 (d1^2 - d2^2) (N_z(x1) -
+/// 1), J.
+double shaded_plane_work(const BumpLoop& loop) {
+    return loop.stiffness * (loop.out - loop.back) * loop.end * loop.end / (2 * loop.radius) +
+           squares(loop) * (reference::circle_rise(loop.radius, loop.end) / loop.radius - 1);
+}
+
+/// The plane with `two_pass` shading of the cylinder's normals: K (d1 - d2) (U(0) - U(x1)), J.
+double two_pass_plane_work(const BumpLoop& loop) {
+    return loop.stiffness * (loop.out - loop.back) * (loop.radius - reference::circle_rise(loop.radius, loop.end));
+}
+
+/// n facets with ascending vertices (m), unshaded: every break gives K/2 (c_R - c_L) (d1^2 - d2^2), c the cosine of the
+/// slope, or its square where depth is read along the normal, J. Vertices outside [0, x1] count for nothing.
+double faceted_work(const BumpLoop& loop, std::span<const double> vertices, bool normal_depth) {
+    double sum = 0, before = 0;
+    bool first = true;
+    over_facets(loop, vertices, [&](double, double, double slope) {
+        const double c = normal_depth ? 1 / (1 + slope * slope) : cosine(slope);
+        sum += first ? 0 : c - before;
+        before = c;
+        first = false;
+    });
+    return squares(loop) * sum;
+}
+
+/// The same facets, shaded by the cylinder's normal above the probe, J: on a facet of slope s with c as above (1 for
+/// vertical depth) the integral of K (d1 - d2) c (N_x + s N_z) dx, and K/2 (d1^2 - d2^2) c N_z at both ends.
+double shaded_facets_work(const BumpLoop& loop, std::span<const double> vertices, bool normal_depth) {
+    const double radius = loop.radius;
+    double along = 0, first = 0, last = 0;
+    bool begun = false;
+    over_facets(loop, vertices, [&](double from, double to, double slope) {
+        const double c = normal_depth ? cosine(slope) : 1;
+        along += c * ((to - from) * (to + from) / (2 * radius) + slope * (upward(radius, to) - upward(radius, from)));
+        first = begun ? first : c;
+        begun = true;
+        last = c;
+    });
+    return loop.stiffness * (loop.out - loop.back) * along +
+           squares(loop) * (last * reference::circle_rise(radius, loop.end) / radius - first);
+}
+
 constexpr double kEnd = 0.999 * 0.0127; // m: x1 of the laws' loop
 
-EnergyLaw bump_law(const char* radius, int facets, const char* shading) {
-    auto prepared = std::make_shared<PreparedCase>(CasePreparation().prepare(parse_scene(
-        fmt::format("surface = {{radius = \"{}\", facets = {}}}\nforce = {{stiffness = \"500 N/m\", shading = \"{}\"}}",
-                    radius, facets, shading),
-        "test")));
+EnergyLaw bump_law(const char* radius, int facets, const char* shading, const char* depth = "vertical") {
+    auto prepared = std::make_shared<PreparedCase>(CasePreparation().prepare(
+        parse_scene(fmt::format("surface = {{radius = \"{}\", facets = {}}}\nforce = {{stiffness = \"500 N/m\", "
+                                "shading = \"{}\", depth = \"{}\"}}",
+                                radius, facets, shading, depth),
+                    "test")));
     return {"bump", shading, double(facets), std::string(shading) == "none", prepared};
 }
 
@@ -53,10 +135,13 @@ TEST(EnergyLoops, GiveTheClosedFormOverFacets) {
         for (int i = 0; i <= facets; ++i)
             vertices.push_back(radius * std::sin(half * (2.0 * i / facets - 1)));
         const BumpLoop loop{500, radius, kEnd, 0.002, 0.001};
-        EXPECT_NEAR(work_of(bump_law("600 mil", facets, "none"), kLawsLoop, 8192).work,
-                    faceted_work(loop, vertices, false), 1e-7);
-        EXPECT_NEAR(work_of(bump_law("600 mil", facets, "reference"), kLawsLoop, 8192).work,
-                    shaded_facets_work(loop, vertices, false), 2e-7);
+        for (const bool normal : {false, true}) {
+            const char* const depth = normal ? "normal" : "vertical";
+            EXPECT_NEAR(work_of(bump_law("600 mil", facets, "none", depth), kLawsLoop, 8192).work,
+                        faceted_work(loop, vertices, normal), 1e-7);
+            EXPECT_NEAR(work_of(bump_law("600 mil", facets, "reference", depth), kLawsLoop, 8192).work,
+                        shaded_facets_work(loop, vertices, normal), 2e-7);
+        }
     }
 }
 

@@ -85,7 +85,7 @@ Ran run(const Study& study, const std::filesystem::path& folder) {
     return result.get();
 }
 
-class CasePipeline : public testing::Test {
+class CasePipeline : public ::testing::Test {
 protected:
     void SetUp() override { std::filesystem::create_directories(folder_); }
     void TearDown() override { std::filesystem::remove_all(folder_); }

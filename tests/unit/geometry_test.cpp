@@ -170,7 +170,7 @@ TEST(Warnings, OfAFinerGridThatLeavesOutAPartOfTheBump) {
 }
 
 TEST(Warnings, OfAMeshThatNoHandSpans) {
-    const std::string file = testing::TempDir() + "forceshade_tetrahedron.obj";
+    const std::string file = ::testing::TempDir() + "forceshade_tetrahedron.obj";
     std::ofstream(file) << "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     const std::string scene = "[surface]\nkind = \"mesh\"\nfile = \"" + file + "\"\n";
     EXPECT_TRUE(scene_warnings(scene + "unit = \"mm\"\n[grid]\nsamples = 4\n").empty());

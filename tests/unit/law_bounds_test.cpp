@@ -26,9 +26,9 @@ using reference::Vector;
 constexpr double kUnit = AffineRun::kUnit;
 
 // Numbers that single precision holds.
-class Draw {
+class SingleDraw {
 public:
-    explicit Draw(std::uint64_t seed) : engine_(seed) {}
+    explicit SingleDraw(std::uint64_t seed) : engine_(seed) {}
     double between(double low, double high) { return single_precision(std::lerp(low, high, uniform())); }
     double of_size(double low, double high) { return single_precision(low * std::pow(high / low, uniform())); }
     std::size_t below(std::size_t limit) { return static_cast<std::size_t>(engine_() % limit); }
@@ -189,7 +189,7 @@ private:
         keep(parts_.force, error_of(contact.force, glm::dvec3{0.6f, 0, 0.8f} * (-stiffness * z)), -stiffness * z);
     }
 
-    Draw draw_{7};
+    SingleDraw draw_{7};
     Parts parts_;
 };
 
@@ -230,7 +230,7 @@ public:
     explicit Places(const PreparedCase& prepared)
         : exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)) {}
     template <typename Visit> void each(std::size_t count, std::uint64_t seed, const Visit& visit) const {
-        Draw draw(seed);
+        SingleDraw draw(seed);
         const auto any = [&](const std::vector<double>& axis) {
             return single_precision(axis[draw.below(axis.size())]);
         };

@@ -2,13 +2,11 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <vector>
 
 #include "host/field/tables.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
-#include "tests/unit/loop_work.h"
 
 namespace forceshade::test {
 
@@ -48,10 +46,5 @@ template <typename T> struct OwnedLaw {
         : tables(make_tables<T>(scene, images, Extent::everything)) {}
     reference::Contact<T> operator()(T x, T y, T z) const { return reference::evaluate(tables.law(), {x, y, z}); }
 };
-
-/// The force of a law, for work along lines.
-inline study::ForceAt force_of(const OwnedLaw<double>& law) {
-    return [&law](const study::Vector& at) { return law(at.x, at.y, at.z).force; };
-}
 
 } // namespace forceshade::test

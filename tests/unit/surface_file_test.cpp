@@ -1,6 +1,5 @@
 // The surface with the forces on it, read by hand and held against closed forms and against the law.
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <set>
 
@@ -16,6 +15,8 @@
 
 namespace forceshade::test {
 namespace {
+
+using forceshade::testing::says;
 
 constexpr double kDegreesOfRadian = 180 / std::numbers::pi;
 
@@ -94,7 +95,6 @@ protected:
         return surface;
     }
     ReadSurface written(const std::string& scene) const { return written(prepare(scene)); }
-    void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
     std::string mesh(const std::string& file, const std::string& more) const {
         return fmt::format("[surface]\nkind = \"mesh\"\nfile = \"{}\"\nunit = \"cm\"\n{}", (folder_ / file).string(),
                            more);
@@ -111,7 +111,7 @@ const std::vector<Point> kHouseNormals{{0, -1, 0},           {0, 1, 0}, {0, 0, -
                                        {-kSlope, 0, kSlope}, {-1, 0, 0}};
 
 TEST_F(SurfaceFile, OfAMeshHasItsFacetsAsTheyAreAndTheForceAlongTheirNormals) {
-    write("house.off", kHouse);
+    folder_.write("house.off", kHouse);
     for (const char* precision : {"f32", "f64"}) {
         PreparedCase prepared = prepare(mesh("house.off", "[force]\nstiffness = \"2 N/mm\"\n"));
         prepared.one.scene.precision = precision == std::string("f32") ? Precision::f32 : Precision::f64;
@@ -130,17 +130,16 @@ TEST_F(SurfaceFile, OfAMeshHasItsFacetsAsTheyAreAndTheForceAlongTheirNormals) {
             }
         }
         EXPECT_EQ(surface.points[surface.cells[0][3]], Point(0, -0.01, 0.02)) << "in metres";
-        EXPECT_NE(surface.text.find("Name=\"pressed_m\" NumberOfTuples=\"1\" format=\"ascii\">0.001<"),
-                  std::string::npos);
-        EXPECT_NE(surface.text.find("<PointData Vectors=\"force\" Scalars=\"turn\">"), std::string::npos);
-        EXPECT_NE(surface.text.find("NumberOfPolys=\"7\">"), std::string::npos);
+        EXPECT_TRUE(says(surface.text, "Name=\"pressed_m\" NumberOfTuples=\"1\" format=\"ascii\">0.001<",
+                         "<PointData Vectors=\"force\" Scalars=\"turn\">", "NumberOfPolys=\"7\">"));
     }
 }
 
 TEST_F(SurfaceFile, OfAShadedMeshTurnsFromVertexToVertex) {
     // An octahedron: barycentric normals at its vertices are the axes, 54.7 degrees from each facet's normal.
-    write("octahedron.off", "OFF\n6 8 0\n1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n3 0 2 4\n3 2 1 4\n3 1 3 4\n"
-                            "3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n");
+    folder_.write("octahedron.off",
+                  "OFF\n6 8 0\n1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n3 0 2 4\n3 2 1 4\n3 1 3 4\n"
+                  "3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n");
     const ReadSurface surface = written(mesh("octahedron.off", "[force]\nshading = \"barycentric\"\n"));
     const double turn = std::acos(1 / std::sqrt(3.0)) * kDegreesOfRadian;
     ASSERT_EQ(surface.cells.size(), 8u);
@@ -158,7 +157,7 @@ TEST_F(SurfaceFile, OfAMeshHasNoForceWhereNoProbeTouchesIt) {
     std::string house = kHouse;
     house.replace(house.find("10 7 0"), 6, "11 9 0");
     house.insert(house.find("5 0 1 2"), "0 -1 0\n");
-    write("house.off", house + "5 0 1 2 3 4\n3 0 10 1\n");
+    folder_.write("house.off", house + "5 0 1 2 3 4\n3 0 10 1\n");
     const ReadSurface surface = written(mesh("house.off", "[force]\nshading = \"mean_value\"\n"));
     ASSERT_EQ(surface.cells.size(), 9u);
     for (std::size_t facet = 0; facet < 9; ++facet)
@@ -297,7 +296,7 @@ TEST_F(SurfaceFile, OfAMeshIsForecastFromItsFile) {
     for (int i = 0; i < 100; ++i)
         for (int j = 0; j < 100; ++j)
             text += fmt::format("4 {} {} {} {}\n", 101 * i + j, 101 * i + j + 1, 101 * i + j + 102, 101 * i + j + 101);
-    write("grid.off", text);
+    folder_.write("grid.off", text);
     const PreparedCase prepared = prepare(mesh("grid.off", ""));
     const double guess = most_surface_bytes(prepared.one.scene);
     const ReadSurface surface = written(prepared);
