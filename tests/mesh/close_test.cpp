@@ -19,7 +19,7 @@ using reference::Move;
 using reference::MoveBox;
 using reference::Vector;
 
-template <typename T> class Sieve : public testing::Test {
+template <typename T> class Sieve : public ::testing::Test {
 protected:
     double share() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
 
@@ -85,7 +85,7 @@ private:
     std::vector<layout::uint> corners_, facets_;
 };
 
-using Precisions = testing::Types<float, double>;
+using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(Sieve, Precisions);
 
 TYPED_TEST(Sieve, MissesNoPlaneAndLeavesOutWhatIsFar) {

@@ -14,17 +14,13 @@
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/mesh/damage.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/mesh_law.h"
 
 namespace forceshade {
 namespace {
 
+using shapes::anywhere;
 using shapes::Damage;
-
-glm::dvec3 anywhere(std::mt19937& random, double reach) {
-    const double x = reach * shapes::uniform(random), y = reach * shapes::uniform(random);
-    return {x, y, reach * shapes::uniform(random)};
-}
 
 PolygonSoup shape(unsigned kind, std::mt19937& random) {
     switch (kind % 6) {
@@ -57,16 +53,16 @@ struct Count {
 /// Probes against the sound mesh's winding number; `surely` in units of the frame: nearer ones are not judged.
 template <typename T>
 Count count_wrong(const Mesh& sound, const Mesh& broken, int probes, double surely, std::mt19937& random) {
-    const MeshStructure structure = build_structure(broken);
-    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1);
-    const layout::MeshView<T> view = tables.view();
+    const shapes::MeshLaw<T> law(broken);
+    const MeshStructure& structure = law.structure;
+    const layout::MeshView<T>& view = law.view;
     const brute::MeshReferee referee(sound, {}), of_broken(broken, {});
     Count count;
     for (int i = 0; i < probes; ++i) {
         const double off = std::pow(10.0, -4 + 4 * std::abs(shapes::uniform(random)));
         const glm::dvec3 world = i % 3 == 0 ? structure.centre + structure.scale * anywhere(random, i % 2 == 0 ? 1 : 30)
                                             : near_surface(sound.polygons, off * structure.scale, random);
-        const reference::Vector<T> probe(to_mesh_frame(structure, world));
+        const reference::Vector<T> probe = law.local(world);
         const auto found = reference::nearest(view, probe);
         if (std::sqrt(double(found.square)) < surely * std::max(1.0, double(reference::largest_coordinate(probe))))
             continue;
@@ -146,14 +142,12 @@ TEST(Damage, ThreadsOfNoAreaAreLeftOutInAnyUnit) {
             const auto last = static_cast<std::uint32_t>(polygons.vertices.size() - 1);
             shapes::add_facet(polygons, {last - 2, last - 1, last});
         }
-        const Mesh mesh = shapes::mesh_of(shapes::moved(polygons, glm::dvec3(unit), {}));
-        EXPECT_EQ(inspect(mesh.polygons).degenerate_facets, 20u) << unit;
-        const MeshStructure structure = build_structure(mesh);
-        const MeshTables<double> tables = make_mesh_tables<double>(structure, 1);
-        const brute::MeshReferee referee(mesh, {});
+        const shapes::MeshLaw<> law(shapes::moved(polygons, glm::dvec3(unit), {}));
+        EXPECT_EQ(inspect(law.mesh.polygons).degenerate_facets, 20u) << unit;
+        const brute::MeshReferee referee(law.mesh, {});
         for (const glm::dvec3& middle : middles) {
-            const auto found = reference::nearest(tables.view(), to_mesh_frame(structure, unit * middle));
-            EXPECT_NEAR(structure.scale * std::sqrt(found.square), double(referee.nearest(unit * middle).distance),
+            const auto found = reference::nearest(law.view, law.local(unit * middle));
+            EXPECT_NEAR(law.structure.scale * std::sqrt(found.square), double(referee.nearest(unit * middle).distance),
                         1e-12 * unit);
         }
     }

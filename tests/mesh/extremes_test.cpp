@@ -1,5 +1,6 @@
 // Meshes that break lesser code: slivers, nothing, doubles, needles, cancelling normals, far away, huge facets. Always
 // finite, and right where right means something.
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -9,7 +10,7 @@
 #include "host/mesh/structure.h"
 #include "host/referee/referee.h"
 #include "host/reference/contact.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/mesh_law.h"
 
 namespace forceshade {
 namespace {
@@ -25,11 +26,9 @@ template <typename T> double length(const reference::Vector<T>& v) {
 }
 
 /// Every scheme at probes all over, on corners and in the middle of triangles: finite, as strong as unshaded.
-template <typename T> void expect_sane(const MeshStructure& structure) {
-    const MeshTables<T> tables = make_mesh_tables<T>(structure, kStiffness);
-    layout::Law<T> law{};
-    law.features.surface = layout::kSurfaceMesh;
-    law.mesh = tables.view();
+template <typename T> void expect_sane(const Mesh& mesh) {
+    shapes::MeshLaw<T> meshed(mesh, kStiffness);
+    layout::Law<T>& law = meshed.law;
     bool triangles = true;
     for (uint facet = 0; facet < law.mesh.params.facets; ++facet)
         triangles = triangles && law.mesh.facet_begins[facet + 1] - law.mesh.facet_begins[facet] == 3;
@@ -37,7 +36,7 @@ template <typename T> void expect_sane(const MeshStructure& structure) {
     for (int i = 0; i < 600; ++i) {
         reference::Vector<T> probe(T(1.1 * shapes::uniform(random)), T(1.1 * shapes::uniform(random)),
                                    T(1.1 * shapes::uniform(random)));
-        const std::size_t triangle = random() % structure.triangles();
+        const std::size_t triangle = random() % meshed.structure.triangles();
         const auto corner = [&](std::size_t j) {
             return reference::vector_at(law.mesh.vertices, law.mesh.triangle_corners[3 * triangle + j]);
         };
@@ -69,19 +68,16 @@ template <typename T> void expect_sane(const MeshStructure& structure) {
 }
 
 /// Depth and direction by the referee, wherever rounding does not decide.
-void expect_right(const Mesh& mesh, const MeshStructure& structure, double tolerance = 1e-12) {
-    const MeshTables<double> tables = make_mesh_tables<double>(structure, kStiffness);
-    layout::Law<double> law{};
-    law.features.surface = layout::kSurfaceMesh;
-    law.mesh = tables.view();
+void expect_right(const Mesh& mesh, double tolerance = 1e-12) {
+    const shapes::MeshLaw<> law(mesh, kStiffness);
+    const double scale = law.structure.scale;
     const brute::MeshReferee referee(mesh, {});
     std::mt19937 random(2);
     for (int i = 0; i < 100; ++i) {
-        const glm::dvec3 local(shapes::uniform(random), shapes::uniform(random), shapes::uniform(random));
-        const glm::dvec3 world = structure.centre + structure.scale * local;
+        const glm::dvec3 world = law.structure.centre + shapes::anywhere(random, scale);
         const brute::Answer expected = referee.at(world);
-        const reference::Contact<double> found = reference::evaluate(law, to_mesh_frame(structure, world));
-        EXPECT_NEAR(found.depth / structure.scale, double(expected.depth) / structure.scale, tolerance);
+        const reference::Contact<double> found = law.at(world);
+        EXPECT_NEAR(found.depth / scale, double(expected.depth) / scale, tolerance);
         EXPECT_EQ(found.facet == layout::kNoFacet, expected.facet == layout::kNoFacet);
     }
 }
@@ -89,11 +85,10 @@ void expect_right(const Mesh& mesh, const MeshStructure& structure, double toler
 /// Finite, and where `referee` says so right.
 void hold(const PolygonSoup& polygons, bool referee = true) {
     const Mesh mesh = shapes::mesh_of(polygons);
-    const MeshStructure structure = build_structure(mesh);
-    expect_sane<double>(structure);
-    expect_sane<float>(structure);
+    expect_sane<double>(mesh);
+    expect_sane<float>(mesh);
     if (referee)
-        expect_right(mesh, structure);
+        expect_right(mesh);
 }
 
 PolygonSoup with_facets(PolygonSoup polygons, std::initializer_list<std::initializer_list<std::uint32_t>> facets) {
@@ -115,11 +110,9 @@ TEST(Extremes, FacetsThinOrWithoutAreaOrDouble) {
     hold(with_facets(with_vertices(twice, {(twice.vertices[0] + twice.vertices[1]) / 2.0}),
                      {{0, 0, 5}, {3, 3, 3}, {0, std::uint32_t(twice.vertices.size()), 1}}));
     // Each facet once more, of the same vertices.
-    PolygonSoup again = sphere;
-    for (std::size_t facet = 0; facet < sphere.facets(); ++facet) {
-        const std::uint32_t* corners = &sphere.corners[sphere.begins[facet]];
-        shapes::add_facet(again, {corners[0], corners[1], corners[2]});
-    }
+    PolygonSoup again = twice;
+    again.vertices = sphere.vertices;
+    std::copy(sphere.corners.begin(), sphere.corners.end(), again.corners.begin() + std::ssize(sphere.corners));
     hold(again);
     hold(shapes::subdivided(shapes::subdivided(shapes::cube()))); // coplanar neighbours
     hold(shapes::single_triangle());
@@ -158,29 +151,20 @@ TEST(Extremes, TwoPassWhereTheDirectionLiesInTheFacetIsUnshaded) {
     Mesh mesh = shapes::mesh_of(shapes::single_triangle());
     for (glm::dvec3& normal : mesh.vertex_normals)
         normal = {0.6, 0.8, 0};
-    const MeshStructure structure = build_structure(mesh);
-    const MeshTables<double> tables = make_mesh_tables<double>(structure, kStiffness);
-    layout::Law<double> law{};
-    law.features.surface = layout::kSurfaceMesh;
-    law.features.shading = layout::kShadingTwoPass;
-    law.mesh = tables.view();
-    const auto contact = reference::evaluate(law, to_mesh_frame(structure, {0.2, 0.2, -0.1}));
+    shapes::MeshLaw<> flat(mesh, kStiffness);
+    flat.law.features.shading = layout::kShadingTwoPass;
+    const auto contact = flat.at({0.2, 0.2, -0.1});
     EXPECT_EQ(contact.force, contact.unshaded);
     EXPECT_NEAR(contact.force.z, 0.1 * kStiffness, 1e-12);
 }
 
 TEST(Extremes, AFacetOf65537Corners) {
-    const Mesh mesh = shapes::mesh_of(shapes::many_gon_prism(65537));
-    const MeshStructure structure = build_structure(mesh);
-    const MeshTables<double> tables = make_mesh_tables<double>(structure, kStiffness);
-    layout::Law<double> law{};
-    law.features.surface = layout::kSurfaceMesh;
-    law.mesh = tables.view();
+    shapes::MeshLaw<> prism(shapes::many_gon_prism(65537), kStiffness);
     for (const uint shading : {layout::kShadingMorgenbesser, layout::kShadingMeanValue, layout::kShadingTwoPass}) {
-        law.features.shading = shading;
+        prism.law.features.shading = shading;
         for (const glm::dvec3& world :
              {glm::dvec3(0.1, 0.2, 0.9), {0, 0, 0.95}, {0.9999, 0, 0.99999}, {0.5, 0.5, 1 - 1e-12}}) {
-            const auto contact = reference::evaluate(law, to_mesh_frame(structure, world));
+            const auto contact = prism.at(world);
             EXPECT_NEAR(contact.depth, std::min(1 - world.z, 1 - std::hypot(world.x, world.y)), 1e-8);
             EXPECT_NEAR(length(contact.unshaded), kStiffness * contact.depth, 1e-9);
             EXPECT_TRUE(std::isfinite(length(contact.force)));

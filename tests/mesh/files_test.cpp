@@ -1,6 +1,5 @@
 // Polygon files of every format and flavour, and those that are refused.
 #include <clocale>
-#include <fstream>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -15,6 +14,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh_file.h"
+#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"
@@ -23,26 +23,21 @@ namespace forceshade {
 namespace {
 
 using testing::message_of;
+using testing::says;
 
 class MeshFiles : public ::testing::Test {
 protected:
-    std::filesystem::path write(const std::string& name, const std::string& bytes) {
-        std::ofstream(folder_ / name, std::ios::binary) << bytes;
-        return folder_ / name;
-    }
     PolygonSoup read(const std::string& name, const std::string& bytes) {
-        return read_polygons(write(name, bytes)).polygons;
+        return read_polygons(folder_.write(name, bytes)).polygons;
     }
     template <typename E> std::string refusal(const std::string& name, const std::string& bytes) {
-        const auto path = write(name, bytes);
+        const auto path = folder_.write(name, bytes);
         return message_of<E>([&] { read_polygons(path); });
     }
     /// Refused with an error that says all of `words`.
     template <typename E>
     void expect_refused(const std::string& name, const std::string& bytes, const std::string& words) {
-        const std::string said = refusal<E>(name, bytes);
-        EXPECT_NE(said.find(words), std::string::npos) << "no \"" << words << "\" in \"" << said << "\", of:\n"
-                                                       << bytes;
+        EXPECT_TRUE(says(refusal<E>(name, bytes), words)) << bytes;
     }
     void expect_same_in_this_locale();
     testing::Folder folder_;
@@ -69,32 +64,12 @@ void MeshFiles::expect_same_in_this_locale() {
     EXPECT_EQ(read("tiny.obj", "v 1.5e-400 0 0\nv 1.5 0 0\nv 0 1 0\nf 1 2 3\n").vertices[1].x, 1.5);
 }
 
-TEST_F(MeshFiles, EveryFormatGivesTheVeryDoubles) {
-    const PolygonSoup expected = testing::fine_tetrahedron();
-    expect_same(read("a.obj", testing::as_obj(expected)), expected);
-    expect_same(read("a.off", testing::as_off(expected)), expected);
-    expect_same(read("a.PLY", testing::as_ply_text(expected)), expected);
-    expect_same(read("b.ply", testing::as_ply_binary(expected, false)), expected);
-    expect_same(read("c.ply", testing::as_ply_binary(expected, true)), expected);
-    const PolygonSoup stl = read("a.stl", testing::as_stl_text(expected));
-    EXPECT_EQ(stl.vertices.size(), 4u);
-    expect_same_corners(stl, expected);
-}
-
-TEST_F(MeshFiles, FormatsOfFloatsGiveTheVeryFloats) {
-    const PolygonSoup expected = testing::fine_tetrahedron(true);
-    for (const bool big_endian : {false, true})
-        expect_same(read("a.ply", testing::as_ply_binary(expected, big_endian, true, true)), expected);
-    const PolygonSoup stl = read("a.stl", testing::as_stl_binary(expected));
-    EXPECT_EQ(stl.vertices.size(), 4u);
-    expect_same_corners(stl, expected);
-}
-
 TEST_F(MeshFiles, FormatAndHashAreTold) {
-    const PolygonFile file = read_polygons(write("a.ply", testing::as_ply_binary(testing::fine_tetrahedron(), true)));
+    const PolygonFile file =
+        read_polygons(folder_.write("a.ply", testing::as_ply_binary(testing::fine_tetrahedron(), true)));
     EXPECT_EQ(file.format, "PLY (binary, big endian)");
     EXPECT_EQ(file.sha256.size(), 64u);
-    EXPECT_EQ(read_polygons(write("a.stl", testing::as_stl_binary(testing::fine_tetrahedron()))).format,
+    EXPECT_EQ(read_polygons(folder_.write("a.stl", testing::as_stl_binary(testing::fine_tetrahedron()))).format,
               "STL (binary)");
 }
 
@@ -130,9 +105,7 @@ TEST_F(MeshFiles, OffFlavours) {
     expect_same(read("b.off", "# first\nCOFF 3 1 0 # c\n\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n0 1 0 0 0 0 0\n3 0 1\n 2"),
                 expected);
     expect_same(read("c.off", "OFF\r\n3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2 0.5 0.5 0.5"), expected);
-    expect_refused<IoError>("f.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n", ":7: the file goes on");
     expect_refused<UsageError>("d.off", "OFF BINARY\nxxxx", "binary OFF");
-    expect_refused<UsageError>("e.off", "4OFF\n1 1 0\n0 0 0 1\n", "three coordinates");
 }
 
 TEST_F(MeshFiles, PlyPropertiesInAnyOrderAndOfAnyType) {
@@ -243,27 +216,21 @@ TEST_F(MeshFiles, VerticesThatAreNotFiniteAreNamed) {
 
 TEST_F(MeshFiles, ExtensionAndContentsMustAgree) {
     const PolygonSoup soup = testing::fine_tetrahedron();
-    const std::string wrong = refusal<UsageError>("a.obj", testing::as_ply_text(soup));
-    EXPECT_NE(wrong.find("the extension says OBJ, but its contents look like PLY; rename it to .ply"),
-              std::string::npos)
-        << wrong;
+    EXPECT_TRUE(says(refusal<UsageError>("a.obj", testing::as_ply_text(soup)),
+                     "the extension says OBJ, but its contents look like PLY; rename it to .ply"));
     expect_refused<UsageError>("a.ply", testing::as_stl_binary(soup), "look like STL");
     expect_refused<UsageError>("a.stl", testing::as_off(soup), "look like OFF");
     expect_refused<UsageError>("a.off", testing::as_obj(soup), "look like OBJ");
-    const std::string unknown = refusal<UsageError>("a.fbx", testing::as_obj(soup));
-    EXPECT_NE(unknown.find(".obj, .off, .ply, .stl"), std::string::npos) << unknown;
-    EXPECT_NE(unknown.find("look like OBJ"), std::string::npos) << unknown;
+    EXPECT_TRUE(says(refusal<UsageError>("a.fbx", testing::as_obj(soup)), ".obj, .off, .ply, .stl", "look like OBJ"));
     expect_refused<UsageError>("noextension", "\1\2\3", "none of them");
 }
 
 TEST_F(MeshFiles, FilesThatCannotBeRead) {
-    EXPECT_NE(message_of<IoError>([&] { read_polygons(folder_ / "missing.obj"); }).find("missing.obj"),
-              std::string::npos);
+    EXPECT_TRUE(says(message_of<IoError>([&] { read_polygons(folder_ / "missing.obj"); }), "missing.obj"));
     for (const char* name : {"a.obj", "a.off", "a.ply", "a.stl"})
         expect_refused<IoError>(name, "", "empty");
     std::filesystem::create_directory(folder_ / "folder.obj");
-    EXPECT_NE(message_of<IoError>([&] { read_polygons(folder_ / "folder.obj"); }).find("regular file"),
-              std::string::npos);
+    EXPECT_TRUE(says(message_of<IoError>([&] { read_polygons(folder_ / "folder.obj"); }), "regular file"));
     for (const char* name : {"b.obj", "b.off", "b.ply", "b.stl"})
         EXPECT_NE(refusal<IoError>(name, std::string(300, '\xA7')), "") << name;
 }
@@ -312,9 +279,7 @@ CgalSoup read_by_cgal(const std::string& extension, const std::string& bytes) {
 }
 
 void compare(const std::string& extension, const std::string& bytes) {
-    testing::Folder folder;
-    std::ofstream(folder / ("a" + extension), std::ios::binary) << bytes;
-    const PolygonSoup mine = read_polygons(folder / ("a" + extension)).polygons;
+    const PolygonSoup mine = parse_polygons("a" + extension, bytes).polygons;
     const CgalSoup other = read_by_cgal(extension, bytes);
     ASSERT_EQ(mine.vertices.size(), other.points.size()) << extension;
     for (std::size_t i = 0; i < other.points.size(); ++i)
@@ -328,18 +293,16 @@ void compare(const std::string& extension, const std::string& bytes) {
 }
 
 TEST(CgalReaders, ReadTheSame) {
-    for (const PolygonSoup& soup : {testing::fine_tetrahedron(), shapes::icosphere(3)})
+    for (const PolygonSoup& soup : {testing::fine_tetrahedron(), testing::fine_tetrahedron(true), shapes::icosphere(3)})
         for (const auto& [extension, bytes] : testing::all_formats(soup))
             compare(extension, bytes);
+    compare(".ply", testing::as_ply_binary(testing::fine_tetrahedron(true), false, true, true));
     const PolygonSoup prism = shapes::many_gon_prism(100);
     compare(".obj", testing::as_obj(prism));
     compare(".off", testing::as_off(prism));
     compare(".ply", testing::as_ply_text(prism));
     compare(".ply", testing::as_ply_binary(prism, true));
-    std::ifstream stream(FORCESHADE_TEST_DATA "/spot.obj", std::ios::binary);
-    std::stringstream spot;
-    spot << stream.rdbuf();
-    compare(".obj", spot.str());
+    compare(".obj", read_file(FORCESHADE_TEST_DATA "/spot.obj"));
 }
 
 } // namespace

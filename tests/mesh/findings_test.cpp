@@ -20,12 +20,6 @@ namespace {
 
 using shapes::add_facet;
 
-PolygonSoup without_last_facet(PolygonSoup soup) {
-    soup.begins.pop_back();
-    soup.corners.resize(soup.begins.back());
-    return soup;
-}
-
 PolygonSoup reversed(PolygonSoup soup, std::size_t facet) {
     std::reverse(soup.corners.begin() + soup.begins[facet], soup.corners.begin() + soup.begins[facet + 1]);
     return soup;
@@ -56,20 +50,18 @@ TEST(Findings, SpotIsFaultless) {
 }
 
 TEST(Findings, AHole) {
-    const MeshFindings found = inspect(without_last_facet(shapes::cube()));
+    const MeshFindings found = inspect(shapes::open_cube());
     EXPECT_FALSE(found.closed);
     EXPECT_EQ(found.boundary_edges, 4u);
     EXPECT_EQ(found.holes, 1u);
 }
 
 TEST(Findings, FacetsTurnedInward) {
-    PolygonSoup cube = shapes::cube();
+    const PolygonSoup cube = shapes::cube();
     const MeshFindings one = inspect(reversed(cube, 2));
     EXPECT_EQ(one.misoriented_edges, 4u);
     EXPECT_TRUE(one.closed);
-    for (std::size_t facet = 0; facet < 6; ++facet)
-        cube = reversed(cube, facet);
-    const MeshFindings all = inspect(cube);
+    const MeshFindings all = inspect(shapes::reversed(cube));
     EXPECT_EQ(all.misoriented_edges, 0u);
     EXPECT_DOUBLE_EQ(all.volume, -8);
 }
@@ -220,15 +212,8 @@ TEST(Connectivity, HalfEdgesAndEdgesAgree) {
         if (trial % 3 == 0)
             soup = shapes::merged(soup, shapes::cube());
         // Leave facets out at random; what is left has holes, and often vertices where they meet.
-        PolygonSoup rest;
-        rest.vertices = soup.vertices;
         const unsigned share = 2 + static_cast<unsigned>(trial) % 40;
-        for (std::size_t facet = 0; facet < soup.facets(); ++facet)
-            if (random() % share != 0) {
-                rest.corners.insert(rest.corners.end(), soup.corners.begin() + soup.begins[facet],
-                                    soup.corners.begin() + soup.begins[facet + 1]);
-                rest.begins.push_back(static_cast<std::uint32_t>(rest.corners.size()));
-            }
+        const PolygonSoup rest = shapes::kept_facets(soup, [&](std::size_t) { return random() % share != 0; });
         const Connectivity matched(rest, Connectivity::Method::matched_edges), best(rest);
         EXPECT_EQ(best.has_half_edges(), matched->counts().non_manifold_vertices == 0);
         if (!best.has_half_edges())

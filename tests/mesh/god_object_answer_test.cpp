@@ -7,9 +7,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "host/reference/god_object.h"
-#include "tests/mesh/god_object_referee.h"
-#include "tests/mesh/god_object_walks.h"
+#include "tests/mesh/god_object_run.h"
 
 namespace forceshade {
 namespace {
@@ -27,31 +25,24 @@ struct Update {
     glm::dvec3 before, proxy, contact, probe; /* the proxy a skin off, before and after; on the surface */
 };
 
-template <typename T> class Answers {
+template <typename T> class Answers : walks::Run<T> {
 public:
-    explicit Answers(const walks::Terrain& terrain)
-        : name_(terrain.name), structure_(build_structure(shapes::mesh_of(terrain.polygons))),
-          tables_(make_mesh_tables<T>(structure_, 1.0)), mesh_(tables_.view()),
-          triangles_(brute::Triangles::of(mesh_.vertices, mesh_.triangle_corners)), grid_(triangles_) {}
+    explicit Answers(const walks::Terrain& terrain) : walks::Run<T>(terrain.polygons), name_(terrain.name) {}
 
     const AnswerTally& run(std::uint64_t walks, std::uint64_t seed) {
-        auto around = std::make_unique<reference::Neighbourhood<T>>();
         for (std::uint64_t i = 0; i < walks; ++i) {
-            walks::Prober prober(structure_, seed * 1000003 + i);
-            reference::GodObject<T> state;
+            walks::Prober prober(this->structure, seed * 1000003 + i);
+            this->state = {};
             glm::dvec3 before(0);
             std::vector<glm::dvec3> course;
-            bool crossed = false;
-            const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
-                crossed = crossed || grid_.touches(walks::wide(from), walks::wide(to));
-            };
             for (unsigned step = 0; step < walks::Aimer::kSteps; ++step) {
                 course.push_back(step == 0 ? prober.begin() : prober.step(course.back()));
                 const glm::vec<3, T> probe(course.back());
-                const auto contact = reference::update(mesh_, state, *around, probe, trace);
-                const Update update{before, walks::wide(state.proxy), walks::wide(contact.proxy), walks::wide(probe)};
+                const auto contact = this->update(probe);
+                const Update update{before, walks::wide(this->state.proxy), walks::wide(contact.proxy),
+                                    walks::wide(probe)};
                 before = update.proxy;
-                const std::string fault = fault_of(update, contact, step > 0, crossed);
+                const std::string fault = fault_of(update, contact, step > 0);
                 if (fault.empty())
                     continue;
                 if (tally_.wrong() <= 3) {
@@ -66,14 +57,13 @@ public:
     }
 
 private:
-    static constexpr double kSkin = double(reference::Skin<T>::kWidth);
+    using walks::Run<T>::kSkin;
     static constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
     static constexpr double kBeside = (sizeof(T) == 8 ? 128 : 8) * kSkin; /* beside tips of rims walks may stop */
     static constexpr double kRounded =
         1e-8; /* of a residual: what rounding makes of where nearly parallel planes meet */
 
-    std::string fault_of(const Update& update, const reference::GodObjectContact<T>& contact, bool follows,
-                         bool crossed) {
+    std::string fault_of(const Update& update, const reference::GodObjectContact<T>& contact, bool follows) {
         ++tally_.steps;
         tally_.contacts += contact.touching;
         tally_.unfinished += !contact.finished;
@@ -82,11 +72,11 @@ private:
         const double tolerance = 8 * kSkin + rounding, depth = glm::length(update.contact - update.probe);
         const double growth = depth - glm::length((follows ? update.before : update.proxy) - update.probe);
         tally_.growth = std::max(tally_.growth, growth);
-        if (crossed)
+        if (this->crossed)
             return note(tally_.crossed, "crosses");
         if (growth > tolerance)
             return note(tally_.grew, fmt::format("grew by {:.3g}", growth));
-        const bool blocked = grid_.touches(update.proxy, update.probe);
+        const bool blocked = this->grid.touches(update.proxy, update.probe);
         if (contact.touching != blocked && surface_distance(update.probe) > rounding + kBeside &&
             is_certain(update, blocked) && !(contact.touching && holds_at_rim(update, contact)))
             return contact.touching ? note(tally_.phantoms, fmt::format("a phantom, {:.3g}", depth))
@@ -101,7 +91,7 @@ private:
         for (unsigned i = 0; i < contact.count; ++i) {
             normals.push_back(walks::wide(contact.normals[i]));
             const auto point =
-                reference::nearest_on_triangle(contact.proxy, reference::triangle_at(mesh_, contact.triangles[i]));
+                reference::nearest_on_triangle(contact.proxy, reference::triangle_at(this->mesh, contact.triangles[i]));
             distance = std::min(distance, std::sqrt(double(point.square)));
         }
         const glm::dvec3 pull = update.probe - update.contact;
@@ -122,8 +112,8 @@ private:
         for (int i = 0; i < 54; ++i) {
             const double far = (i < 27 ? 2 : 6) * kSkin;
             const glm::dvec3 aside = far * glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 % 3 - 1);
-            if (grid_.touches(update.proxy + aside, update.probe + aside) != blocked ||
-                grid_.touches(update.proxy + aside, update.probe) != blocked)
+            if (this->grid.touches(update.proxy + aside, update.probe + aside) != blocked ||
+                this->grid.touches(update.proxy + aside, update.probe) != blocked)
                 return false;
         }
         return true;
@@ -131,7 +121,7 @@ private:
 
     /// Whether a line crosses the plane of a triangle within a few skins of it, however narrow its tip is.
     bool passes_beside(const glm::dvec3& from, const glm::dvec3& to) const {
-        for (const auto& corners : triangles_.corners) {
+        for (const auto& corners : this->triangles.corners) {
             const glm::dvec3 normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
             const double begin = glm::dot(normal, from - corners[0]), end = glm::dot(normal, to - corners[0]);
             const double time = begin / (begin - end);
@@ -149,7 +139,7 @@ private:
     bool holds_at_rim(const Update& update, const reference::GodObjectContact<T>& contact) const {
         for (unsigned i = 0; i < contact.count; ++i) {
             const glm::dvec3 normal = walks::wide(contact.normals[i]);
-            const auto triangle = reference::triangle_at(mesh_, contact.triangles[i]);
+            const auto triangle = reference::triangle_at(this->mesh, contact.triangles[i]);
             const double depth = glm::dot(normal, walks::wide(triangle.corners[0]) - update.probe);
             const glm::dvec3 foot = update.probe + depth * normal;
             if (depth > 0 && glm::length(foot - update.contact) <= 6 * kSkin &&
@@ -160,7 +150,7 @@ private:
     }
 
     double surface_distance(const glm::dvec3& place) const {
-        return std::sqrt(double(reference::nearest(mesh_, glm::vec<3, T>(place)).square));
+        return std::sqrt(double(reference::nearest(this->mesh, glm::vec<3, T>(place)).square));
     }
 
     static std::string note(std::uint64_t& count, std::string what) {
@@ -169,21 +159,12 @@ private:
     }
 
     std::string name_;
-    MeshStructure structure_;
-    MeshTables<T> tables_;
-    layout::MeshView<T> mesh_;
-    brute::Triangles triangles_;
-    brute::TriangleGrid grid_;
     AnswerTally tally_;
 };
 
 std::uint64_t number(const char* variable, std::uint64_t otherwise) {
     const char* text = std::getenv(variable);
     return text ? std::strtoull(text, nullptr, 10) : otherwise;
-}
-
-bool in_long_form() {
-    return std::getenv("FORCESHADE_LONG") != nullptr;
 }
 
 /// Parts thinner than the skin have no room for a proxy: in single precision no more is held of them than that no force
@@ -195,7 +176,7 @@ template <typename T> bool is_thin(const std::string& name) {
 /// FORCESHADE_LONG: 10^9 steps in all. FORCESHADE_MESHES_FROM names the mesh to begin with, so that a long run can go
 /// on.
 template <typename T> void probe(const std::vector<walks::Terrain>& terrains) {
-    const std::uint64_t walks = number("FORCESHADE_WALKS", in_long_form() ? 1500000 : 1000);
+    const std::uint64_t walks = number("FORCESHADE_WALKS", walks::in_long_form() ? 1500000 : 1000);
     const std::uint64_t seed = number("FORCESHADE_SEED", 1);
     const char* from = std::getenv("FORCESHADE_MESHES_FROM");
     bool begun = from == nullptr;
@@ -238,15 +219,12 @@ struct Answer {
 };
 
 template <typename T> std::vector<Answer> follow(const PolygonSoup& polygons, const std::vector<glm::dvec3>& course) {
-    const MeshStructure structure = build_structure(shapes::mesh_of(polygons));
-    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
-    auto around = std::make_unique<reference::Neighbourhood<T>>();
-    reference::GodObject<T> state;
+    walks::Run<T> run(polygons);
     std::vector<Answer> answers;
     for (const glm::dvec3& at : course) {
-        const glm::vec<3, T> probe((at - structure.centre) / structure.scale);
-        const bool touching = reference::update(tables.view(), state, *around, probe).touching;
-        answers.push_back({touching, double(glm::length(state.proxy - probe) / reference::Skin<T>::kWidth)});
+        const glm::vec<3, T> probe((at - run.structure.centre) / run.structure.scale);
+        const bool touching = run.update(probe).touching;
+        answers.push_back({touching, double(glm::length(run.state.proxy - probe) / reference::Skin<T>::kWidth)});
     }
     return answers;
 }
@@ -296,25 +274,11 @@ TEST(GodObjectAnswer, ContactAboveAPoleWhereTheWalkIsStopped) {
                     {8.31857577119611e-05, 8.95646459158741e-06, -5.477144745126374e-05},
                     {0.5417990742882068, 0.08351908638331598, 0.8363482141489501},
                     {0.541797357432736, 0.08352941149492113, 0.8363482952061395}};
-    for (const std::array<std::uint32_t, 3>& facet : std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2},
-                                                                                               {0, 2, 3},
-                                                                                               {0, 4, 5},
-                                                                                               {0, 6, 7},
-                                                                                               {0, 7, 8},
-                                                                                               {0, 9, 10},
-                                                                                               {0, 10, 11},
-                                                                                               {0, 11, 12},
-                                                                                               {0, 12, 13},
-                                                                                               {0, 14, 15},
-                                                                                               {0, 15, 16},
-                                                                                               {0, 17, 18},
-                                                                                               {0, 19, 20},
-                                                                                               {0, 20, 21},
-                                                                                               {0, 22, 23},
-                                                                                               {0, 23, 24},
-                                                                                               {0, 25, 26},
-                                                                                               {27, 28, 29},
-                                                                                               {0, 30, 31}})
+    constexpr std::uint32_t kFacets[][3] = {{0, 1, 2},   {0, 2, 3},   {0, 4, 5},    {0, 6, 7},   {0, 7, 8},
+                                            {0, 9, 10},  {0, 10, 11}, {0, 11, 12},  {0, 12, 13}, {0, 14, 15},
+                                            {0, 15, 16}, {0, 17, 18}, {0, 19, 20},  {0, 20, 21}, {0, 22, 23},
+                                            {0, 23, 24}, {0, 25, 26}, {27, 28, 29}, {0, 30, 31}};
+    for (const auto& facet : kFacets)
         shapes::add_facet(fan, {facet[0], facet[1], facet[2]});
     for (const Answer& answer :
          follow<double>(fan, {{1.0834197118774465, 0.16711950721521493, 1.672803876200265},

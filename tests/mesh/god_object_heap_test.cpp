@@ -10,6 +10,7 @@
 #include "host/library/forceshade.h"
 #include "host/reference/god_object.h"
 #include "tests/mesh/god_object_walks.h"
+#include "tests/mesh/mesh_law.h"
 
 namespace {
 std::atomic<std::uint64_t> taken{0};
@@ -32,14 +33,11 @@ TEST(GodObjectHeap, NothingIsTaken) {
     GTEST_SKIP() << "the sanitizer has the heap";
 #endif
     for (const walks::Terrain& terrain : walks::terrains()) {
-        const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
-        const MeshTables<double> tables = make_mesh_tables<double>(structure, 1.0);
-        layout::Law<double> law{};
-        law.features.surface = layout::kSurfaceMesh;
+        shapes::MeshLaw<> meshed(terrain.polygons);
+        layout::Law<double>& law = meshed.law;
         law.features.shading = layout::kShadingMeanValue;
-        law.mesh = tables.view();
         auto around = std::make_unique<reference::Neighbourhood<double>>();
-        walks::Wanderer wanderer(structure, 5);
+        walks::Wanderer wanderer(meshed.structure, 5);
         std::vector<glm::dvec3> probes{wanderer.begin()};
         while (probes.size() < 5000)
             probes.push_back(wanderer.step(probes.back()));

@@ -31,11 +31,11 @@ void expect_near(const dvec3& a, const dvec3& b, double tolerance) {
         << a.x << ' ' << a.y << ' ' << a.z << " against " << b.x << ' ' << b.y << ' ' << b.z;
 }
 
-template <typename T> class GodObjectShape : public testing::Test {
+template <typename T> class GodObjectShape : public ::testing::Test {
 protected:
     static constexpr double kTolerance = std::is_same_v<T, double> ? 1e-14 : 1e-6;
 };
-using Precisions = testing::Types<float, double>;
+using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(GodObjectShape, Precisions);
 
 TYPED_TEST(GodObjectShape, FreeUntilItTouches) {
@@ -266,7 +266,7 @@ template <typename T> struct Room : walks::Run<T> {
     reference::GodObjectContact<T> contact{};
 };
 
-template <typename T> class GodObjectFar : public testing::Test {
+template <typename T> class GodObjectFar : public ::testing::Test {
 protected:
     static constexpr bool kDouble = std::is_same_v<T, double>;
     static constexpr double kSkin = double(reference::Skin<T>::kWidth);

@@ -9,7 +9,7 @@
 #include "host/referee/referee.h"
 #include "host/reference/contact.h"
 #include "host/reference/elementary.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/mesh_law.h"
 
 namespace forceshade {
 namespace {
@@ -25,41 +25,20 @@ constexpr std::pair<uint, MeshShading> kSchemes[] = {{layout::kShadingNone, Mesh
                                                      {layout::kShadingMeanValue, MeshShading::mean_value},
                                                      {layout::kShadingTwoPass, MeshShading::two_pass}};
 
-/// A mesh as a law of the oracle.
-struct Oracle {
-    Mesh mesh;
-    MeshStructure structure;
-    MeshTables<double> tables;
-    layout::Law<double> law{};
-    double size; /* m: half the largest extent */
-
-    explicit Oracle(PolygonSoup polygons)
-        : mesh(shapes::mesh_of(std::move(polygons))), structure(build_structure(mesh, {.winding = true})),
-          tables(make_mesh_tables<double>(structure, kContactStiffness)), size(structure.scale) {
-        law.features.surface = layout::kSurfaceMesh;
-        law.mesh = tables.view();
-    }
-    Contact at(const glm::dvec3& world) const { return reference::evaluate(law, to_mesh_frame(structure, world)); }
+struct Oracle : shapes::MeshLaw<> {
+    explicit Oracle(PolygonSoup polygons) : MeshLaw(std::move(polygons), kContactStiffness) {}
+    double size = structure.scale; /* m: half the largest extent */
 };
 
-class Random {
-public:
-    double uniform() { return (double(random_()) + 0.5) / 2147483648.0 - 1; }
-    glm::dvec3 below_a_triangle(const Mesh& mesh) {
-        const std::size_t triangle = random_() % mesh.triangles.corners.size();
-        glm::dvec3 corners[3];
-        for (std::size_t i = 0; i < 3; ++i)
-            corners[i] = mesh.polygons.vertices[mesh.triangles.corners[triangle][i]];
-        const double size =
-            std::sqrt(reference::dot(glm::dvec3(corners[1] - corners[0]), glm::dvec3(corners[1] - corners[0])));
-        return (corners[0] + corners[1] + corners[2]) / 3.0 -
-               0.3 * size * std::abs(uniform()) * mesh.triangles.normals[triangle];
-    }
-    glm::dvec3 within(double reach) { return {reach * uniform(), reach * uniform(), reach * uniform()}; }
-
-private:
-    std::mt19937 random_{11};
-};
+glm::dvec3 below_a_triangle(std::mt19937& random, const Mesh& mesh) {
+    const std::size_t triangle = random() % mesh.triangles.corners.size();
+    glm::dvec3 corners[3];
+    for (std::size_t i = 0; i < 3; ++i)
+        corners[i] = mesh.polygons.vertices[mesh.triangles.corners[triangle][i]];
+    const double size = reference::length(glm::dvec3(corners[1] - corners[0]));
+    return (corners[0] + corners[1] + corners[2]) / 3.0 -
+           0.3 * size * std::abs(shapes::uniform(random)) * mesh.triangles.normals[triangle];
+}
 
 glm::dvec3 vector_of(const brute::Vector& v) {
     return glm::dvec3(v);
@@ -67,7 +46,7 @@ glm::dvec3 vector_of(const brute::Vector& v) {
 
 /// Holds probes against the referee; near a medial axis, where the least rounding decides, only the depth.
 void hold_against_referee(Oracle& oracle, int count, bool triangles) {
-    Random random;
+    std::mt19937 random(11);
     int touching = 0;
     for (const auto& [shading, scheme] : kSchemes) {
         if (scheme == MeshShading::barycentric && !triangles)
@@ -78,8 +57,8 @@ void hold_against_referee(Oracle& oracle, int count, bool triangles) {
         law.shading = scheme;
         const brute::MeshReferee referee(oracle.mesh, law);
         for (int i = 0; i < count; ++i) {
-            const glm::dvec3 world = i % 2 ? oracle.structure.centre + random.within(1.1 * oracle.size)
-                                           : random.below_a_triangle(oracle.mesh);
+            const glm::dvec3 world = i % 2 ? oracle.structure.centre + shapes::anywhere(random, 1.1 * oracle.size)
+                                           : below_a_triangle(random, oracle.mesh);
             const brute::MeshPoint nearest = referee.nearest(world);
             const brute::Answer expected = referee.at(world);
             const Contact found = oracle.at(world);
@@ -133,9 +112,9 @@ TEST(MeshContact, TextureAndMapAreTheReferees) {
             const brute::MeshReferee referee(oracle.mesh,
                                              {kContactStiffness, 90, scheme, brute::MeshInside::pseudonormal,
                                               with_map ? gaussian : brute::Slope{}, gaussian});
-            Random random;
+            std::mt19937 random(11);
             for (int i = 0; i < 60; ++i) {
-                const glm::dvec3 world = random.within(0.9);
+                const glm::dvec3 world = shapes::anywhere(random, 0.9);
                 const brute::MeshPoint nearest = referee.nearest(world);
                 if (double(nearest.runner_up - nearest.distance) < 1e-9)
                     continue;
@@ -143,33 +122,6 @@ TEST(MeshContact, TextureAndMapAreTheReferees) {
                 const Contact found = oracle.at(world);
                 EXPECT_LT(reference::length(found.force - vector_of(expected.force)), 1e-11 * kContactStiffness);
                 EXPECT_LT(reference::length(found.unshaded - vector_of(expected.unshaded)), 1e-11 * kContactStiffness);
-            }
-        }
-    }
-}
-
-// On an edge both of its facets are shaded alike.
-TEST(MeshContact, DirectionIsContinuousAcrossEdges) {
-    for (const PolygonSoup& polygons : {shapes::icosphere(2), shapes::cube()}) {
-        const Oracle oracle(polygons);
-        const MeshParts& parts = *oracle.structure.parts;
-        for (const uint shading : {layout::kShadingBarycentric, layout::kShadingMeanValue}) {
-            if (shading == layout::kShadingBarycentric && oracle.mesh.triangles.corners.size() != polygons.facets())
-                continue;
-            for (uint edge = 0; edge < parts.triangle_corners.size(); ++edge) {
-                const uint one = parts.triangle_facets[edge / 3],
-                           other = parts.triangle_facets[parts.triangle_neighbours[edge]];
-                const auto vertex = [&](uint corner) {
-                    return reference::vector_at(oracle.law.mesh.vertices, parts.triangle_corners[corner]);
-                };
-                const glm::dvec3 start = vertex(edge), end = vertex(edge % 3 == 2 ? edge - 2 : edge + 1);
-                for (const double share : {0.01, 0.5, 0.9}) {
-                    const glm::dvec3 on = start + share * (end - start);
-                    EXPECT_LT(reference::length(
-                                  glm::dvec3(reference::shading_direction(oracle.law.mesh, shading, one, on) -
-                                             reference::shading_direction(oracle.law.mesh, shading, other, on))),
-                              1e-9);
-                }
             }
         }
     }
@@ -201,26 +153,21 @@ TEST(MeshContact, OnAConcaveEdgeTheLowerFacetHasTheForceOnBothSides) {
     shapes::add_facet(valley, {1, 2, 5, 4});
     shapes::add_facet(valley, {0, 1, 4, 3});
     const Oracle oracle(valley);
-    Random random;
+    std::mt19937 random(11);
     for (int i = 0; i < 1000; ++i) {
-        const double y = 0.9 * random.uniform();
-        EXPECT_EQ(oracle.at({0.1 + 0.05 * random.uniform(), y, -0.5}).facet, 0u);
+        const double y = 0.9 * shapes::uniform(random);
+        EXPECT_EQ(oracle.at({0.1 + 0.05 * shapes::uniform(random), y, -0.5}).facet, 0u);
     }
 }
 
 TEST(MeshContact, SingleAndDoublePrecisionAgree) {
-    const Oracle oracle(shapes::icosphere(3));
-    const MeshTables<float> tables = make_mesh_tables<float>(oracle.structure, kContactStiffness);
-    layout::Law<float> law{};
-    law.features.surface = layout::kSurfaceMesh;
-    law.features.shading = layout::kShadingMeanValue;
-    law.mesh = tables.view();
-    Random random;
+    Oracle oracle(shapes::icosphere(3));
+    shapes::MeshLaw<float> rounded(shapes::icosphere(3), kContactStiffness);
+    oracle.law.features.shading = rounded.law.features.shading = layout::kShadingMeanValue;
+    std::mt19937 random(11);
     for (int i = 0; i < 2000; ++i) {
-        const glm::dvec3 world = random.within(1);
-        const reference::Contact<float> single =
-            reference::evaluate(law, reference::Vector<float>(to_mesh_frame(oracle.structure, world)));
-        EXPECT_NEAR(single.depth, oracle.at(world).depth, 1e-6);
+        const glm::dvec3 world = shapes::anywhere(random, 1);
+        EXPECT_NEAR(rounded.at(world).depth, oracle.at(world).depth, 1e-6);
     }
 }
 

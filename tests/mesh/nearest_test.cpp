@@ -39,8 +39,8 @@ template <typename T> struct Probes {
     const MeshTables<T> tables;
     std::vector<Vector<T>> all;
 
-    double uniform() { return (double(random()) + 0.5) / 2147483648.0 - 1; }
-    Vector<T> within(double reach) { return {T(reach * uniform()), T(reach * uniform()), T(reach * uniform())}; }
+    double uniform() { return shapes::uniform(random); }
+    Vector<T> within(double reach) { return Vector<T>(shapes::anywhere(random, reach)); }
 
     Probes(const MeshStructure& structure, int count) : tables(make_mesh_tables<T>(structure, 1000)) {
         const layout::MeshView<T> mesh = tables.view();
@@ -104,7 +104,7 @@ TEST(Nearest, ATriangleThatRoundingMakesALineHasNoFace) {
     EXPECT_TRUE(same(reference::nearest(tables.view(), probe), found));
 }
 
-class NearestOn : public testing::TestWithParam<std::pair<const char*, PolygonSoup (*)()>> {};
+class NearestOn : public ::testing::TestWithParam<std::pair<const char*, PolygonSoup (*)()>> {};
 
 TEST_P(NearestOn, EqualsLoopInDouble) {
     hold_against_loop<double>(GetParam().second(), 60);
@@ -116,7 +116,7 @@ TEST_P(NearestOn, EqualsLoopInSingle) {
 
 INSTANTIATE_TEST_SUITE_P(
     Shapes, NearestOn,
-    testing::Values(
+    ::testing::Values(
         std::pair{"icosphere", +[] { return shapes::icosphere(4); }},
         std::pair{"cube", +[] { return shapes::cube(true); }},
         std::pair{"finely_cut_cube",

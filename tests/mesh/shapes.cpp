@@ -1,5 +1,6 @@
 #include "tests/mesh/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -39,6 +40,50 @@ template <typename Settle> PolygonSoup quartered(const PolygonSoup& coarse, cons
     return fine;
 }
 
+/// Vertices made once for each place of a lattice.
+class Lattice {
+public:
+    Lattice(PolygonSoup& polygons, const std::function<double(double, double)>& height)
+        : polygons_(polygons), height_(height) {}
+
+    std::uint32_t vertex(long column, long row, double x, double y) {
+        const auto [at, fresh] =
+            numbers_.try_emplace({column, row}, static_cast<std::uint32_t>(polygons_.vertices.size()));
+        if (fresh)
+            polygons_.vertices.push_back({x, y, height_(x, y)});
+        return at->second;
+    }
+
+private:
+    PolygonSoup& polygons_;
+    const std::function<double(double, double)>& height_;
+    std::map<std::pair<long, long>, std::uint32_t> numbers_;
+};
+
+PolygonSoup hexagon_patch(unsigned cells, const std::function<double(double, double)>& height) {
+    PolygonSoup result;
+    Lattice lattice(result, height);
+    const double half = 0.5 / cells;                    // half a width
+    const double side = 2 * half / std::numbers::sqrt3; // of a hexagon with its flats to the left and right
+    const long reach = static_cast<long>(cells) + 1;
+    for (long row = -reach; row <= reach; ++row)
+        for (long column = -2 * reach; column <= 2 * reach; ++column) {
+            if ((column + row) % 2 != 0)
+                continue;
+            const double x = double(column) * half, y = double(row) * 1.5 * side;
+            if (std::abs(x) > 0.5 + 1e-12 || std::abs(y) > 0.5 + 1e-12)
+                continue;
+            // Corners on a lattice of half widths and half sides.
+            constexpr long kSteps[6][2] = {{1, -1}, {1, 1}, {0, 2}, {-1, 1}, {-1, -1}, {0, -2}};
+            for (const auto& step : kSteps) {
+                const long i = column + step[0], j = 3 * row + step[1];
+                result.corners.push_back(lattice.vertex(i, j, double(i) * half, double(j) * 0.5 * side));
+            }
+            result.end_facet();
+        }
+    return result;
+}
+
 } // namespace
 
 Mesh mesh_of(PolygonSoup polygons, VertexNormals normals) {
@@ -47,26 +92,17 @@ Mesh mesh_of(PolygonSoup polygons, VertexNormals normals) {
 
 void add_facet(PolygonSoup& polygons, std::initializer_list<std::uint32_t> corners) {
     polygons.corners.insert(polygons.corners.end(), corners);
-    polygons.begins.push_back(static_cast<std::uint32_t>(polygons.corners.size()));
+    polygons.end_facet();
 }
 
 PolygonSoup icosphere(unsigned levels) {
     const double g = std::numbers::phi;
     PolygonSoup sphere;
     const auto settle = [](const glm::dvec3& v) { return v / length(v); };
-    for (const glm::dvec3& v : {glm::dvec3(-1, g, 0),
-                                {1, g, 0},
-                                {-1, -g, 0},
-                                {1, -g, 0},
-                                {0, -1, g},
-                                {0, 1, g},
-                                {0, -1, -g},
-                                {0, 1, -g},
-                                {g, 0, -1},
-                                {g, 0, 1},
-                                {-g, 0, -1},
-                                {-g, 0, 1}})
-        sphere.vertices.push_back(settle(v));
+    const double corners[12][3] = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    for (const auto& v : corners)
+        sphere.vertices.push_back(settle({v[0], v[1], v[2]}));
     constexpr std::uint32_t kFaces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
                                              {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
                                              {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
@@ -96,15 +132,21 @@ PolygonSoup cube(bool triangles) {
 
 PolygonSoup open_cube() {
     const PolygonSoup closed = cube();
-    PolygonSoup open;
-    open.vertices = closed.vertices;
-    for (std::size_t facet = 0; facet < closed.facets(); ++facet) {
-        const std::uint32_t* corners = &closed.corners[closed.begins[facet]];
-        const auto is_up = [&](int i) { return closed.vertices[corners[i]].z == 1; };
-        if (!(is_up(0) && is_up(1) && is_up(2)))
-            add_facet(open, {corners[0], corners[1], corners[2], corners[3]});
-    }
-    return open;
+    return kept_facets(closed, [&](std::size_t facet) {
+        return std::ranges::any_of(closed.outline(facet), [&](std::uint32_t v) { return closed.vertices[v].z < 1; });
+    });
+}
+
+PolygonSoup kept_facets(const PolygonSoup& polygons, const std::function<bool(std::size_t facet)>& keeps) {
+    PolygonSoup result;
+    result.vertices = polygons.vertices;
+    for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
+        if (keeps(facet)) {
+            const auto corners = polygons.outline(facet);
+            result.corners.insert(result.corners.end(), corners.begin(), corners.end());
+            result.end_facet();
+        }
+    return result;
 }
 
 PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
@@ -116,6 +158,28 @@ PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
     add_facet(result, {0, 1, 3});
     add_facet(result, {1, 2, 3});
     add_facet(result, {0, 3, 2});
+    return result;
+}
+
+PolygonSoup patch(Cells kind, unsigned cells, const std::function<double(double, double)>& height) {
+    if (kind == Cells::hexagons)
+        return hexagon_patch(cells, height);
+    PolygonSoup result;
+    for (std::uint32_t j = 0; j <= cells; ++j)
+        for (std::uint32_t i = 0; i <= cells; ++i) {
+            const double x = double(i) / cells - 0.5, y = double(j) / cells - 0.5;
+            result.vertices.push_back({x, y, height(x, y)});
+        }
+    for (std::uint32_t j = 0; j < cells; ++j)
+        for (std::uint32_t i = 0; i < cells; ++i) {
+            const std::uint32_t a = j * (cells + 1) + i, b = a + 1, c = b + cells + 1, d = a + cells + 1;
+            if (kind == Cells::quads) {
+                add_facet(result, {a, b, c, d});
+            } else {
+                add_facet(result, {a, b, c});
+                add_facet(result, {a, c, d});
+            }
+        }
     return result;
 }
 
@@ -147,7 +211,7 @@ PolygonSoup needle_fan(unsigned valence, double height) {
         add_facet(result, {0, 1 + i, 1 + (i + 1) % valence});
     for (std::uint32_t i = valence; i > 0; --i)
         result.corners.push_back(i);
-    result.begins.push_back(static_cast<std::uint32_t>(result.corners.size()));
+    result.end_facet();
     return result;
 }
 
@@ -216,10 +280,10 @@ PolygonSoup many_gon_prism(unsigned corners) {
     }
     for (std::uint32_t i = 0; i < corners; ++i)
         result.corners.push_back(2 * i + 1);
-    result.begins.push_back(static_cast<std::uint32_t>(result.corners.size()));
+    result.end_facet();
     for (std::uint32_t i = corners; i > 0; --i)
         result.corners.push_back(2 * (i - 1));
-    result.begins.push_back(static_cast<std::uint32_t>(result.corners.size()));
+    result.end_facet();
     for (std::uint32_t i = 0; i < corners; ++i) {
         const std::uint32_t next = (i + 1) % corners;
         add_facet(result, {2 * i, 2 * next, 2 * next + 1, 2 * i + 1});

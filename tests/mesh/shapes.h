@@ -2,16 +2,22 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <random>
 
 #include "host/mesh/mesh.h"
-#include "tests/mesh/patch.h"
 
 namespace forceshade::shapes {
 
 /// Between -1 and 1.
 inline double uniform(std::mt19937& random) {
     return (double(random()) + 0.5) / 2147483648.0 - 1;
+}
+
+/// Anywhere in a cube, each coordinate up to `reach`.
+inline glm::dvec3 anywhere(std::mt19937& random, double reach = 1) {
+    const double x = reach * uniform(random), y = reach * uniform(random);
+    return {x, y, reach * uniform(random)};
 }
 
 /// A mesh in metres out of polygons in metres.
@@ -25,8 +31,11 @@ PolygonSoup cube(bool triangles = false);
 PolygonSoup open_cube();
 PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
 
-using study::Cells;
-using study::patch;
+enum class Cells { triangles, quads, hexagons };
+
+/// The patch [-1/2, 1/2]^2 cut into `cells` cells a side and lifted to z = height(x, y), as in the table of L7:
+/// diagonals from (i, j) to (i + 1, j + 1); regular hexagons 1 / cells wide whose centres lie in the square.
+PolygonSoup patch(Cells kind, unsigned cells, const std::function<double(double, double)>& height);
 
 /// Tetrahedra at random places, sizes and orientations, apart or through each other; outsides out.
 PolygonSoup random_polyhedra(unsigned count, std::uint32_t seed);
@@ -54,5 +63,7 @@ PolygonSoup reversed(PolygonSoup polygons);
 /// With a vertex for each corner, as files with texture coordinates have them.
 PolygonSoup split(const PolygonSoup& polygons);
 void add_facet(PolygonSoup& polygons, std::initializer_list<std::uint32_t> corners);
+/// All vertices, and the facets whose numbers are to be kept.
+PolygonSoup kept_facets(const PolygonSoup& polygons, const std::function<bool(std::size_t facet)>& keeps);
 
 } // namespace forceshade::shapes

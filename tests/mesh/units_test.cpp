@@ -4,11 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
-#include "host/mesh/structure.h"
-#include "host/reference/contact.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/mesh_law.h"
 
 namespace forceshade {
 namespace {
@@ -17,22 +14,15 @@ using layout::uint;
 
 /// Forces at places given in the file's unit.
 std::vector<glm::dvec3> forces(const PolygonSoup& polygons, double unit, uint shading, uint inside) {
-    const Mesh mesh =
-        prepare_mesh(polygons, {.unit = unit, .scale = 1, .rotate = {}, .translate = {}}, VertexNormals::plain);
-    const MeshStructure structure = build_structure(mesh, {.winding = true});
-    const MeshTables<double> tables = make_mesh_tables<double>(structure, 1 / unit); // 1 N a unit
-    layout::Law<double> law{};
-    law.features.surface = layout::kSurfaceMesh;
-    law.features.shading = shading;
-    law.features.inside = inside;
-    law.mesh = tables.view();
+    shapes::MeshLaw<> scaled(
+        prepare_mesh(polygons, {.unit = unit, .scale = 1, .rotate = {}, .translate = {}}, VertexNormals::plain),
+        1 / unit); // 1 N a unit
+    scaled.law.features.shading = shading;
+    scaled.law.features.inside = inside;
     std::mt19937 random(1);
-    const auto uniform = [&] { return 1.1 * ((double(random()) + 0.5) / 2147483648.0 - 1); };
     std::vector<glm::dvec3> result;
-    for (int i = 0; i < 3000; ++i) {
-        const double x = uniform(), y = uniform(), z = uniform();
-        result.push_back(reference::evaluate(law, to_mesh_frame(structure, unit * glm::dvec3(x, y, z))).force);
-    }
+    for (int i = 0; i < 3000; ++i)
+        result.push_back(scaled.at(unit * shapes::anywhere(random, 1.1)).force);
     return result;
 }
 

@@ -10,43 +10,27 @@
 #include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
 #include "tests/mesh/god_object_walks.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/mesh_law.h"
 
 namespace forceshade {
 namespace {
 
 using reference::Vector;
 
-struct Scene {
-    Mesh mesh;
-    MeshStructure structure;
-    MeshTables<double> tables;
-    brute::MeshReferee referee;
-    layout::MeshView<double> view;
+struct Scene : shapes::MeshLaw<> {
+    brute::MeshReferee referee{mesh, {}};
+    using MeshLaw::MeshLaw;
 
-    explicit Scene(PolygonSoup polygons)
-        : mesh(shapes::mesh_of(std::move(polygons))), structure(build_structure(mesh, {.winding = true})),
-          tables(make_mesh_tables<double>(structure, 1)), referee(mesh, {}), view(tables.view()) {}
-
-    double winding(const glm::dvec3& world) const {
-        return reference::winding_number(view, to_mesh_frame(structure, world));
-    }
+    double winding(const glm::dvec3& world) const { return reference::winding_number(view, local(world)); }
     glm::dvec3 random_place(std::mt19937& random, double reach) const {
-        const auto uniform = [&] { return reach * structure.scale * ((double(random()) + 0.5) / 2147483648.0 - 1); };
-        const double x = uniform(), y = uniform();
-        return structure.centre + glm::dvec3(x, y, uniform());
+        return structure.centre + shapes::anywhere(random, reach * structure.scale);
     }
 };
 
 PolygonSoup bowl() {
-    PolygonSoup sphere = shapes::icosphere(4), result;
-    result.vertices = sphere.vertices;
-    for (std::size_t facet = 0; facet < sphere.facets(); ++facet) {
-        const std::uint32_t* corners = &sphere.corners[sphere.begins[facet]];
-        if (sphere.vertices[corners[0]].z < 0.6)
-            shapes::add_facet(result, {corners[0], corners[1], corners[2]});
-    }
-    return result;
+    const PolygonSoup sphere = shapes::icosphere(4);
+    return shapes::kept_facets(sphere,
+                               [&](std::size_t facet) { return sphere.vertices[sphere.outline(facet)[0]].z < 0.6; });
 }
 
 PolygonSoup spot() {
@@ -64,7 +48,7 @@ TEST(Winding, TreeIsThePlainSumAsGoodAsItSays) {
             const glm::dvec3 world = scene.random_place(random, 1.5);
             const auto plain = double(scene.referee.winding_number(world));
             fine = std::max(fine, std::abs(scene.winding(world) - plain));
-            const Vector<double> probe = to_mesh_frame(scene.structure, world);
+            const Vector<double> probe = scene.local(world);
             rough = std::max(rough,
                              std::abs(reference::winding_number(scene.view, probe, reference::kWindingRough) - plain));
         }
@@ -95,7 +79,7 @@ TEST(Winding, InsideBeginsAtOneHalf) {
         for (const double x : {0.0, 0.3, -0.7}) {
             if (std::abs(z - 1) < 1e-3)
                 continue;
-            const Vector<double> probe = to_mesh_frame(scene.structure, {x, 0.2, z});
+            const Vector<double> probe = scene.local({x, 0.2, z});
             EXPECT_EQ(reference::inside_by_winding(scene.view, probe), z < 1) << x << ' ' << z;
             doubtful += std::abs(scene.winding({x, 0.2, z}) - 0.5) < 0.15;
         }
@@ -107,7 +91,7 @@ TEST(Winding, SingleTablesTellTheSame) {
     const MeshTables<float> tables = make_mesh_tables<float>(scene.structure, 1);
     std::mt19937 random(8);
     for (int i = 0; i < 200; ++i) {
-        const Vector<double> probe = to_mesh_frame(scene.structure, scene.random_place(random, 1));
+        const Vector<double> probe = scene.local(scene.random_place(random, 1));
         if (reference::nearest(scene.view, probe).square > 1e-8) {
             EXPECT_NEAR(reference::winding_number(tables.view(), probe), reference::winding_number(scene.view, probe),
                         1e-4);
@@ -131,7 +115,7 @@ TEST(Winding, ChangeIsBoundedOnOpenMeshes) {
           shapes::patch(shapes::Cells::quads, 8, [](double x, double y) { return x * y; })}) {
         const Scene scene(polygons);
         for (int i = 0; i < 300; ++i) {
-            const Vector<double> probe = to_mesh_frame(scene.structure, scene.random_place(random, 1.5));
+            const Vector<double> probe = scene.local(scene.random_place(random, 1.5));
             const double free = std::sqrt(reference::nearest(scene.view, probe).square);
             const double radius = free * (0.1 + 0.8 * double(random()) / 4294967296.0);
             const double bound = reference::winding_change(scene.view, probe, radius, 10.0);
