@@ -12,7 +12,9 @@
 #include <sched.h>
 #include <string>
 #include <type_traits>
+#include <utility>
 
+#include <fmt/format.h>
 #include <glm/vec3.hpp>
 
 #include "host/error.h"
@@ -96,7 +98,9 @@ public:
 /// A device, its service or its library is not there: exit 3. The message says how to get it.
 class DeviceAbsent : public Error {
 public:
-    explicit DeviceAbsent(const std::string& message) : Error(ExitCode::no_device, message) {}
+    template <typename... Arguments>
+    explicit DeviceAbsent(fmt::format_string<Arguments...> message, Arguments&&... arguments)
+        : Error(ExitCode::no_device, fmt::format(message, std::forward<Arguments>(arguments)...)) {}
 };
 
 /// Hands the newest value from one thread to another. Both are wait-free: neither sees a value half written, and a

@@ -4,16 +4,83 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <poll.h>
+#include <string>
 
 #include <fmt/format.h>
 
 #include "device/backends/devices.h"
-#include "device/backends/dhd_library.h"
+#include "device/backends/shared_library.h"
 
 namespace forceshade::device {
 
 namespace {
+
+/// The C interface of Force Dimension's DHD SDK, as far as it is used: declared here, found in the library at run time.
+/// Lengths in m, forces in N, x towards the user, y to the user's right, z up. Calls that return an int return a
+/// negative one on an error; dhdErrorGetLastStr describes it. A device is named by the number that opening it returned.
+/// \throws DeviceAbsent: the library is missing or is a different one.
+struct DhdLibrary : SharedLibrary {
+    static constexpr int kTimeGuard = 1;      // dhdGetPosition: called too soon, this is the previous position
+    static constexpr int kMotorSaturated = 2; // dhdSetForce...: taken, but the motors give less
+
+    /// Entries of dhdGetStatus by index, 1 or 0 except for the cause. Versions of the SDK have 15 to 17 of them.
+    struct Status {
+        static constexpr std::size_t power = 0, connected = 1, started = 2, reset = 3, force = 5, error = 9,
+                                     force_off_cause = 14;
+        std::array<int, 64> values{};
+        int operator[](std::size_t index) const { return values[index]; }
+    };
+    enum ForceOffCause : int { none, button, velocity, watchdog, software, disconnected, dead_man };
+
+    DhdLibrary()
+        : SharedLibrary({"Force Dimension SDK",
+                         "FORCESHADE_DHD_LIBRARY",
+                         {"libdhd.so", "libdhd.so.3", "libdrd.so", "libdrd.so.3"},
+                         "Install the SDK from forcedimension.com and put its lib/release/lin-x86_64-gcc into "
+                         "LD_LIBRARY_PATH, or set FORCESHADE_DHD_LIBRARY to its libdhd.so.3 file"}) {}
+
+    int (*get_device_count)() = needed("dhdGetDeviceCount");
+    int (*open)() = needed("dhdOpen");
+    int (*open_id)(char index) = needed("dhdOpenID");
+    int (*close)(char id) = needed("dhdClose");
+    int (*stop)(char id) = needed("dhdStop"); // no force, brakes on
+    int (*enable_force)(unsigned char on, char id) = needed("dhdEnableForce");
+    int (*get_status)(int* status, char id) = needed("dhdGetStatus");
+    int (*get_position)(double* x, double* y, double* z, char id) = needed("dhdGetPosition");
+    int (*set_force)(double x, double y, double z, char id) = needed("dhdSetForce");
+    const char* (*error_get_last_str)() = needed("dhdErrorGetLastStr"); // of the calling thread; static
+
+    // Null where a version of the SDK does not have them.
+    void (*get_sdk_version)(int* major, int* minor, int* release, int* revision) = optional("dhdGetSDKVersion");
+    const char* (*get_system_name)(char id) = optional("dhdGetSystemName");
+    int (*get_system_type)(char id) = optional("dhdGetSystemType");
+    int (*get_serial_number)(unsigned short* number, char id) = optional("dhdGetSerialNumber");
+    double (*get_max_force)(char id) = optional("dhdGetMaxForce");       // negative: no limit is set
+    unsigned (*get_button_mask)(char id) = optional("dhdGetButtonMask"); // one bit each, pressed: 1
+    // Devices with an actuated wrist or gripper keep what these were given last; N, N m, N.
+    bool (*has_active_wrist)(char id) = optional("dhdHasActiveWrist");
+    bool (*has_active_gripper)(char id) = optional("dhdHasActiveGripper");
+    int (*set_force_and_torque)(double x, double y, double z, double about_x, double about_y, double about_z,
+                                double gripper, char id) = optional("dhdSetForceAndTorqueAndGripperForce");
+    int (*emulate_button)(unsigned char on, char id) = optional("dhdEmulateButton"); // button 1: the gripper closed
+    int (*enable_expert_mode)() = optional("dhdEnableExpertMode");
+    int (*disable_expert_mode)() = optional("dhdDisableExpertMode");
+    int (*set_watchdog)(unsigned char time, char id) = optional("dhdSetWatchdog"); // in 125 us; expert
+
+    std::string version() const { // "DHD SDK 3.17.6.0"
+        if (!get_sdk_version)
+            return "DHD SDK of unknown version";
+        int major = 0, minor = 0, release = 0, revision = 0;
+        get_sdk_version(&major, &minor, &release, &revision);
+        return fmt::format("DHD SDK {}.{}.{}.{}", major, minor, release, revision);
+    }
+    std::string error() const { // the last one in this thread
+        const char* text = error_get_last_str();
+        return text && *text ? text : "no reason given";
+    }
+};
 
 using Clock = std::chrono::steady_clock;
 
@@ -23,7 +90,6 @@ constexpr double kDhdSilence = 0.025;                           /* s: the same f
 constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between status queries
 constexpr int kDoorPatience = 20;                               /* ms */
 constexpr int kDisplayTime = 2;                                 /* ms: until a force that was written is displayed */
-constexpr double kDhdReach = 3;                                 /* m: no device reaches further */
 constexpr unsigned kDhdButtons = 32;                            // the mask's; no device reports how many it has
 
 /// A lock for the vendor's library with short waits only. Unlike a mutex it is safe in a signal's handler: the
@@ -54,11 +120,6 @@ private:
 
 glm::dvec3 to_world(double x, double y, double z) {
     return {y, -x, z};
-}
-
-// False also for NaN.
-bool is_reachable(const glm::dvec3& at) {
-    return std::abs(at.x) <= kDhdReach && std::abs(at.y) <= kDhdReach && std::abs(at.z) <= kDhdReach;
 }
 
 // Data sheet values of a type of device.
@@ -123,17 +184,16 @@ int index_of(std::string_view text) {
 char open_by_index(const DhdLibrary& library, int index) {
     const int count = library.get_device_count();
     if (count <= 0)
-        throw DeviceAbsent(
-            fmt::format("{} finds no Force Dimension device ({}): is it plugged in and powered, and may this user "
-                        "use it (a udev rule for USB)? Library: {}",
-                        library.version(), count < 0 ? library.error() : "0 devices", library.file()));
+        throw DeviceAbsent("{} finds no Force Dimension device ({}): is it plugged in and powered, and may this user "
+                           "use it (a udev rule for USB)? Library: {}",
+                           library.version(), count < 0 ? library.error() : "0 devices", library.file());
     if (count <= index)
-        throw DeviceAbsent(fmt::format("no Force Dimension device {}: {} connected, counted from 0", index, count));
+        throw DeviceAbsent("no Force Dimension device {}: {} connected, counted from 0", index, count);
     const int id = index < 0 ? library.open() : library.open_id(static_cast<char>(index));
     if (id < 0)
-        throw DeviceAbsent(fmt::format("the Force Dimension device{} cannot be opened: {} ({}, {})",
-                                       index < 0 ? "" : fmt::format(" {}", index), library.error(), library.version(),
-                                       library.file()));
+        throw DeviceAbsent("the Force Dimension device{} cannot be opened: {} ({}, {})",
+                           index < 0 ? "" : fmt::format(" {}", index), library.error(), library.version(),
+                           library.file());
     return static_cast<char>(id);
 }
 
@@ -153,7 +213,7 @@ public:
         facts_ = read_facts();
         // It may become ready later: the session goes on without force until then.
         if (!ask(Clock::now()))
-            throw DeviceAbsent(fmt::format("{} does not report its status: {}", facts_.name, library_.error()));
+            throw DeviceAbsent("{} does not report its status: {}", facts_.name, library_.error());
         check_position();
         set_watchdog();
         prepare_gripper();
@@ -250,9 +310,7 @@ private:
         const double limit = library_.get_max_force ? library_.get_max_force(id_) : -1;
         if (limit < 0)
             return facts;
-        if (!(limit >= 0.5 && limit <= 200))
-            throw DeviceAbsent(fmt::format("{} states a largest force of {} N: between 0.5 N and 200 N is plausible",
-                                           facts.name, limit));
+        require_plausible_force(facts.name, limit);
         facts.max_force = std::min(facts.max_force, limit);
         return facts;
     }
@@ -260,13 +318,12 @@ private:
     void check_position() {
         double x = NAN, y = NAN, z = NAN;
         if (library_.get_position(&x, &y, &z, id_) < 0)
-            throw DeviceAbsent(fmt::format("{} reports no position: {}", facts_.name, library_.error()));
+            throw DeviceAbsent("{} reports no position: {}", facts_.name, library_.error());
         position_ = to_world(x, y, z);
         if (!is_reachable(position_))
-            throw DeviceAbsent(
-                fmt::format("{} reported the position ({}, {}, {}): its SDK gives metres, and no device reaches "
-                            "further than {} m",
-                            facts_.name, x, y, z, kDhdReach));
+            throw DeviceAbsent("{} reported the position ({}, {}, {}): its SDK gives metres, and no device reaches "
+                               "further than {} m",
+                               facts_.name, x, y, z, kReachOfDevices);
     }
 
     // The loop writes forces all the time; if the process stops, the device drops the force by itself.

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "device/backends/back_end.h"
-#include "device/backends/haply_link.h"
-#include "device/backends/haply_protocol.h"
 #include "host/error.h"
 
 namespace forceshade::device {
@@ -94,7 +92,7 @@ std::string service_of(const HaplyFinding& finding) {
 const HaplyDevice& choose(const HaplyFinding& finding, const std::string& id) {
     const std::string place = fmt::format("the {} at {}", service_of(finding), finding.url);
     if (finding.devices.empty())
-        throw DeviceAbsent(place + " lists no Inverse3: plug it in and switch it on (Haply Hub shows it)");
+        throw DeviceAbsent("{} lists no Inverse3: plug it in and switch it on (Haply Hub shows it)", place);
     std::vector<std::string> ids;
     for (const HaplyDevice& device : finding.devices) {
         if (device.id == id || (id.empty() && finding.devices.size() == 1))
@@ -102,7 +100,7 @@ const HaplyDevice& choose(const HaplyFinding& finding, const std::string& id) {
         ids.push_back(device.id);
     }
     if (!id.empty())
-        throw DeviceAbsent(fmt::format("{} lists no device {}; it lists {}", place, id, fmt::join(ids, ", ")));
+        throw DeviceAbsent("{} lists no device {}; it lists {}", place, id, fmt::join(ids, ", "));
     throw UsageError(fmt::format("{} lists several devices: {}; choose one: --device 'haply:{}?device={}'", place,
                                  fmt::join(ids, ", "), finding.url, ids.front()));
 }
@@ -127,12 +125,12 @@ DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {
 std::unique_ptr<BackEnd> open_haply(const HaplyOptions& options) {
     const HaplyFinding finding = look_for_haply(options.url, options.wait);
     if (!finding.problem.empty())
-        throw DeviceAbsent(fmt::format("no Inverse Service at {}: {}. {}", finding.url, finding.problem, kHowToGet));
+        throw DeviceAbsent("no Inverse Service at {}: {}. {}", finding.url, finding.problem, kHowToGet);
     const HaplyDevice& device = choose(finding, options.device_id);
     if (!parse_basis(device.basis))
-        throw DeviceAbsent(fmt::format("the {} at {} uses the basis '{}' for device {}, which is not a permutation of "
-                                       "X, Y and Z: set another one in Haply Hub",
-                                       service_of(finding), finding.url, device.basis, device.id));
+        throw DeviceAbsent("the {} at {} uses the basis '{}' for device {}, which is not a permutation of "
+                           "X, Y and Z: set another one in Haply Hub",
+                           service_of(finding), finding.url, device.basis, device.id);
     HaplyOptions chosen = options;
     chosen.device_id = device.id;
     if (chosen.dialect == HaplyOptions::Dialect::by_version)

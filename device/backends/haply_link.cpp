@@ -1,6 +1,6 @@
 // Queries an address, holds a connection, and runs the thread that keeps commands and answers in lock-step. Only this
 // source sees Boost.Beast, which takes 25 s to compile.
-#include "device/backends/haply_link.h"
+#include "device/backends/haply.h"
 
 #include <cerrno>
 #include <cstring>
@@ -21,7 +21,6 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
-#include "device/backends/haply_protocol.h"
 #include "host/error.h"
 
 namespace forceshade::device {

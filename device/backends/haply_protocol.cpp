@@ -1,4 +1,4 @@
-#include "device/backends/haply_protocol.h"
+#include "device/backends/haply.h"
 
 #include <algorithm>
 #include <array>
@@ -53,11 +53,19 @@ Json parse(std::string_view text) {
     return Json::parse(text.begin(), text.end(), nullptr, false);
 }
 
-const Json* member(const Json& object, const char* name) {
-    if (!object.is_object())
+// Null unless there is an object that has it.
+const Json* member(const Json* object, const char* name) {
+    if (object == nullptr || !object->is_object())
         return nullptr;
-    const auto found = object.find(name);
-    return found == object.end() ? nullptr : &*found;
+    const auto found = object->find(name);
+    return found == object->end() ? nullptr : &*found;
+}
+
+// The elements of a list that a message may have.
+const Json& list_of(const Json& message, const char* name) {
+    static const Json kNone = Json::array();
+    const Json* list = member(&message, name);
+    return list != nullptr && list->is_array() ? *list : kNone;
 }
 
 std::string text_of(const Json* value) {
@@ -92,8 +100,8 @@ constexpr std::array kConditions{
 // A condition that is given and is not `true` is not met.
 Readiness readiness_of(const Json* status) {
     Readiness readiness;
-    for (std::size_t i = 0; status != nullptr && i < kConditions.size(); ++i)
-        if (const Json* value = member(*status, kConditions[i].name)) {
+    for (std::size_t i = 0; i < kConditions.size(); ++i)
+        if (const Json* value = member(status, kConditions[i].name)) {
             readiness.known |= 1u << i;
             readiness.unmet |= *value == true ? 0u : 1u << i;
         }
@@ -101,12 +109,10 @@ Readiness readiness_of(const Json* status) {
 }
 
 std::optional<glm::dvec3> position_of(const Json* value) {
-    if (value == nullptr)
-        return std::nullopt;
     glm::dvec3 position{0};
     constexpr std::array names{"x", "y", "z"};
     for (int i = 0; i < 3; ++i) {
-        const Json* coordinate = member(*value, names[static_cast<std::size_t>(i)]);
+        const Json* coordinate = member(value, names[static_cast<std::size_t>(i)]);
         if (coordinate == nullptr || !coordinate->is_number())
             return std::nullopt;
         position[i] = coordinate->get<double>();
@@ -119,20 +125,12 @@ std::optional<glm::dvec3> position_of(const Json* value) {
 // Of all grips that the service lists; none of one that is asleep or gone.
 std::uint32_t buttons_of(const Json& message) {
     std::uint32_t pressed = 0;
-    for (const char* list : kGrips) {
-        const Json* grips = member(message, list);
-        if (grips == nullptr || !grips->is_array())
-            continue;
-        for (const Json& grip : *grips) {
-            const Json* state = member(grip, "state");
-            const Json* buttons = state != nullptr ? member(*state, "buttons") : nullptr;
-            if (buttons == nullptr)
-                continue;
+    for (const char* list : kGrips)
+        for (const Json& grip : list_of(message, list))
             for (std::size_t i = 0; i < kGripButtons.size(); ++i)
-                if (const Json* button = member(*buttons, kGripButtons[i]); button != nullptr && *button == true)
+                if (const Json* button = member(member(member(&grip, "state"), "buttons"), kGripButtons[i]);
+                    button != nullptr && *button == true)
                     pressed |= 1u << i;
-        }
-    }
     return pressed;
 }
 
@@ -216,45 +214,36 @@ HaplyOptions::Dialect dialect_of(std::string_view version) {
 
 std::string read_version(std::string_view body) {
     const Json json = parse(body);
-    const Json* data = member(json, "data"); // the envelope that routes of 3.5 may put around their answers
+    const Json* data = member(&json, "data"); // the envelope that routes of 3.5 may put around their answers
     for (const Json* object : {static_cast<const Json*>(&json), data})
         for (const char* name : {"git_tag", "project_version"})
-            if (object != nullptr)
-                if (std::string version = text_of(member(*object, name)); !version.empty() && version.size() <= 64)
-                    return version.front() == 'v' ? version.substr(1) : version;
+            if (std::string version = text_of(member(object, name)); !version.empty() && version.size() <= 64)
+                return version.front() == 'v' ? version.substr(1) : version;
     return {};
 }
 
 bool tells_of_grip(std::string_view message) {
     const Json json = parse(message);
-    return std::ranges::any_of(kGrips, [&](const char* list) {
-        const Json* grips = member(json, list);
-        return grips != nullptr && grips->is_array() && !grips->empty();
-    });
+    return std::ranges::any_of(kGrips, [&](const char* list) { return !list_of(json, list).empty(); });
 }
 
 std::optional<std::vector<HaplyDevice>> read_inventory(std::string_view message) {
     const Json json = parse(message);
     if (!json.is_object())
         return std::nullopt;
-    std::vector<HaplyDevice> devices;
-    const Json* list = member(json, "inverse3");
-    if (list == nullptr)
-        return devices;
-    if (!list->is_array())
+    if (const Json* list = member(&json, "inverse3"); list != nullptr && !list->is_array())
         return std::nullopt;
-    for (const Json& entry : *list) {
+    std::vector<HaplyDevice> devices;
+    for (const Json& entry : list_of(json, "inverse3")) {
         HaplyDevice device;
-        device.id = text_of(member(entry, "device_id"));
+        device.id = text_of(member(&entry, "device_id"));
         if (device.id.empty())
             return std::nullopt;
-        if (const Json* config = member(entry, "config")) {
-            device.type = text_of(member(*config, "type"));
-            if (const Json* basis = member(*config, "basis"))
-                device.basis = text_of(member(*basis, "permutation"));
-        }
-        device.status = status_of(member(entry, "status"));
-        device.unmet = readiness_of(member(entry, "status")).unmet;
+        const Json* const config = member(&entry, "config");
+        device.type = text_of(member(config, "type"));
+        device.basis = text_of(member(member(config, "basis"), "permutation"));
+        device.status = status_of(member(&entry, "status"));
+        device.unmet = readiness_of(member(&entry, "status")).unmet;
         devices.push_back(std::move(device));
     }
     return devices;
@@ -290,20 +279,18 @@ State read_state(std::string_view message, std::string_view device_id) {
     const Json json = parse(message);
     if (json.is_discarded())
         return {"the Inverse Service's answer is not JSON", {}, {}};
-    if (member(json, "error") != nullptr)
+    if (member(&json, "error") != nullptr)
         return {"the Inverse Service refused a command: does it speak another dialect? (?dialect=values or vector)",
                 {},
                 {}};
-    const Json* list = member(json, "inverse3");
+    const Json* list = member(&json, "inverse3");
     if (list == nullptr || !list->is_array())
         return {"the Inverse Service answered without a list of devices", {}, {}};
     for (const Json& entry : *list) {
-        if (text_of(member(entry, "device_id")) != device_id)
+        if (text_of(member(&entry, "device_id")) != device_id)
             continue;
-        const Readiness readiness = readiness_of(member(entry, "status"));
-        const Json* state = member(entry, "state");
-        const std::optional<glm::dvec3> position =
-            state != nullptr ? position_of(member(*state, "cursor_position")) : std::nullopt;
+        const Readiness readiness = readiness_of(member(&entry, "status"));
+        const std::optional<glm::dvec3> position = position_of(member(member(&entry, "state"), "cursor_position"));
         if (!position)
             return {"the Inverse Service answered without a position of the device", {}, readiness};
         return {nullptr, *position, readiness, buttons_of(json)};

@@ -2,21 +2,109 @@
 #include <cmath>
 #include <poll.h>
 #include <pthread.h>
+#include <string>
 
 #include <fmt/format.h>
 
 #include "device/backends/devices.h"
-#include "device/backends/hd_library.h"
+#include "device/backends/shared_library.h"
 
 namespace forceshade::device {
 
 namespace {
 
+// The C interface of 3D Systems' OpenHaptics HDAPI, as far as it is used: declared here, found in the library at run
+// time. Lengths in mm, forces in N, x to the user's right, y up, z towards the user.
+
+struct HdErrorInfo {
+    unsigned code = 0;
+    int internal_code = 0;
+    unsigned device = 0;
+};
+using HdCallback = unsigned (*)(void* user);
+
+/// Arguments and results of the calls, by their names without HD_.
+struct HdValue {
+    static constexpr unsigned success = 0, invalid_handle = 0xFFFFFFFF;
+    static constexpr unsigned callback_done = 0, callback_continue = 1;
+    static constexpr unsigned current_buttons = 0x2000; // as an integer: button 1 to 4 as bit 0 to 3
+    static constexpr unsigned current_position = 0x2050, current_force = 0x2700;
+    static constexpr unsigned version = 0x2500, device_model_type = 0x2501, device_driver_version = 0x2502,
+                              device_serial_number = 0x2504;
+    static constexpr unsigned max_workspace_dimensions = 0x2550, calibration_style = 0x2555;
+    static constexpr unsigned nominal_max_force = 0x2603, nominal_max_continuous_force = 0x2604;
+    static constexpr unsigned force_output = 0x4000;
+    static constexpr unsigned calibration_ok = 0x5000, calibration_needs_update = 0x5001,
+                              calibration_needs_manual_input = 0x5002;
+    static constexpr int calibrate_by_reset = 1, calibrate_by_itself = 2, calibrate_in_inkwell = 4; // styles, as bits
+    static constexpr unsigned short default_priority = 0x7FFF;
+};
+
+/// Errors are put onto a stack, from which hdGetError takes the newest. \throws DeviceAbsent: the library is
+/// missing or is a different one.
+struct HdLibrary : SharedLibrary {
+    HdLibrary()
+        : SharedLibrary({"3D Systems OpenHaptics toolkit",
+                         "FORCESHADE_HD_LIBRARY",
+                         {"libHD.so", "libHD.so.3.4", "libHD.so.3.5", "libHD.so.3.0", "libHD.so.3"},
+                         "Install OpenHaptics for Linux and the device's driver from 3D Systems "
+                         "(support.3dsystems.com) and put the folder of libHD.so into LD_LIBRARY_PATH, or set "
+                         "FORCESHADE_HD_LIBRARY to that file"}) {}
+
+    unsigned (*init_device)(const char* name) = needed("hdInitDevice"); // null: the default device
+    void (*disable_device)(unsigned device) = needed("hdDisableDevice");
+    void (*make_current_device)(unsigned device) = needed("hdMakeCurrentDevice");
+    void (*begin_frame)(unsigned device) = needed("hdBeginFrame");
+    void (*end_frame)(unsigned device) = needed("hdEndFrame");
+    void (*enable)(unsigned capability) = needed("hdEnable");
+    void (*disable)(unsigned capability) = needed("hdDisable");
+    void (*get_doublev)(unsigned what, double* values) = needed("hdGetDoublev");
+    void (*set_doublev)(unsigned what, const double* values) = needed("hdSetDoublev");
+    const char* (*get_string)(unsigned what) = needed("hdGetString");
+    HdErrorInfo (*get_error)() = needed("hdGetError");
+    const char* (*get_error_string)(unsigned code) = needed("hdGetErrorString"); // static
+    unsigned long (*schedule_asynchronous)(HdCallback callback, void* user,
+                                           unsigned short priority) = needed("hdScheduleAsynchronous");
+    void (*unschedule)(unsigned long callback) = needed("hdUnschedule");
+    void (*start_scheduler)() = needed("hdStartScheduler");
+    void (*stop_scheduler)() = needed("hdStopScheduler");
+    void (*get_integerv)(unsigned what, int* values) = needed("hdGetIntegerv");
+    unsigned (*check_calibration)() = needed("hdCheckCalibration");
+    void (*update_calibration)(unsigned style) = needed("hdUpdateCalibration");
+
+    /// Empties the stack of errors; returns the first one, of which the others may be consequences. Ends even if the
+    /// library reports errors without end.
+    unsigned drain_errors() const noexcept {
+        constexpr int kMost = 32;
+        unsigned first = HdValue::success;
+        for (int i = 0; i < kMost; ++i) {
+            const unsigned code = get_error().code;
+            if (code == HdValue::success)
+                break;
+            first = code;
+        }
+        return first;
+    }
+
+    /// The same, in the library's words with its code; empty: none.
+    std::string error() const {
+        const unsigned code = drain_errors();
+        if (code == HdValue::success)
+            return {};
+        const char* text = get_error_string(code);
+        return fmt::format("{} (HDAPI error 0x{:04X})", text && *text ? text : "no reason given", code);
+    }
+
+    std::string text(unsigned what) const { // empty if the library has none
+        const char* text = get_string(what);
+        return drain_errors() == HdValue::success && text ? text : "";
+    }
+};
+
 constexpr int kFramePatience = 20;    /* ms: for a frame of 1 ms */
 constexpr int kEndPatience = 200;     /* ms */
 constexpr int kStartPatience = 2000;  /* ms: for the first position */
 constexpr int kMostFailures = 100;    // frames without a position at the start
-constexpr double kHdReach = 3;        /* m: no device reaches further */
 constexpr double kUnknownReach = 0.5; /* m: of a device that states no workspace */
 constexpr double kMillimetre = 1e-3;  /* m */
 constexpr unsigned kHdButtons = 4;    // that HDAPI names
@@ -152,10 +240,10 @@ struct Session {
         if (device != HdValue::invalid_handle)
             library.disable_device(device);
         throw DeviceAbsent(
-            fmt::format("the OpenHaptics device {} cannot be opened: {}; is it plugged in, powered and set up with the "
-                        "vendor's Touch_Setup? Library: {}",
-                        name.empty() ? "configured as default" : "\"" + name + "\"",
-                        error.empty() ? "no reason given" : error, library.file()));
+            "the OpenHaptics device {} cannot be opened: {}; is it plugged in, powered and set up with the "
+            "vendor's Touch_Setup? Library: {}",
+            name.empty() ? "configured as default" : "\"" + name + "\"", error.empty() ? "no reason given" : error,
+            library.file());
     }
     ~Session() { library.disable_device(device); }
     Session(const Session&) = delete;
@@ -176,7 +264,7 @@ public:
         library.start_scheduler();
         if (const std::string error = library.error(); !error.empty()) {
             leave();
-            throw DeviceAbsent("the OpenHaptics scheduler does not start: " + error);
+            throw DeviceAbsent("the OpenHaptics scheduler does not start: {}", error);
         }
     }
     ~Schedule() { leave(); }
@@ -187,7 +275,7 @@ private:
     void check(const char* what) {
         if (const std::string error = library_.error(); !error.empty()) {
             library_.disable(HdValue::force_output);
-            throw DeviceAbsent(fmt::format("OpenHaptics {}: {}", what, error));
+            throw DeviceAbsent("OpenHaptics {}: {}", what, error);
         }
     }
 
@@ -275,17 +363,15 @@ private:
         double most = NAN;
         if (!states(HdValue::nominal_max_force, &most))
             return;
-        if (!(most >= 0.5 && most <= 200))
-            throw DeviceAbsent(fmt::format("{} states a largest force of {} N: between 0.5 N and 200 N is plausible",
-                                           facts.name, most));
+        require_plausible_force(facts.name, most);
         facts.max_force = most;
         double continuous = NAN;
         if (!states(HdValue::nominal_max_continuous_force, &continuous))
             return;
         if (!(continuous >= 0.1 && continuous <= most))
-            throw DeviceAbsent(fmt::format("{} states a continuous force of {} N: between 0.1 N and its largest, {} "
-                                           "N, is plausible",
-                                           facts.name, continuous, most));
+            throw DeviceAbsent("{} states a continuous force of {} N: between 0.1 N and its largest, {} "
+                               "N, is plausible",
+                               facts.name, continuous, most);
         facts.continuous_force = continuous;
     }
 
@@ -299,9 +385,9 @@ private:
             const double size = box[3 + axis] - box[axis];
             if (!(size >= 20 && size <= 6000))
                 throw DeviceAbsent(
-                    fmt::format("{} states the workspace ({}, {}, {}) to ({}, {}, {}): its API gives millimetres, and "
-                                "a side between 20 mm and 6000 mm is plausible",
-                                facts.name, box[0], box[1], box[2], box[3], box[4], box[5]));
+                    "{} states the workspace ({}, {}, {}) to ({}, {}, {}): its API gives millimetres, and "
+                    "a side between 20 mm and 6000 mm is plausible",
+                    facts.name, box[0], box[1], box[2], box[3], box[4], box[5]);
         }
         facts.low = kMillimetre * glm::dvec3(box[0], -box[5], box[1]);
         facts.high = kMillimetre * glm::dvec3(box[3], -box[2], box[4]);
@@ -311,9 +397,9 @@ private:
     void calibrate(DeviceFacts& facts) const {
         if (const std::string why = why_uncalibrated(facts); !why.empty())
             throw DeviceAbsent(
-                fmt::format("{} is not calibrated ({}): put its stylus into the inkwell (an arm without one into its "
-                            "reset position), or run the vendor's Touch_Diagnostic, and try again",
-                            facts.name, why));
+                "{} is not calibrated ({}): put its stylus into the inkwell (an arm without one into its "
+                "reset position), or run the vendor's Touch_Diagnostic, and try again",
+                facts.name, why);
     }
 
     // Empty: it is calibrated, perhaps by us.
@@ -354,15 +440,12 @@ private:
         }
         if (!frame.valid) {
             const char* why = servo_.error_text();
-            throw DeviceAbsent(
-                fmt::format("{} reports no position: {}", facts_.name, why ? why : "its scheduler does not run"));
+            throw DeviceAbsent("{} reports no position: {}", facts_.name, why ? why : "its scheduler does not run");
         }
         const glm::dvec3& at = frame.position;
-        const auto reached = [](double along) { return std::abs(along) <= kHdReach; }; // and is a number
-        if (!reached(at.x) || !reached(at.y) || !reached(at.z))
-            throw DeviceAbsent(
-                fmt::format("{} reported the position ({}, {}, {}) mm: no device reaches further than {} m",
-                            facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kHdReach));
+        if (!is_reachable(at))
+            throw DeviceAbsent("{} reported the position ({}, {}, {}) mm: no device reaches further than {} m",
+                               facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kReachOfDevices);
         position_ = at;
     }
 

@@ -1,5 +1,6 @@
 #include "device/backends/shared_library.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <dlfcn.h>
 
@@ -27,8 +28,8 @@ void* open_sought(const SoughtLibrary& sought) {
     if (const char* const file = std::getenv(sought.variable.c_str()); file && *file) {
         if (void* handle = open_library(file, why))
             return handle;
-        throw DeviceAbsent(fmt::format("cannot load the library of the {} from ${}: {}. {}", sought.product,
-                                       sought.variable, why, sought.installation));
+        throw DeviceAbsent("cannot load the library of the {} from ${}: {}. {}", sought.product, sought.variable, why,
+                           sought.installation);
     }
     for (const std::string& name : sought.names) {
         if (void* handle = open_library(name, why))
@@ -37,10 +38,10 @@ void* open_sought(const SoughtLibrary& sought) {
         if (!why.starts_with(name + ": cannot open shared object file: No such file"))
             load_errors += "; " + why;
     }
-    throw DeviceAbsent(fmt::format("no library of the {}: none of {} is in LD_LIBRARY_PATH or the system's folders, "
-                                   "and {} is not set{}. {}",
-                                   sought.product, fmt::join(sought.names, ", "), sought.variable, load_errors,
-                                   sought.installation));
+    throw DeviceAbsent("no library of the {}: none of {} is in LD_LIBRARY_PATH or the system's folders, "
+                       "and {} is not set{}. {}",
+                       sought.product, fmt::join(sought.names, ", "), sought.variable, load_errors,
+                       sought.installation);
 }
 
 } // namespace
@@ -58,8 +59,17 @@ SharedLibrary::Symbol SharedLibrary::optional(const char* name) const noexcept {
 SharedLibrary::Symbol SharedLibrary::needed(const char* name) const {
     if (const Symbol symbol = optional(name); symbol.address)
         return symbol;
-    throw DeviceAbsent(
-        fmt::format("{} has no function {}: it is not the library of the {}, or is too old", file_, name, product_));
+    throw DeviceAbsent("{} has no function {}: it is not the library of the {}, or is too old", file_, name, product_);
+}
+
+bool is_reachable(const glm::dvec3& at) {
+    const auto is_near = [](double along) { return std::abs(along) <= kReachOfDevices; };
+    return is_near(at.x) && is_near(at.y) && is_near(at.z);
+}
+
+void require_plausible_force(const std::string& name, double most) {
+    if (!(most >= 0.5 && most <= 200))
+        throw DeviceAbsent("{} states a largest force of {} N: between 0.5 N and 200 N is plausible", name, most);
 }
 
 } // namespace forceshade::device

@@ -1,8 +1,11 @@
-// A vendor's library, found and loaded while the program runs: the program is built and works without it.
+// A vendor's library, found and loaded while the program runs: the program is built and works without it. Also what no
+// device that it drives can state.
 #pragma once
 
 #include <string>
 #include <vector>
+
+#include <glm/vec3.hpp>
 
 namespace forceshade::device {
 
@@ -40,5 +43,12 @@ private:
     std::string product_, file_;
     void* handle_;
 };
+
+inline constexpr double kReachOfDevices = 3; /* m: no device reaches further */
+/// Whether a device can be there, m; false also for NaN.
+bool is_reachable(const glm::dvec3& at);
+
+/// \throws DeviceAbsent unless this device may have such a largest force, N.
+void require_plausible_force(const std::string& name, double most);
 
 } // namespace forceshade::device

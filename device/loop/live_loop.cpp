@@ -3,15 +3,74 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
-#include "device/backends/back_end.h"
-#include "device/loop/permissions.h"
-#include "device/loop/safety.h"
-#include "device/loop/sample.h"
+#include <fmt/format.h>
+
+#include "host/quiet_signals.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::device {
+
+namespace {
+
+// "-y", or "(0.8660, 0.5000, 0.0000)" if it is not along an axis.
+std::string direction_text(const glm::dvec3& direction) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::abs(direction[axis]) == 1)
+            return fmt::format("{}{}", direction[axis] < 0 ? "-" : "", "xyz"[axis]);
+    return fmt::format("({:.4f}, {:.4f}, {:.4f})", direction.x, direction.y, direction.z);
+}
+
+double seconds(std::int64_t time) noexcept {
+    return static_cast<double>(time) * 1e-9;
+}
+
+std::int32_t short_time(std::int64_t time) noexcept {
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(time, 0, 2'147'483'647));
+}
+
+void raise_to(double& largest, double value) noexcept {
+    largest = value > largest ? value : largest;
+}
+
+constexpr double kBeyondAnyLimit = std::numeric_limits<double>::quiet_NaN(); // even an infinite one
+
+} // namespace
+
+std::string mapping_text(const Mapping& mapping) {
+    const glm::dvec3 origin = 1e3 * mapping.origin + 0.0; // no -0
+    std::string text = fmt::format("origin at ({:.6g}, {:.6g}, {:.6g}) mm", origin.x, origin.y, origin.z);
+    if (mapping.turn != glm::dmat3(1))
+        text += fmt::format(", scene's x, y, z along the device's {}, {}, {}", direction_text(mapping.turn[0]),
+                            direction_text(mapping.turn[1]), direction_text(mapping.turn[2]));
+    if (mapping.scale != 1)
+        text += fmt::format("; {0:.6g} m of the scene in a metre of the device: springs feel {0:.6g} times as stiff",
+                            mapping.scale);
+    return text;
+}
+
+glm::dmat3 turn_about(int axis, double angle) {
+    constexpr double kQuarter = std::numbers::pi / 2;
+    const double quarters = angle / kQuarter, whole = std::round(quarters);
+    double sine = std::sin(angle), cosine = std::cos(angle);
+    if (std::abs(quarters - whole) < 1e-12) {
+        constexpr double kSines[]{0, 1, 0, -1};
+        const int quarter = static_cast<int>(std::fmod(std::fmod(whole, 4) + 4, 4));
+        sine = kSines[quarter];
+        cosine = kSines[(quarter + 1) % 4];
+    }
+    const int next = (axis + 1) % 3, after = (axis + 2) % 3;
+    glm::dmat3 turn(1);
+    turn[next] = glm::dvec3(0);
+    turn[after] = glm::dvec3(0);
+    turn[next][next] = cosine;
+    turn[next][after] = sine;
+    turn[after][next] = -sine;
+    turn[after][after] = cosine;
+    return turn;
+}
 
 Watchdog::Watchdog(BackEnd& back_end, std::int64_t patience)
     : back_end_(back_end), patience_(patience), fed_(now()),
@@ -29,24 +88,6 @@ void Watchdog::run(const std::stop_token& stop) noexcept {
         sleep_until(std::min(std::max(fed + patience_, time + patience_ / 4), time + kLongest));
     }
 }
-
-namespace {
-
-double seconds(std::int64_t time) noexcept {
-    return static_cast<double>(time) * 1e-9;
-}
-
-std::int32_t short_time(std::int64_t time) noexcept {
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(time, 0, 2'147'483'647));
-}
-
-void raise_to(double& largest, double value) noexcept {
-    largest = value > largest ? value : largest;
-}
-
-constexpr double kBeyondAnyLimit = std::numeric_limits<double>::quiet_NaN(); // even an infinite one
-
-} // namespace
 
 struct LiveLoop::Turn {
     LiveSample sample;
@@ -66,6 +107,7 @@ LiveLoop::~LiveLoop() {
 }
 
 void LiveLoop::start() {
+    const QuietSignals quiet;
     thread_ = std::thread([this] { run(); });
 }
 
@@ -317,7 +359,6 @@ void LiveLoop::publish(const LiveSample& sample) noexcept {
     constexpr auto relaxed = std::memory_order_relaxed;
     status_.samples.store(counts_->samples, relaxed);
     status_.overruns.store(counts_->with(kOverrun), relaxed);
-    status_.own_overruns.store(counts_->with(kOwnOverrun), relaxed);
     status_.clamped.store(counts_->with(kClamped), relaxed);
     status_.lost.store(counts_->lost, relaxed);
     status_.flags.store(sample.flags, relaxed);

@@ -5,17 +5,91 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
 #include "device/backends/back_end.h"
-#include "device/loop/law_exchange.h"
-#include "device/loop/mapping.h"
-#include "device/loop/permissions.h"
+#include "device/loop/real_time.h"
 #include "device/loop/safety.h"
 #include "device/loop/sample.h"
+#include "host/field/case_law.h"
 
 namespace forceshade::device {
+
+/// A new law for a loop that runs: handed over without a lock, the old one handed back to be freed elsewhere.
+class LawExchange {
+public:
+    explicit LawExchange(std::unique_ptr<ProbeLaw> first) : present_(first.release()) {}
+    ~LawExchange() {
+        delete present_;
+        delete next_.load();
+        delete former_.load();
+    }
+    LawExchange(const LawExchange&) = delete;
+    LawExchange& operator=(const LawExchange&) = delete;
+
+    /// From any one thread that is not the loop: `law` is used from the next sample on. One that was offered before and
+    /// is not yet used is dropped.
+    void offer(std::unique_ptr<ProbeLaw> law) {
+        delete next_.exchange(law.release(), std::memory_order_acq_rel);
+        delete former_.exchange(nullptr, std::memory_order_acq_rel);
+    }
+
+    /// From the thread that offers: false if the last law offered is in use already.
+    bool withdraw() {
+        const std::unique_ptr<ProbeLaw> law(next_.exchange(nullptr, std::memory_order_acq_rel));
+        return law != nullptr;
+    }
+
+    /// From the loop: true if it took a new law. A new law waits until offer() has freed the former one.
+    bool update() noexcept {
+        if (next_.load(std::memory_order_relaxed) == nullptr || former_.load(std::memory_order_acquire) != nullptr)
+            return false;
+        ProbeLaw* const next = next_.exchange(nullptr, std::memory_order_acq_rel);
+        if (next == nullptr)
+            return false;
+        former_.store(present_, std::memory_order_release);
+        present_ = next;
+        return true;
+    }
+
+    ProbeLaw& present() noexcept { return *present_; } // the loop's
+
+private:
+    ProbeLaw* present_;
+    std::atomic<ProbeLaw*> next_ = nullptr, former_ = nullptr;
+};
+
+/// The scene's placement in the device's space. The hand's position is in the device's axes and metres, relative to the
+/// scene's origin; the probe is that point in the scene. Positions are scaled, forces are not: a spring of the scene
+/// feels `scale` times as stiff. A force that is turned back does the work on the hand that the law's force does on the
+/// probe, divided by the scale.
+struct Mapping {
+    glm::dvec3 origin{0}; /* m: where the scene's origin lies in the device's space */
+    glm::dmat3 turn{1};   // columns: the scene's x, y and z in the device's axes; a rotation
+    double scale = 1;     // of a metre of the device, in metres of the scene
+
+    bool is_plain() const noexcept { return scale == 1 && turn == glm::dmat3(1); }
+
+    // A scene that is neither turned nor scaled gives the same bits as without a mapping.
+    glm::dvec3 to_scene(const glm::dvec3& hand) const noexcept {
+        return is_plain() ? hand : scale * (hand * turn); // v * M: by the transpose
+    }
+    glm::dvec3 to_hand(const glm::dvec3& probe) const noexcept { return is_plain() ? probe : turn * probe / scale; }
+    glm::dvec3 force_to_device(const glm::dvec3& force) const noexcept { return is_plain() ? force : turn * force; }
+    glm::dvec3 force_to_scene(const glm::dvec3& force) const noexcept { return is_plain() ? force : force * turn; }
+};
+
+/// One line: "origin at (0, -150, 200) mm, scene's x, y, z along the device's y, -x, z; 2 m of the scene in a
+/// metre of the device: springs feel 2 times as stiff".
+std::string mapping_text(const Mapping& mapping);
+
+/// A right-handed turn by `angle`, rad, about the device's axis 0, 1 or 2; exact for quarter turns.
+glm::dmat3 turn_about(int axis, double angle);
 
 /// A thread of its own, of higher priority than the loop's if the system allows it: drops the device's force while the
 /// loop is stuck.
@@ -53,7 +127,7 @@ enum class LoopEnd { running, done, stopped, recording_over, device_gone };
 
 /// The loop's state while it runs; each number is the newest, but they need not be of one sample.
 struct LoopStatus {
-    std::atomic<std::uint64_t> samples = 0, waiting = 0, overruns = 0, own_overruns = 0, clamped = 0, lost = 0;
+    std::atomic<std::uint64_t> samples = 0, waiting = 0, overruns = 0, clamped = 0, lost = 0;
     std::atomic<std::uint32_t> flags = 0;              // SampleFlags of the last sample
     std::atomic<std::uint32_t> buttons = 0;            // pressed then
     std::atomic<std::uint32_t> laws = 0, law_path = 0; // new laws in use so far, and the path that the last one began
@@ -71,6 +145,7 @@ public:
              std::vector<SampleRing*> others = {});
     ~LiveLoop(); // stops it
 
+    /// Its thread is not interrupted by signals from outside (host/quiet_signals.h).
     void start();
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
     LoopEnd end() const noexcept { return end_.load(std::memory_order_acquire); }

@@ -169,7 +169,7 @@ inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3&
 /// The state of a sample before its law is evaluated.
 struct Situation {
     Answer answer = Answer::failed;
-    glm::dvec3 probe{0};         /* m: the hand's last valid position (mapping.h), this sample's if valid */
+    glm::dvec3 probe{0};         /* m: the hand's last valid position (Mapping), this sample's if valid */
     bool is_position = false;    // the device gave one, finite and within the law's reach
     bool begins_path = false;    // the probe did not move here from the position before
     bool withheld = false;       // the device displays no force

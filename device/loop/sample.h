@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -121,6 +122,14 @@ inline constexpr std::array<std::string_view, 21> kSampleFlagNames{
     "outside",  "too_fast", "too_late", "failed",   "unfinished", "overrun",      "own_overrun",
     "withheld", "lasting",  "new_path", "dead_man", "clutched",   "unstable",     "saturated"};
 
+inline std::string flag_names(std::uint32_t flags, std::string_view between) {
+    std::string names;
+    for (std::size_t bit = 0; bit < kSampleFlagNames.size(); ++bit)
+        if (flags >> bit & 1u)
+            names.append(names.empty() ? "" : between).append(kSampleFlagNames[bit]);
+    return names;
+}
+
 /// Flags with which no force is displayed.
 inline constexpr std::uint32_t kZeroForceFlags =
     kNoNumber | kBadPosition | kStale | kOutside | kTooFast | kTooLate | kFailed | kWithheld | kDeadMan | kClutched;
@@ -174,8 +183,6 @@ class SampleRing {
 public:
     /// Room for at least `samples`; the memory is touched here, so that the loop never waits for a page.
     explicit SampleRing(std::size_t samples) : slots_(std::bit_ceil(samples)), mask_(slots_.size() - 1) {}
-
-    std::size_t capacity() const noexcept { return slots_.size(); }
 
     /// False if there is no room: the sample is lost.
     bool put(const LiveSample& sample) noexcept {

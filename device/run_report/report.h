@@ -10,8 +10,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "device/loop/mapping.h"
-#include "device/loop/permissions.h"
+#include "device/loop/live_loop.h"
+#include "device/loop/real_time.h"
 #include "device/loop/sample.h"
 
 namespace forceshade::device {

@@ -1,4 +1,4 @@
-#include "device/session/check.h"
+#include "device/session/session.h"
 
 #include <algorithm>
 #include <array>
@@ -11,12 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "device/backends/devices.h"
-#include "device/session/signals.h"
 #include "host/clock.h"
 #include "host/paths/motions.h"
 #include "host/picture/canvas.h"
 #include "host/program.h"
-#include "host/quiet_signals.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::device {
@@ -144,7 +142,6 @@ public:
         check_.asked_for = options.device;
         check_.facts = opened_.facts;
         check_.manner = manner_text(opened_.settings);
-        const QuietSignals quiet;
         loop_.start();
     }
 
@@ -221,25 +218,20 @@ private:
             seen_.insert(seen_.end(), some.begin(), some.end());
             ring_.release(some.size());
         }
-        if (loop_.end() != LoopEnd::running) {
-            const char* const error_text = opened_.device->error_text();
-            throw DeviceAbsent(fmt::format("{} is gone{}", opened_.facts.name,
-                                           error_text != nullptr ? fmt::format(": {}", error_text) : ""));
-        }
+        if (loop_.end() != LoopEnd::running)
+            throw DeviceAbsent("{} is gone{}", opened_.facts.name, error_text_of(*opened_.device));
     }
 
     // The loop's samples for a while, or until `over` returns true.
-    template <typename Over> std::vector<LiveSample> watch(double time, Over&& over) {
+    std::vector<LiveSample> watch(
+        double time, const std::function<bool()>& over = [] { return false; }) {
         look();
         seen_.clear();
-        const auto end = Clock::now() + std::chrono::duration<double>(time);
+        const auto start = Clock::now();
         do
             look();
-        while (Clock::now() < end && !over());
+        while (seconds_since(start) < time && !over());
         return seen_;
-    }
-    std::vector<LiveSample> watch(double time) {
-        return watch(time, [] { return false; });
     }
 
     // m, in the scene's axes but unscaled: the hand's recent position.

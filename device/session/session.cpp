@@ -1,5 +1,6 @@
 #include "device/session/session.h"
 
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -7,19 +8,14 @@
 #include <fmt/format.h>
 
 #include "device/backends/devices.h"
-#include "device/run_report/status_line.h"
-#include "device/session/live_log.h"
 #include "device/session/scene_changes.h"
-#include "device/session/signals.h"
-#include "device/session/view.h"
+#include "host/clock.h"
 #include "host/program.h"
 #include "host/quiet_signals.h"
 
 namespace forceshade::device {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double kBuffered = 16;   /* s: of samples that wait for the disk */
 constexpr double kLongest = 3.2e7; /* s: a year */
@@ -55,8 +51,8 @@ double checked_rate(double rate) {
 
 // Errors that do not depend on the device, before one is opened.
 const SessionOptions& checked(const SessionOptions& options) {
-    if (options.rate)
-        checked_rate(*options.rate);
+    if (options.asked_rate)
+        checked_rate(*options.asked_rate);
     if (options.real_time)
         return options;
     const bool sim = is_sim(options.device);
@@ -85,16 +81,9 @@ std::string state_of(const LoopStatus& status, const char* withheld) {
     if (status.samples == 0)
         return "waiting for the device";
     const std::uint32_t flags = status.flags;
-    for (std::size_t bit = 0; bit < kSampleFlagNames.size(); ++bit)
-        if ((flags & kZeroForceFlags) >> bit & 1u)
-            return fmt::format("no force: {}", kSampleFlagNames[bit]);
+    if (const std::uint32_t faults = flags & kZeroForceFlags; faults != 0)
+        return fmt::format("no force: {}", kSampleFlagNames[static_cast<std::size_t>(std::countr_zero(faults))]);
     return flags & kRamping ? "ramping" : "";
-}
-
-// ": " and the device's last error, if any.
-std::string error_text_of(const BackEnd& device) {
-    const char* const error_text = device.error_text();
-    return error_text != nullptr ? fmt::format(": {}", error_text) : "";
 }
 
 // Where the probe is when the device is opened.
@@ -109,8 +98,8 @@ glm::dvec3 first_position(BackEnd& device, double patience) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     } while (Clock::now() < end);
     if (const char* const withheld = device.withheld())
-        throw DeviceAbsent(fmt::format("{} displays no force: {}", device.facts().name, withheld));
-    throw DeviceAbsent(fmt::format("{} reports no position{}", device.facts().name, error_text_of(device)));
+        throw DeviceAbsent("{} displays no force: {}", device.facts().name, withheld);
+    throw DeviceAbsent("{} reports no position{}", device.facts().name, error_text_of(device));
 }
 
 // A state of the device; changes are reported, at most some 20 of them.
@@ -170,14 +159,16 @@ public:
         if (const std::string manner = manner_text(opened_.settings); !manner.empty())
             line_.say(manner);
         const std::vector<SampleRing*> others = start_readers();
-        loop_.emplace(*opened_.device, make_probe_law(prepared_), opened_.settings, ring_ ? &*ring_ : nullptr, others);
+        loop_.emplace(*opened_.device, make_probe_law(prepared_), opened_.settings, log_ ? &log_->ring() : nullptr,
+                      others);
     }
 
     SessionResult run() {
         {
             const Emergency emergency(*opened_.device);
             const LoopSignals signals(*loop_);
-            start();
+            begun_ = Clock::now();
+            loop_->start();
             while (loop_->end() == LoopEnd::running) {
                 if (is_interrupted())
                     loop_->stop();
@@ -208,18 +199,11 @@ private:
             print_note("view: {}\n", view_->address()); // even if quiet: the address cannot be guessed
         }
         if (!options_.log.empty()) {
-            ring_.emplace(static_cast<std::size_t>(kBuffered * rate));
-            log_.emplace(options_.log, *ring_, prepared_.one.scene.precision, options_.replace_log,
+            log_.emplace(options_.log, kBuffered * rate, prepared_.one.scene.precision, options_.replace_log,
                          opened_.facts.buttons > 0);
             scenes_.keep_first();
         }
         return others;
-    }
-
-    void start() {
-        const QuietSignals quiet;
-        begun_ = Clock::now();
-        loop_->start();
     }
 
     // Empty: scenes are not kept, because there is no log or it is /dev/null or a pipe.
@@ -280,7 +264,7 @@ private:
     void show() {
         const LoopStatus& now = loop_->status();
         LiveStatus status;
-        status.seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
+        status.seconds = seconds_since(begun_);
         const double passed = status.seconds - shown_seconds_;
         if (passed > 0.5) {
             rate_ = static_cast<double>(now.samples - shown_samples_) / passed;
@@ -370,7 +354,6 @@ private:
     PreparedCase prepared_;
     OpenDevice opened_;
     SceneChanges scenes_;
-    std::optional<SampleRing> ring_;
     std::optional<LiveLog> log_;
     std::optional<UdpSender> sender_;
     std::optional<LiveView> view_;
@@ -389,28 +372,22 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
     {
         // The main thread handles every signal from outside, not the threads that are started here.
         const QuietSignals quiet;
-        opened.device = open_device(options.device, prepared, options.rate, options.limits.ramp);
+        opened.device = open_device(options.device, prepared, options.asked_rate, options.limits.ramp);
     }
     opened.facts = opened.device->facts();
     check_button("--dead-man", options.dead_man, opened.facts);
     check_button("--clutch", options.clutch, opened.facts);
     if (options.dead_man != 0 && options.dead_man == options.clutch)
         throw UsageError(fmt::format("--dead-man and --clutch: button {} cannot be both", options.clutch));
-    Mapping mapping = options.mapping;
+    LoopSettings& settings = opened.settings = options;
+    glm::dvec3& origin = settings.mapping.origin;
     if (options.origin_here)
-        mapping.origin = first_position(*opened.device, options.patience);
-    opened.facts.low -= mapping.origin;
-    opened.facts.high -= mapping.origin;
+        origin = first_position(*opened.device, options.patience);
+    opened.facts.low -= origin;
+    opened.facts.high -= origin;
     if (!opened.facts.remark.empty())
         opened.warnings.push_back(opened.facts.remark);
-    LoopSettings& settings = opened.settings;
-    settings.rate = checked_rate(options.rate.value_or(opened.facts.rate));
-    settings.real_time = options.real_time;
-    settings.patience = options.patience;
-    settings.cpu = options.cpu;
-    settings.mapping = mapping;
-    settings.dead_man = options.dead_man;
-    settings.clutch = options.clutch;
+    settings.rate = checked_rate(options.asked_rate.value_or(opened.facts.rate));
     settings.limits = limits_of(options, opened.facts, opened.warnings);
     settings.limits.fade = options.limits.fade && options.unstable;
     settings.samples = samples_in(options.duration, settings.rate);
@@ -428,6 +405,11 @@ void refuse_unstable(const std::string& warning, const OpenDevice& opened, const
     if (!warning.empty() && !opened.facts.simulated && !options.unstable)
         throw UsageError(
             fmt::format("{}; set [hand] to what the device is, or feel it all the same with --unstable", warning));
+}
+
+std::string error_text_of(const BackEnd& device) {
+    const char* const error_text = device.error_text();
+    return error_text != nullptr ? fmt::format(": {}", error_text) : "";
 }
 
 std::string manner_text(const LoopSettings& settings) {

@@ -1,4 +1,5 @@
-// A run of the live loop from the scene's file to the report: the loop, its log, a person at the terminal.
+// A run of the live loop from the scene's file to the report: the loop, its log, a person at the terminal. Also what
+// signals from outside do to it, and the check of a device before use.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +11,27 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "device/loop/live_loop.h"
 #include "device/run_report/report.h"
-#include "device/session/udp_sender.h"
+#include "device/session/readers.h"
 #include "host/field/prepared_case.h"
 #include "host/limits/limits.h"
 
 namespace forceshade::device {
 
-struct SessionOptions {
-    std::filesystem::path scene;        // its file
-    std::function<PreparedCase()> read; // makes a case of it, in the precision of the run
-    std::string device = "sim";         // for open_device()
-    Mapping mapping;
-    bool origin_here = false;               // its origin is where the probe is at the start instead
-    unsigned dead_man = 0, clutch = 0;      // buttons, as in LoopSettings
-    std::optional<double> rate;             /* Hz */
+/// As asked for: the loop's rate is that or the device's, its samples follow from the duration.
+struct SessionOptions : LoopSettings {
+    std::filesystem::path scene;            // its file
+    std::function<PreparedCase()> read;     // makes a case of it, in the precision of the run
+    std::string device = "sim";             // for open_device()
+    bool origin_here = false;               // the mapping's origin is where the probe is at the start instead
+    std::optional<double> asked_rate;       /* Hz */
     std::optional<double> duration;         /* s; none: until the recording ends or an interrupt */
-    bool real_time = true;                  // false: as fast as possible (sim and replay)
-    std::optional<int> cpu;                 // that the loop runs on
-    double patience = 5;                    /* s: as in LoopSettings */
     bool without_watchdog = false;          // a device's own, which may then display more than kUnwatchedForce
-    std::optional<double> max_force;        /* N: none: the device's, or kCautiousForce */
+    std::optional<double> max_force;        /* N; of the limits: none: the device's, or kCautiousForce */
     std::optional<double> continuous_force; /* N: none: the device's */
-    SafetyLimits limits;                    // the others
     std::optional<std::pair<glm::dvec3, glm::dvec3>> workspace; /* m: as in SafetyLimits; none: the device's */
     std::filesystem::path log;                                  // empty: none
     bool replace_log = false;
@@ -65,6 +63,9 @@ struct OpenDevice {
 /// IoError, DeviceAbsent.
 OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prepared);
 
+/// ": " and the device's last error; empty: none.
+std::string error_text_of(const BackEnd& device);
+
 /// Whether the scene is stable on the device: pressed as hard as the device displays, a simulated hand as it presses.
 SceneLimits limits_on(const OpenDevice& opened, const PreparedCase& prepared);
 
@@ -77,5 +78,70 @@ std::string manner_text(const LoopSettings& settings);
 /// Runs until it is over. The device is always left without force. \throws UsageError, IoError, DeviceAbsent
 /// before the loop begins.
 SessionResult run_session(const SessionOptions& options);
+
+/// While it lives, abort() (and with it an uncaught exception), a fault of memory or arithmetic, SIGQUIT and every
+/// other unhandled signal that ends a process by default halt the device before the process ends as it would have.
+/// (SIGKILL cannot be caught.) One at a time.
+class Emergency {
+public:
+    explicit Emergency(BackEnd& back_end) noexcept;
+    ~Emergency();
+    Emergency(const Emergency&) = delete;
+    Emergency& operator=(const Emergency&) = delete;
+};
+
+/// Handles a person's signals to a loop, while it lives. SIGINT, SIGTERM and SIGHUP keep their action (host/program.h)
+/// and stop the loop in the handler, so that the next sample is the last; a second one ends the process by the signal,
+/// after the device was halted. SIGTSTP, and SIGTTIN and SIGTTOU of a terminal that belongs to another job, stop the
+/// process once the loop has displayed zero; when it goes on, the force ramps up as after the start. (SIGSTOP cannot be
+/// caught: the device's own watchdog decides.) One at a time, within an Emergency.
+class LoopSignals {
+public:
+    explicit LoopSignals(LiveLoop& loop) noexcept;
+    ~LoopSignals();
+    LoopSignals(const LoopSignals&) = delete;
+    LoopSignals& operator=(const LoopSignals&) = delete;
+};
+
+/// absent: the device does not have it. skipped: it could not be done.
+enum class CheckResult { passed, failed, skipped, absent };
+
+struct CheckStep {
+    std::string name; // "axes"
+    CheckResult result = CheckResult::passed;
+    std::string found;  // measured, with units
+    std::string advice; // what to do; empty: no action
+};
+
+struct DeviceCheck {
+    std::string time;      // UTC
+    std::string asked_for; // --device
+    DeviceFacts facts;
+    std::string manner; // manner_text
+    std::vector<CheckStep> steps;
+
+    /// Every step passed, or the device does not have it.
+    bool passed() const noexcept;
+};
+
+/// The person at the device, and messages to them.
+struct CheckGuide {
+    bool somebody = false;                             // holds it: otherwise the check does not push
+    std::function<void(const std::string& text)> tell; // prints one line
+    std::function<bool()> entered; // whether Enter was pressed since the last question; empty: no terminal
+};
+
+/// calibration, rest, axes (0.5 N along each of the scene's, the probe must yield along it), workspace (against the
+/// scene's needs), watchdog (the loop stands still for a moment) and button, one after the other, by the live loop
+/// with its safety: 0.5 N and 0.3 m/s at most. A simulated hand holds still where the path of the scene begins, above
+/// the surface. The device is always left without force. \throws as open_for_loop; UsageError for a
+/// recording; Interrupted.
+DeviceCheck check_device(const SessionOptions& options, const PreparedCase& scene, const CheckGuide& guide);
+
+/// A line a step, advice below.
+std::string check_text(const DeviceCheck& check);
+
+/// Keys: version, time, device (asked_for, name, software), manner, passed, steps (name, result, found, advice).
+nlohmann::ordered_json check_json(const DeviceCheck& check);
 
 } // namespace forceshade::device

@@ -1,4 +1,4 @@
-#include "device/session/signals.h"
+#include "device/session/session.h"
 
 #include <array>
 #include <atomic>

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "device/session/check.h"
+#include "device/session/session.h"
 #include "host/cli/command.h"
 #include "host/cli/device_options.h"
 #include "host/error.h"

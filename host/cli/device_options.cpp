@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "device/loop/permissions.h"
+#include "device/loop/real_time.h"
 #include "host/error.h"
 
 namespace forceshade {
@@ -147,7 +147,7 @@ void describe_device(Options& options, DeviceArguments& arguments) {
         "--dead-man BUTTON",
         [&session](const std::string& text) { session.dead_man = read_button("--dead-man", text); },
         "button of the device: there is no force unless it is held");
-    add(options, "--rate FREQUENCY", session.rate, Dimension::frequency, Accepted::positive,
+    add(options, "--rate FREQUENCY", session.asked_rate, Dimension::frequency, Accepted::positive,
         "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
     options.optional("--cpu CPU", session.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
     add(options, "--patience TIME", session.patience, Dimension::time, Accepted::positive_or_none,

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "device/session/check.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
 #include "host/scene/quantity.h"

@@ -10,8 +10,7 @@
 
 #include "compute/device.h"
 #include "device/backends/devices.h"
-#include "device/loop/permissions.h"
-#include "device/loop/wake_ups.h"
+#include "device/loop/real_time.h"
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/field/engine.h"

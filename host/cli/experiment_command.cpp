@@ -10,8 +10,7 @@
 #include "host/cli/device_options.h"
 #include "host/error.h"
 #include "host/experiment/analysis.h"
-#include "host/experiment/person.h"
-#include "host/experiment/plan.h"
+#include "host/experiment/expected.h"
 #include "host/experiment/run.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
@@ -107,7 +106,6 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
         options.info = {subject, session_number(arguments.session), arguments.participant, participant->device(),
                         person && !arguments.check.empty() ? "passed" : "none"};
         options.paths = person || arguments.paths;
-        options.quiet = person || common.quiet;
         const std::size_t answered = experiment::run_session(experiment, *participant, options);
         if (!common.quiet)
             print_note("subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),

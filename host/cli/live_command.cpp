@@ -100,7 +100,7 @@ int outcome_code(const device::SessionResult& result, const std::string& report)
         throw IoError(fmt::format("{}; {} samples are in the log, {} are lost{}", result.log_failure,
                                   result.outcome.logged, result.outcome.counts.lost, also));
     if (result.end == device::LoopEnd::device_gone)
-        throw device::DeviceAbsent(fmt::format("{} is gone{}{}", result.outcome.device, result.error_text, also));
+        throw device::DeviceAbsent("{} is gone{}{}", result.outcome.device, result.error_text, also);
     if (result.outcome.counts.lost > 0)
         throw Error(ExitCode::failed, fmt::format("{} samples are not in the log: the disk could not keep up{}",
                                                   result.outcome.counts.lost, also));

@@ -7,7 +7,7 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/experiment/perception.h"
+#include "host/experiment/expected.h"
 #include "host/long_run.h"
 #include "host/program.h"
 #include "host/report/report.h"

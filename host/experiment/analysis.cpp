@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "host/error.h"
-#include "host/experiment/comparison.h"
 #include "host/experiment/statistics.h"
 #include "host/experiment/stroke.h"
+#include "host/numbers.h"
 #include "host/output/reading.h"
 #include "host/program.h"
 #include "host/threads.h"
@@ -27,10 +28,7 @@ constexpr const char* kPaperOrder[] = {"flat_unshaded", "two_poly_unshaded", "th
                                        "flat_shaded",   "two_poly_shaded",   "three_poly_shaded"};
 
 double sum_of(const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values)
-        sum += value;
-    return sum;
+    return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
 // The answer that means the smooth shape; nothing if none does.
@@ -39,10 +37,6 @@ std::optional<std::size_t> smooth_answer(const ExperimentSpec& spec) {
         if (spec.answers[i].facets == 0u)
             return i;
     return std::nullopt;
-}
-
-bool has_papers_answers(const ExperimentSpec& spec) {
-    return std::ranges::equal(spec.answers, kPictureNames, {}, &Answer::name);
 }
 
 // As readers call a stimulus: "two facets shaded, 600", the radius in mil, or its name.
@@ -117,7 +111,7 @@ std::vector<Share> shares_of_all(const Answers& data, const std::vector<Conditio
             if (sum_of(counts) > 0)
                 shares.push_back(
                     {"measured", label_of(stimulus), spec.answers[i].label, 100 * counts[i] / sum_of(counts)});
-        if (!has_papers_answers(spec))
+        if (!data.experiment.has_papers_answers())
             continue;
         for (const ConditionAnswers& row : printed)
             if (row.name == paper_name(stimulus) &&
@@ -209,9 +203,7 @@ std::vector<Tested> tests_of(const Answers& data, std::size_t answer) {
                              mean_interval(differences), sign_flip_p(differences), 1, differences.size()});
     }
     std::vector<double> all;
-    all.reserve(tests.size());
-    for (const Tested& one : tests)
-        all.push_back(one.p);
+    std::ranges::transform(tests, std::back_inserter(all), &Tested::p);
     const std::vector<double> corrected = holm(all);
     for (std::size_t i = 0; i < tests.size(); ++i)
         tests[i].corrected = corrected[i];
@@ -221,17 +213,16 @@ std::vector<Tested> tests_of(const Answers& data, std::size_t answer) {
 Table test_table(const std::vector<Tested>& tests, const std::string& answer) {
     return study::table_of<Tested>(
         "tests", fmt::format("Answers \"{}\" by condition, subjects as clusters", answer),
-        {{{"contrast", "", "which conditions"}, [](const Tested& one) { return Cell(one.name); }},
-         {{"difference_points", "%", "percentage points, mean over subjects"},
-          [](const Tested& one) { return cell(one.difference); }},
+        {{{"contrast", "", "which conditions"}, &Tested::name},
+         {{"difference_points", "%", "percentage points, mean over subjects"}, &Tested::difference},
          {{"from_points", "%", "95 % interval over subjects (Student's t); nothing with one"},
           [](const Tested& one) { return cell(one.range.low); }},
          {{"to_points", "%", "likewise"}, [](const Tested& one) { return cell(one.range.high); }},
          {{"p", "1",
            "of a mean as far from 0 if each subject's sign were by chance, two sides; no less than 2^(1 - n)"},
-          [](const Tested& one) { return cell(one.p); }},
+          &Tested::p},
          {{"p_holm", "1", "corrected for the number of contrasts (Holm): of whichever is reported"},
-          [](const Tested& one) { return cell(one.corrected); }},
+          &Tested::corrected},
          {{"subjects", "1", "n"}, [](const Tested& one) { return cell(double(one.subjects)); }}},
         tests);
 }
@@ -285,7 +276,7 @@ std::vector<ConditionAnswers> felt_conditions(const Answers& data) {
     CasePreparation preparation;
     for (const std::size_t condition : shown_order(data.experiment)) {
         const PreparedCase stimulus = preparation.prepare(data.experiment.study.cases[condition]);
-        const auto passes = passes_over(feature_of(stimulus), stroke(stimulus, manner_of(stimulus.one.scene)));
+        const auto passes = passes_of(stimulus);
         const std::vector<double> counts = data.counts(condition);
         if (passes.empty() || sum_of(counts) == 0)
             continue;
@@ -317,12 +308,11 @@ Table fit_table(const std::vector<Fit>& fits) {
     using F = Fit;
     return study::table_of<F>(
         "observer", "The observer, fitted by maximum likelihood",
-        {{{"data", "", "these, or Table 2 of 1996 (in the limit of a rigid surface)"},
-          [](const F& f) { return Cell(f.data); }},
+        {{{"data", "", "these, or Table 2 of 1996 (in the limit of a rigid surface)"}, &F::data},
          {{"model", "",
            "observer: one Weber fraction of force, 0.07, is both its noise and its threshold for level; two noises: "
            "both are fitted; rival: what is exactly level counts, and kinks at the base; row means: of other radii"},
-          [](const F& f) { return Cell(f.model); }},
+          &F::model},
          {{"deviance", "1", "2 sum O ln(O / E), in sample"},
           [](const F& f) { return f.deviance > 0 ? cell(f.deviance) : Cell(); }},
          {{"left_out_deviance", "1", "each radius predicted by the others"},
@@ -409,20 +399,15 @@ Table prediction_table() {
                 }
     std::vector<study::ColumnOf<Row>> columns{
         {{"stimulus", "", "of W = 1000 mil, never tested; pressed with a constant force but where it says depth"},
-         [](const Row& row) { return Cell(row.stimulus); }}};
+         &Row::stimulus}};
     for (std::size_t i = 0; i < kPictures; ++i)
         for (const bool other : {false, true})
             columns.push_back(
                 {{fmt::format("{}_{}_percent", kPictureNames[i], other ? "rival" : "observer"), "%",
                   fmt::format("answers that the {} expects", other ? "rival" : "observer")},
                  [i, other](const Row& row) { return cell(100 * (other ? row.other : row.observer)[i]); }});
-    columns.push_back(
-        {{"apart_points", "%", "half the sum of the differences: the largest comes first"}, [](const Row& row) {
-             double sum = 0;
-             for (std::size_t i = 0; i < kPictures; ++i)
-                 sum += std::abs(row.observer[i] - row.other[i]);
-             return cell(50 * sum);
-         }});
+    columns.push_back({{"apart_points", "%", "half the sum of the differences: the largest comes first"},
+                       [](const Row& row) { return Cell(apart(row.observer, row.other)); }});
     Table table = study::table_of<Row>("predictions", "What new data would decide", columns, rows);
     std::ranges::stable_sort(table.rows, [](const auto& a, const auto& b) {
         return std::get<double>(a.back()) > std::get<double>(b.back());
@@ -431,33 +416,23 @@ Table prediction_table() {
 }
 
 std::vector<study::Figure> figures_of(const std::vector<Tested>& tests, const std::string& smooth) {
-    study::Figure shares;
-    shares.name = "shares";
-    shares.title = "Answers by stimulus";
-    shares.caption = "Percent of the answers to each stimulus (radius in mil). 1996: the paper's Table 2; observer: "
-                     "what the model expects of a "
-                     "simulated hand's strokes.";
-    shares.kind = study::FigureKind::map;
-    shares.table = "shares";
-    shares.x = {"answer", ""};
-    shares.y = {"condition", ""};
+    study::Figure shares = study::make_figure(
+        "shares", "Answers by stimulus",
+        "Percent of the answers to each stimulus (radius in mil). 1996: the paper's Table 2; observer: what the model "
+        "expects of a simulated hand's strokes.",
+        study::FigureKind::map, "shares", {}, {"answer", ""}, {"condition", ""});
     shares.value = "percent";
     shares.value_label = "% of the answers";
     shares.value_limit = 100;
     shares.panels = "source";
     std::vector<study::Figure> figures{shares};
     if (!tests.empty()) {
-        study::Figure contrasts;
-        contrasts.name = "tests";
-        contrasts.title = fmt::format("How much more often \"{}\" is answered", smooth);
-        contrasts.caption = "Means over subjects, with their 95 % intervals (Student's t).";
-        contrasts.kind = study::FigureKind::bars;
-        contrasts.table = "tests";
-        contrasts.x = {"contrast", "contrast"};
-        contrasts.y = {"difference_points", "difference / percentage points"};
+        study::Figure& contrasts = figures.emplace_back(study::make_figure(
+            "tests", fmt::format("How much more often \"{}\" is answered", smooth),
+            "Means over subjects, with their 95 % intervals (Student's t).", study::FigureKind::bars, "tests", {},
+            {"contrast", "contrast"}, {"difference_points", "difference / percentage points"}));
         contrasts.low = "from_points";
         contrasts.high = "to_points";
-        figures.push_back(contrasts);
     }
     return figures;
 }
@@ -475,9 +450,8 @@ std::string evidence_of(const Tested& test) {
 
 void add_findings(study::StudyData& data, const Answers& answers, const std::vector<Tested>& tests,
                   const std::vector<Fit>& fits, const std::string& smooth) {
-    const std::size_t subjects = answers.subjects().size();
     const std::string who =
-        fmt::format("{} subject{}, {} trials", subjects, subjects == 1 ? "" : "s", answers.rows.size());
+        fmt::format("{}, {} trials", numbers::counted(answers.subjects().size(), "subject"), answers.rows.size());
     const auto add = [&](const std::string& name, const std::string& claim, const Tested& test) {
         data.findings.push_back({name,
                                  fmt::format(fmt::runtime(claim), smooth, std::abs(test.difference),
@@ -611,18 +585,17 @@ study::StudyData analyse(const Answers& answers) {
         data.tables.push_back(stroke_table(answers));
         return data;
     }
-    const bool papers = has_papers_answers(spec);
+    const bool papers = answers.experiment.has_papers_answers();
     const std::vector<ConditionAnswers> felt = papers ? felt_conditions(answers) : std::vector<ConditionAnswers>();
     const std::vector<Fit> fits = papers ? fits_of(felt) : std::vector<Fit>();
     const ObserverParameters published;
     data.tables.push_back(answer_table(answers));
     data.tables.push_back(study::table_of<Share>(
         "shares", "Answers by condition",
-        {{{"source", "", "measured; 1996: Table 2; observer: with the parameters fitted to Table 2"},
-          [](const Share& one) { return Cell(one.source); }},
-         {{"condition", "", "stimulus"}, [](const Share& one) { return Cell(one.condition); }},
-         {{"answer", "", "as the participant reads it"}, [](const Share& one) { return Cell(one.answer); }},
-         {{"percent", "%", "of the answers"}, [](const Share& one) { return cell(one.percent); }}},
+        {{{"source", "", "measured; 1996: Table 2; observer: with the parameters fitted to Table 2"}, &Share::source},
+         {{"condition", "", "stimulus"}, &Share::condition},
+         {{"answer", "", "as the participant reads it"}, &Share::answer},
+         {{"percent", "%", "of the answers"}, &Share::percent}},
         shares_of_all(answers, felt, published)));
     const std::optional<std::size_t> smooth = smooth_answer(spec);
     const std::vector<Tested> tests = smooth ? tests_of(answers, *smooth) : std::vector<Tested>();

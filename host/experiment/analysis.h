@@ -36,4 +36,7 @@ std::string paper_name(const Case& stimulus);
 /// Tables, figures and findings.
 study::StudyData analyse(const Answers& answers);
 
+/// Adds tables, figures, findings and notes.
+void add_comparisons(study::StudyData& data, const Answers& answers);
+
 } // namespace forceshade::experiment

@@ -1,4 +1,4 @@
-#include "host/experiment/comparison.h"
+#include "host/experiment/analysis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/experiment/statistics.h"
+#include "host/numbers.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -73,9 +74,9 @@ Table comparison_table(const Answers& data) {
         }
     return study::table_of<Row>(
         "comparisons", "Answers by comparison",
-        {{{"subject", "", "all, or which"}, [](const Row& r) { return Cell(r.subject); }},
-         {{"condition", "", "stimulus"}, [](const Row& r) { return Cell(r.stimulus); }},
-         {{"standard", "", "that it was compared with"}, [](const Row& r) { return Cell(r.standard); }},
+        {{{"subject", "", "all, or which"}, &Row::subject},
+         {{"condition", "", "stimulus"}, &Row::stimulus},
+         {{"standard", "", "that it was compared with"}, &Row::standard},
          {{"trials", "1", "with an answer"}, [](const Row& r) { return Cell(r.counts.trials); }},
          {{"right_percent", "%", "answers that are right; nothing: none is"},
           [](const Row& r) { return r.counts.has_right ? Cell(100 * r.counts.share()) : Cell(); }},
@@ -148,10 +149,10 @@ Table threshold_table(const std::vector<Estimate>& estimates, const std::string&
                                   "lapses leave, about 75 % right: median of the posterior";
     return study::table_of<E>(
         "thresholds", "Thresholds of " + axis,
-        {{{"label", "", "subject and track"}, [](const E& e) { return Cell(e.label); }},
-         {{"subject", "", "which; all: as if it were one"}, [](const E& e) { return Cell(e.subject); }},
-         {{"track", "", "settings that its stimuli share"}, [](const E& e) { return Cell(e.track); }},
-         {{"trials", "1", "with an answer"}, [](const E& e) { return Cell(e.trials); }},
+        {{{"label", "", "subject and track"}, &E::label},
+         {{"subject", "", "which; all: as if it were one"}, &E::subject},
+         {{"track", "", "settings that its stimuli share"}, &E::track},
+         {{"trials", "1", "with an answer"}, &E::trials},
          {{"threshold", unit, of}, [](const E& e) { return cell(e.posterior.threshold().median); }},
          {{"from", unit, "95 % credible interval"}, [](const E& e) { return cell(e.posterior.threshold().range.low); }},
          {{"to", unit, "likewise"}, [](const E& e) { return cell(e.posterior.threshold().range.high); }},
@@ -205,10 +206,10 @@ Table trial_table(const std::vector<TrackTrial>& trials, const std::string& axis
     using T = TrackTrial;
     return study::table_of<T>(
         "tracks", "Tracks, trial by trial",
-        {{{"label", "", "subject and track"}, [](const T& t) { return Cell(t.label); }},
-         {{"session", "1", "of the subject"}, [](const T& t) { return Cell(t.session); }},
-         {{"trial", "1", "of the track"}, [](const T& t) { return Cell(t.trial); }},
-         {{"level", unit, axis}, [](const T& t) { return Cell(t.level); }},
+        {{{"label", "", "subject and track"}, &T::label},
+         {{"session", "1", "of the subject"}, &T::session},
+         {{"trial", "1", "of the track"}, &T::trial},
+         {{"level", unit, axis}, &T::level},
          {{"answer", "", "right or wrong"}, [](const T& t) { return Cell(t.right ? "right" : "wrong"); }},
          {{"threshold", unit, "estimated after the trial"}, [](const T& t) { return cell(t.after.median); }},
          {{"from", unit, "95 % credible interval"}, [](const T& t) { return cell(t.after.range.low); }},
@@ -217,16 +218,12 @@ Table trial_table(const std::vector<TrackTrial>& trials, const std::string& axis
 }
 
 void add_track_figures(study::StudyData& data, const std::vector<Estimate>& estimates, const std::string& label) {
-    study::Figure shares;
-    shares.name = "psychometric";
-    shares.title = "Right answers by level";
-    shares.caption = "Shares of the answers with their 95 % intervals (Jeffreys), and the psychometric function that "
-                     "the posterior expects. Half of the answers are right by chance.";
-    shares.table = "levels";
-    shares.where = {{"subject", estimates.front().subject}};
-    shares.x = {"level", label, true};
-    shares.y = {"right_percent", "right answers / %"};
-    shares.series = "track";
+    study::Figure shares = study::make_figure(
+        "psychometric", "Right answers by level",
+        "Shares of the answers with their 95 % intervals (Jeffreys), and the psychometric function that the posterior "
+        "expects. Half of the answers are right by chance.",
+        study::FigureKind::scatter, "levels", {{"subject", estimates.front().subject}}, {"level", label, true},
+        {"right_percent", "right answers / %"}, "track");
     shares.low = "from_percent";
     shares.high = "to_percent";
     for (const Estimate& one : estimates)
@@ -237,46 +234,28 @@ void add_track_figures(study::StudyData& data, const std::vector<Estimate>& esti
                                      "right_percent",
                                      one.track + ", expected",
                                      false});
-    study::Figure track;
-    track.name = "track";
-    track.title = "Levels, trial by trial";
-    track.caption = "Which level each trial had: the one whose answer was expected to tell most.";
-    track.table = "tracks";
-    track.x = {"trial", "trial of the track"};
-    track.y = {"level", label, true};
-    track.series = "label";
+    study::Figure track = study::make_figure(
+        "track", "Levels, trial by trial",
+        "Which level each trial had: the one whose answer was expected to tell most.", study::FigureKind::scatter,
+        "tracks", {}, {"trial", "trial of the track"}, {"level", label, true}, "label");
     track.joined = true;
-    study::Figure thresholds;
-    thresholds.name = "thresholds";
-    thresholds.title = "Thresholds";
-    thresholds.caption = "Medians of the posterior with its 95 % intervals.";
-    thresholds.kind = study::FigureKind::bars;
-    thresholds.table = "thresholds";
-    thresholds.x = {"label", "subject, track"};
-    thresholds.y = {"threshold", label};
+    study::Figure thresholds = study::make_figure(
+        "thresholds", "Thresholds", "Medians of the posterior with its 95 % intervals.", study::FigureKind::bars,
+        "thresholds", {}, {"label", "subject, track"}, {"threshold", label});
     thresholds.low = "from";
     thresholds.high = "to";
     data.figures = {shares, track, thresholds};
 }
 
 void add_comparison_figure(study::StudyData& data, const std::string& group) {
-    study::Figure bars;
-    bars.name = "comparisons";
-    bars.title = "Right answers by stimulus";
-    bars.caption = "Each compared with its standard; with 95 % intervals of shares of trials (Jeffreys). Half of the "
-                   "answers are right by chance.";
-    bars.kind = study::FigureKind::bars;
-    bars.table = "comparisons";
-    bars.where = {{"subject", group}};
-    bars.x = {"condition", "stimulus"};
-    bars.y = {"right_percent", "right answers / %"};
+    study::Figure& bars = data.figures.emplace_back(study::make_figure(
+        "comparisons", "Right answers by stimulus",
+        "Each compared with its standard; with 95 % intervals of shares of trials (Jeffreys). Half of the answers are "
+        "right by chance.",
+        study::FigureKind::bars, "comparisons", {{"subject", group}}, {"condition", "stimulus"},
+        {"right_percent", "right answers / %"}));
     bars.low = "right_from_percent";
     bars.high = "right_to_percent";
-    data.figures.push_back(bars);
-}
-
-std::string subjects_text(std::size_t count) {
-    return fmt::format("{} subject{}", count, count == 1 ? "" : "s");
 }
 
 // "14.2" or "0.0161 m".
@@ -333,7 +312,7 @@ void add_threshold_findings(study::StudyData& data, const Answers& answers, cons
                              : with_unit(threshold, unit) + (several ? ", the geometric mean of the subjects'" : "")),
              "psychometric", track.name,
              fmt::format("{}, {:.0f} trials; right half way between chance and what lapses leave",
-                         subjects_text(logarithms.size()), trials),
+                         numbers::counted(logarithms.size(), "subject"), trials),
              below || above ? "no level reaches it, so that there is no interval"
              : several      ? range_text("over subjects", std::exp(over.low), std::exp(over.high))
                             : range_text("credible", single.range.low, single.range.high)});
@@ -357,7 +336,7 @@ void add_comparisons(study::StudyData& data, const Answers& answers) {
             const Range range = jeffreys(right, trials);
             data.findings.push_back(
                 {"right", fmt::format("{:.0f} % of {:.0f} answers are right.", 100 * right / trials, trials),
-                 "comparisons", "all stimuli", subjects_text(answers.subjects().size()),
+                 "comparisons", "all stimuli", numbers::counted(answers.subjects().size(), "subject"),
                  fmt::format("95 % of a share of trials: {:.0f} to {:.0f} %", 100 * range.low, 100 * range.high)});
             add_comparison_figure(data, group);
         }

@@ -1,24 +1,25 @@
-#include "host/experiment/conditions.h"
+#include "host/experiment/experiment.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fnmatch.h>
 #include <limits>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fnmatch.h>
 
 #include "host/error.h"
-#include "host/experiment/trials.h"
+#include "host/random.h"
 #include "host/scene/quantity.h"
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
 #include "host/spelling.h"
 
 namespace forceshade::experiment {
+
 namespace {
 
 constexpr const char* kFacets = "surface.facets";
@@ -84,25 +85,6 @@ std::size_t standard_for(const Study& study, const std::vector<std::size_t>& sta
                                      "standards",
                                      study.cases[stimulus].name, study.cases[best].name));
     return best;
-}
-
-std::vector<Condition> conditions_of(const Experiment& experiment) {
-    const Study& study = experiment.study;
-    const bool compare = experiment.spec.task == Task::compare;
-    std::vector<std::size_t> standards, stimuli;
-    for (std::size_t i = 0; i < study.cases.size(); ++i)
-        (compare && matches(experiment.spec.standard, study.cases[i]) ? standards : stimuli).push_back(i);
-    if (compare && standards.empty())
-        throw UsageError(fmt::format("standard = \"{}\" names no case; the first is {}", experiment.spec.standard,
-                                     study.cases.front().name));
-    if (stimuli.empty())
-        throw UsageError(fmt::format("standard = \"{}\" names every case, so that there is nothing to compare with it",
-                                     experiment.spec.standard));
-    std::vector<Condition> conditions;
-    for (const std::size_t stimulus : stimuli)
-        conditions.push_back(
-            {stimulus, compare ? std::optional(standard_for(study, standards, stimulus)) : std::nullopt});
-    return conditions;
 }
 
 // Keys whose values differ among the stimuli that are asked about.
@@ -200,6 +182,35 @@ std::optional<bool> is_right(const Experiment& experiment, const Condition& cond
     return one && other && *one != *other ? std::optional(*one > *other) : std::nullopt;
 }
 
+template <typename T> void shuffle(std::vector<T>& all, Random& random) {
+    for (std::size_t i = all.size(); i > 1; --i)
+        std::swap(all[i - 1], all[random.below(i)]);
+}
+
+// Each of these `times`, shuffled.
+std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t times, Random& random) {
+    std::vector<std::size_t> order;
+    for (std::uint64_t i = 0; i < times; ++i)
+        for (std::size_t one = 0; one < count; ++one)
+            order.push_back(one);
+    shuffle(order, random);
+    return order;
+}
+
+// The standard comes first in half of the trials of each condition or track, in an order by chance; of an odd number
+// chance says which half is the larger.
+void place_standards(const Experiment& experiment, std::vector<Trial>& trials, Random& random) {
+    std::map<std::size_t, std::vector<Trial*>> units;
+    for (Trial& trial : trials)
+        units[trial.track.value_or(experiment.tracks.size() + trial.condition)].push_back(&trial);
+    for (auto& [unit, of_unit] : units) {
+        const std::uint64_t offset = random.below(2);
+        shuffle(of_unit, random);
+        for (std::size_t i = 0; i < of_unit.size(); ++i)
+            of_unit[i]->standard_first = (i + offset) % 2 == 0;
+    }
+}
+
 } // namespace
 
 std::optional<std::size_t> Experiment::correct_answer(const Case& stimulus) const {
@@ -221,7 +232,20 @@ std::optional<std::size_t> Experiment::correct_answer(const Trial& trial) const 
 }
 
 void find_conditions(Experiment& experiment) {
-    experiment.conditions = conditions_of(experiment);
+    const Study& study = experiment.study;
+    const bool compare = experiment.spec.task == Task::compare;
+    std::vector<std::size_t> standards, stimuli;
+    for (std::size_t i = 0; i < study.cases.size(); ++i)
+        (compare && matches(experiment.spec.standard, study.cases[i]) ? standards : stimuli).push_back(i);
+    if (compare && standards.empty())
+        throw UsageError(fmt::format("standard = \"{}\" names no case; the first is {}", experiment.spec.standard,
+                                     study.cases.front().name));
+    if (stimuli.empty())
+        throw UsageError(fmt::format("standard = \"{}\" names every case, so that there is nothing to compare with it",
+                                     experiment.spec.standard));
+    for (const std::size_t stimulus : stimuli)
+        experiment.conditions.push_back(
+            {stimulus, compare ? std::optional(standard_for(study, standards, stimulus)) : std::nullopt});
 }
 
 void find_tracks(Experiment& experiment) {
@@ -232,6 +256,39 @@ void find_tracks(Experiment& experiment) {
     const Key& key = schema_keys()[key_index(experiment.track_key)];
     experiment.track_unit = key.kind == ValueKind::quantity ? dimension_info(key.dimension).unit : "1";
     experiment.tracks = tracks_of(experiment, varying);
+}
+
+std::vector<Trial> trials_of(const Experiment& experiment, const std::string& subject, std::uint64_t session) {
+    const ExperimentSpec& spec = experiment.spec;
+    const bool tracked = !experiment.tracks.empty();
+    const std::size_t conditions = experiment.conditions.size(),
+                      units = tracked ? experiment.tracks.size() : conditions;
+    Random random(spec.seed, subject + "/" + std::to_string(session));
+    std::vector<Trial> trials;
+    const auto add = [&](std::uint64_t block, std::size_t condition) {
+        trials.push_back({trials.size() + 1, block, condition, random.word()});
+    };
+    const auto add_unit = [&](std::uint64_t block, std::size_t unit) {
+        add(block, tracked ? 0 : unit);
+        if (tracked)
+            trials.back().track = unit;
+    };
+    for (std::uint64_t done = 0; done < spec.practice;) // each condition before one comes again
+        for (const std::size_t condition : shuffled(conditions, 1, random))
+            if (done++ < spec.practice)
+                add(0, condition);
+    if (spec.order == Order::balanced) {
+        for (std::uint64_t block = 1; block <= spec.blocks; ++block)
+            for (const std::size_t unit : shuffled(units, spec.trials / spec.blocks, random))
+                add_unit(block, unit);
+    } else {
+        const auto order = shuffled(units, spec.trials, random);
+        for (std::size_t i = 0; i < order.size(); ++i)
+            add_unit(1 + i * spec.blocks / order.size(), order[i]);
+    }
+    if (spec.task == Task::compare)
+        place_standards(experiment, trials, random);
+    return trials;
 }
 
 } // namespace forceshade::experiment

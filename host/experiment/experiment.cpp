@@ -15,11 +15,10 @@
 #include <png.h>
 
 #include "host/error.h"
-#include "host/experiment/conditions.h"
-#include "host/experiment/trials.h"
 #include "host/output/reading.h"
 #include "host/scene/document.h"
 #include "host/scene/quantity.h"
+#include "host/scene/scene_text.h"
 #include "host/scene/schema.h"
 #include "host/scene/schema_json.h"
 
@@ -35,107 +34,19 @@ constexpr const char* kSource = "the paper's experiment";
 
 /// A key of [experiment] or of an answer, read as a scene's keys are, and the member of `Spec` that it sets.
 template <typename Spec> struct Row : Key {
-    void (*store)(Spec&, const Value&, const std::string& source);
-    std::string (*literal)(const Key&, const Spec&) = nullptr; // as TOML; empty: not given
+    std::function<void(Spec&, const Value&, const std::string& source)> store;
+    std::function<std::string(const Key&, const Spec&)> literal; // as TOML; empty: not given
 };
 using SpecKey = Row<ExperimentSpec>;
 using AnswerKey = Row<Answer>;
 
 template <typename T>
-constexpr ValueKind kKindOf = std::is_same_v<T, std::string> ? ValueKind::text
-                              : std::is_same_v<T, bool>      ? ValueKind::boolean
-                              : std::is_enum_v<T>            ? ValueKind::choice
-                              : std::is_floating_point_v<T>  ? ValueKind::quantity
-                                                             : ValueKind::integer;
-
-template <typename T> void assign(T& to, const Value& value) {
-    if constexpr (std::is_same_v<T, std::string>)
-        to = value.texts.front();
-    else if constexpr (std::is_floating_point_v<T>)
-        to = value.numbers.front();
-    else
-        to = static_cast<T>(value.integers.front());
-}
-
-template <typename T> std::string literal_of(const Key& key, const T& value) {
-    if constexpr (std::is_same_v<T, std::string>)
-        return value.empty() ? "" : toml_string(value);
-    else if constexpr (std::is_enum_v<T>)
-        return toml_string(key.choices[static_cast<std::size_t>(value)]);
-    else
-        return key.kind == ValueKind::quantity ? fmt::format("\"{} s\"", value) : fmt::format("{}", value);
-}
-
-template <auto member>
-SpecKey& add(std::vector<SpecKey>& keys, std::string_view name, std::string_view doc, const KeyTraits& traits = {}) {
-    constexpr auto kKind = kKindOf<std::remove_cvref_t<decltype(std::declval<ExperimentSpec>().*member)>>;
-    SpecKey& key = keys.emplace_back(
-        SpecKey{Key{traits, "experiment", name, kKind, {}, doc, nullptr},
-                [](ExperimentSpec& spec, const Value& value, const std::string&) { assign(spec.*member, value); },
-                [](const Key& of, const ExperimentSpec& spec) { return literal_of(of, spec.*member); }});
-    key.dimension = Dimension::time;
-    key.axis = false;
-    return key;
-}
-
-std::vector<SpecKey> make_spec_keys() {
-    using S = ExperimentSpec;
-    static constexpr std::array<std::string_view, 2> kTasks{"name", "compare"}, kOrders{"random", "balanced"};
-    std::vector<SpecKey> keys;
-    add<&S::task>(keys, "task", "name what one stimulus is, or compare two that are felt one after the other").choices =
-        kTasks;
-    add<&S::title>(keys, "title", "of the data");
-    add<&S::question>(keys, "question", "what a participant is asked after each stimulus");
-    add<&S::trials>(keys, "trials", "of each condition; of each track the most").largest = kMostTrials;
-    add<&S::practice>(keys, "practice", "trials before, which do not count", {.smallest = 0}).largest = kMostTrials;
-    add<&S::blocks>(keys, "blocks", "with a break between").largest = kMostBlocks;
-    add<&S::order>(keys, "order",
-                   "of trials: over the session, or so that each block has every condition equally often")
-        .choices = kOrders;
-    add<&S::feedback>(keys, "feedback", "whether a participant is told if the answer was right");
-    add<&S::longest_trial>(keys, "longest_trial",
-                           "after which a trial ends without an answer and is repeated at the end",
-                           {.sign = Sign::positive});
-    add<&S::least_contact>(
-        keys, "least_contact",
-        "time in contact with each stimulus before an answer counts; after less the trial is repeated at "
-        "the end",
-        {.sign = Sign::not_negative});
-    add<&S::max_repeats>(keys, "max_repeats", "of a trial that does not count; then it is left out", {.smallest = 0})
-        .largest = 1000;
-    add<&S::seed>(keys, "seed", "of the order; each subject and session has one of its own", {.smallest = 0}).largest =
-        std::numeric_limits<std::int64_t>::max();
-    const std::size_t of_both = keys.size();
-    add<&S::standard>(keys, "standard",
-                      "shell pattern of the cases that the others are compared with, each with the standard that has "
-                      "most of its settings",
-                      {.example = "\"cylinder_bump*\""});
-    add<&S::correct>(keys, "correct",
-                     "smoother: right is the stimulus of more facets, the smooth shape before all; or a shell pattern "
-                     "of the cases that are right");
-    add<&S::interval>(keys, "interval", "that each stimulus is felt; 0 s: until a key is pressed",
-                      {.sign = Sign::not_negative});
-    add<&S::track>(keys, "track",
-                   "axis of the study over which a threshold is looked for: the level of each trial is the one that "
-                   "tells most (QUEST+), a track for each combination of the other settings",
-                   {.example = "\"surface.facets\""});
-    add<&S::track_ratio>(keys, "track_ratio",
-                         "1 or more: a track ends before its trials do once the ends of the threshold's 95 % interval "
-                         "have a smaller ratio; 1: never",
-                         {.sign = Sign::positive})
-        .kind = ValueKind::number;
-    for (std::size_t i = of_both; i < keys.size(); ++i)
-        keys[i].subject = Subject::task;
-    static std::deque<std::string> defaults; // keys refer to them
-    for (SpecKey& key : keys)
-        key.default_text = defaults.emplace_back(key.literal(key, ExperimentSpec{}));
-    return keys;
-}
-
-const std::vector<SpecKey>& spec_keys() {
-    static const std::vector<SpecKey> keys = make_spec_keys();
-    return keys;
-}
+constexpr ValueKind kKindOf = std::is_same_v<T, std::string>     ? ValueKind::text
+                              : std::is_same_v<T, bool>          ? ValueKind::boolean
+                              : std::is_enum_v<T>                ? ValueKind::choice
+                              : std::is_floating_point_v<T>      ? ValueKind::quantity
+                              : std::is_same_v<T, AnswerPicture> ? ValueKind::file
+                                                                 : ValueKind::integer;
 
 bool is_name(const std::string& text) {
     return !text.empty() && std::ranges::all_of(text, [](char c) {
@@ -199,35 +110,137 @@ AnswerPicture read_picture(const Value& given, const std::string& source) {
     return picture;
 }
 
-AnswerKey answer_key(ValueKind kind, std::string_view name, std::string_view doc,
-                     void (*store)(Answer&, const Value&, const std::string&)) {
-    AnswerKey key{Key{{.smallest = 0}, "experiment.answer", name, kind, {}, doc, nullptr}, store};
-    key.largest = kMostAnswerFacets;
+void assign(std::string& to, const Value& value, const std::string&) {
+    to = value.texts.front();
+}
+void assign(double& to, const Value& value, const std::string&) {
+    to = value.numbers.front();
+}
+void assign(std::optional<unsigned>& to, const Value& value, const std::string&) {
+    to = static_cast<unsigned>(value.integers.front());
+}
+void assign(AnswerPicture& to, const Value& value, const std::string& source) {
+    to = read_picture(value, source);
+}
+template <typename T> void assign(T& to, const Value& value, const std::string&) {
+    to = static_cast<T>(value.integers.front());
+}
+
+std::string literal_of(const Key&, const std::string& value) {
+    return value.empty() ? "" : toml_string(value);
+}
+std::string literal_of(const Key&, const std::optional<unsigned>& value) {
+    return value ? fmt::format("{}", *value) : "";
+}
+std::string literal_of(const Key&, const AnswerPicture&) {
+    return ""; // the answer's name has a part in it
+}
+template <typename T> std::string literal_of(const Key& key, const T& value) {
+    if constexpr (std::is_enum_v<T>)
+        return toml_string(key.choices[static_cast<std::size_t>(value)]);
+    else
+        return key.kind == ValueKind::quantity ? fmt::format("\"{} s\"", value) : fmt::format("{}", value);
+}
+
+template <typename Spec, typename T>
+Row<Spec>& add(std::vector<Row<Spec>>& keys, T Spec::*member, std::string_view name, std::string_view doc,
+               const KeyTraits& traits = {}) {
+    Row<Spec>& key = keys.emplace_back(Row<Spec>{
+        Key{traits,
+            std::is_same_v<Spec, Answer> ? "experiment.answer" : "experiment",
+            name,
+            kKindOf<T>,
+            {},
+            doc,
+            nullptr},
+        [member](Spec& spec, const Value& value, const std::string& source) { assign(spec.*member, value, source); },
+        [member](const Key& of, const Spec& spec) { return literal_of(of, spec.*member); }});
+    key.dimension = Dimension::time;
     key.axis = false;
     return key;
 }
 
+std::vector<SpecKey> make_spec_keys() {
+    using S = ExperimentSpec;
+    static constexpr std::array<std::string_view, 2> kTasks{"name", "compare"}, kOrders{"random", "balanced"};
+    std::vector<SpecKey> keys;
+    add(keys, &S::task, "task", "name what one stimulus is, or compare two that are felt one after the other").choices =
+        kTasks;
+    add(keys, &S::title, "title", "of the data");
+    add(keys, &S::question, "question", "what a participant is asked after each stimulus");
+    add(keys, &S::trials, "trials", "of each condition; of each track the most").largest = kMostTrials;
+    add(keys, &S::practice, "practice", "trials before, which do not count", {.smallest = 0}).largest = kMostTrials;
+    add(keys, &S::blocks, "blocks", "with a break between").largest = kMostBlocks;
+    add(keys, &S::order, "order",
+        "of trials: over the session, or so that each block has every condition equally often")
+        .choices = kOrders;
+    add(keys, &S::feedback, "feedback", "whether a participant is told if the answer was right");
+    add(keys, &S::longest_trial, "longest_trial",
+        "after which a trial ends without an answer and is repeated at the end", {.sign = Sign::positive});
+    add(keys, &S::least_contact, "least_contact",
+        "time in contact with each stimulus before an answer counts; after less the trial is repeated at "
+        "the end",
+        {.sign = Sign::not_negative});
+    add(keys, &S::max_repeats, "max_repeats", "of a trial that does not count; then it is left out", {.smallest = 0})
+        .largest = 1000;
+    add(keys, &S::seed, "seed", "of the order; each subject and session has one of its own", {.smallest = 0}).largest =
+        std::numeric_limits<std::int64_t>::max();
+    const std::size_t of_both = keys.size();
+    add(keys, &S::standard, "standard",
+        "shell pattern of the cases that the others are compared with, each with the standard that has "
+        "most of its settings",
+        {.example = "\"cylinder_bump*\""});
+    add(keys, &S::correct, "correct",
+        "smoother: right is the stimulus of more facets, the smooth shape before all; or a shell pattern "
+        "of the cases that are right");
+    add(keys, &S::interval, "interval", "that each stimulus is felt; 0 s: until a key is pressed",
+        {.sign = Sign::not_negative});
+    add(keys, &S::track, "track",
+        "axis of the study over which a threshold is looked for: the level of each trial is the one that "
+        "tells most (QUEST+), a track for each combination of the other settings",
+        {.example = "\"surface.facets\""});
+    add(keys, &S::track_ratio, "track_ratio",
+        "1 or more: a track ends before its trials do once the ends of the threshold's 95 % interval "
+        "have a smaller ratio; 1: never",
+        {.sign = Sign::positive})
+        .kind = ValueKind::number;
+    for (std::size_t i = of_both; i < keys.size(); ++i)
+        keys[i].subject = Subject::task;
+    static std::deque<std::string> defaults; // keys refer to them
+    for (SpecKey& key : keys)
+        key.default_text = defaults.emplace_back(key.literal(key, ExperimentSpec{}));
+    return keys;
+}
+
+const std::vector<SpecKey>& spec_keys() {
+    static const std::vector<SpecKey> keys = make_spec_keys();
+    return keys;
+}
+
+std::vector<AnswerKey> make_answer_keys() {
+    using A = Answer;
+    std::vector<AnswerKey> keys;
+    add(keys, &A::name, "name", "as data has it").store = [](A& answer, const Value& value, const std::string& source) {
+        assign(answer.name, value, source);
+        if (!is_name(answer.name))
+            fail(source, value.where,
+                 "an answer's name, which stands in the data, has a to z, 0 to 9 and _ only; got \"{}\"; its label may "
+                 "be any text",
+                 answer.name);
+    };
+    add(keys, &A::label, "label", "as a participant reads it");
+    add(keys, &A::facets, "facets",
+        "of the shape that it names and its picture shows; 0: the smooth one; none: words alone", {.smallest = 0})
+        .largest = kMostAnswerFacets;
+    add(keys, &A::correct_for, "correct_for", "a pattern of case names; without it bumps of these facets");
+    add(keys, &A::picture, "picture",
+        "PNG or SVG of up to 1 MiB, relative to the experiment file, in place of the drawn shape")
+        .literal = [](const Key& key, const A& answer) { return literal_of(key, answer.picture_file()); };
+    return keys;
+}
+
 const std::vector<AnswerKey>& answer_keys() {
-    static const std::vector<AnswerKey> keys{
-        answer_key(ValueKind::text, "name", "as data has it",
-                   [](Answer& a, const Value& v, const std::string& source) {
-                       assign(a.name, v);
-                       if (!is_name(a.name))
-                           fail(source, v.where,
-                                "an answer's name, which stands in the data, has a to z, 0 to 9 and _ only; got "
-                                "\"{}\"; its label may be any text",
-                                a.name);
-                   }),
-        answer_key(ValueKind::text, "label", "as a participant reads it",
-                   [](Answer& a, const Value& v, const std::string&) { assign(a.label, v); }),
-        answer_key(ValueKind::integer, "facets",
-                   "of the shape that it names and its picture shows; 0: the smooth one; none: words alone",
-                   [](Answer& a, const Value& v, const std::string&) { assign(a.facets.emplace(), v); }),
-        answer_key(ValueKind::text, "correct_for", "a pattern of case names; without it bumps of these facets",
-                   [](Answer& a, const Value& v, const std::string&) { assign(a.correct_for, v); }),
-        answer_key(ValueKind::file, "picture",
-                   "PNG or SVG of up to 1 MiB, relative to the experiment file, in place of the drawn shape",
-                   [](Answer& a, const Value& v, const std::string& source) { a.picture = read_picture(v, source); })};
+    static const std::vector<AnswerKey> keys = make_answer_keys();
     return keys;
 }
 
@@ -396,37 +409,26 @@ Experiment checked(ExperimentSpec given, Study study) {
 
 } // namespace
 
-namespace {
-
-using Read = std::function<Study(std::span<const Override>, const ReadBeside&)>;
-
 // Laws go in double precision, as the live loop's, unless somebody says otherwise.
-Experiment in_double(std::span<const Override> overrides, const std::filesystem::path& folder, const Read& read) {
-    const auto key = key_index("run.precision");
-    ExperimentSpec spec;
-    Study study = read(overrides, [&](const Document& document) { spec = read_spec(document, folder); });
-    if (study.document->base.find(key) || study.document->overrides.find(key))
-        return checked(std::move(spec), std::move(study));
-    std::vector<Override> all(overrides.begin(), overrides.end());
-    all.emplace_back("run.precision", "f64");
-    return checked(std::move(spec), read(all, {}));
-}
-
-} // namespace
-
 Experiment parse_experiment(std::string_view text, const std::string& source, const std::filesystem::path& folder,
                             std::span<const Override> overrides) {
-    return in_double(overrides, folder, [&](std::span<const Override> some, const ReadBeside& beside) {
-        return parse_study(text, source, folder, some, beside);
-    });
+    const auto key = key_index("run.precision");
+    ExperimentSpec spec;
+    Study study = parse_study(text, source, folder, overrides,
+                              [&](const Document& document) { spec = read_spec(document, folder); });
+    if (!study.document->base.find(key) && !study.document->overrides.find(key)) {
+        std::vector<Override> all(overrides.begin(), overrides.end());
+        all.emplace_back("run.precision", "f64");
+        study = parse_study(text, source, folder, all);
+    }
+    return checked(std::move(spec), std::move(study));
 }
 
 Experiment read_experiment(const std::filesystem::path& file, std::span<const Override> overrides) {
     if (file.empty())
         return parse_experiment(paper_experiment(), kSource, {}, overrides);
-    return in_double(overrides, file.parent_path(), [&](std::span<const Override> some, const ReadBeside& beside) {
-        return read_study(file, some, beside);
-    });
+    const SceneText read = read_scene_text(file);
+    return parse_experiment(read.text, read.source, read.folder, overrides);
 }
 
 std::string_view paper_experiment() {
@@ -461,14 +463,10 @@ std::string resolved_toml(const Experiment& experiment) {
             text += fmt::format("{} = {}\n", key.name, literal);
     }
     for (const Answer& answer : spec.answers) {
-        text += fmt::format("\n[[experiment.answer]]\nname = {}\nlabel = {}\n", toml_string(answer.name),
-                            toml_string(answer.label));
-        if (answer.facets)
-            text += fmt::format("facets = {}\n", *answer.facets);
-        if (!answer.correct_for.empty())
-            text += fmt::format("correct_for = {}\n", toml_string(answer.correct_for));
-        if (!answer.picture.bytes.empty())
-            text += fmt::format("picture = {}\n", toml_string(answer.picture_file()));
+        text += "\n[[experiment.answer]]\n";
+        for (const AnswerKey& key : answer_keys())
+            if (const std::string literal = key.literal(key, answer); !literal.empty())
+                text += fmt::format("{} = {}\n", key.name, literal);
     }
     return text + "\n" + forceshade::resolved_toml(experiment.study);
 }

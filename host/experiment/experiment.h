@@ -1,6 +1,7 @@
 // An experiment: which stimuli, how often and in which order, what is asked, and which answers there are.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -79,7 +80,15 @@ struct Track {
     bool rises = true;                   /* whether higher levels are told from the standard more easily */
 };
 
-struct Trial;
+struct Trial {
+    std::uint64_t number = 0;           /* 1: the first of the session, practice included */
+    std::uint64_t block = 0;            /* 1: the first; 0: practice */
+    std::size_t condition = 0;          /* index of Experiment::conditions */
+    std::uint64_t seed = 0;             /* of what is random in the trial */
+    bool standard_first = false;        /* of the task compare */
+    std::optional<std::size_t> track{}; /* which chooses the condition before the trial: SessionRecord::next */
+    bool is_practice() const { return block == 0; }
+};
 
 /// Stimuli are a study's cases. A participant strokes them as [paths] says, if it is given.
 struct Experiment {
@@ -93,12 +102,15 @@ struct Experiment {
     std::optional<std::size_t> correct_answer(const Case& stimulus) const;
     /// Which answer is right, of either task; nothing if none is.
     std::optional<std::size_t> correct_answer(const Trial& trial) const;
+    /// Whether the answers are the paper's four.
+    bool has_papers_answers() const { return std::ranges::equal(spec.answers, kPictureNames, {}, &Answer::name); }
     const Case& stimulus(const Condition& condition) const { return study.cases[condition.stimulus]; }
     /// Trials that count; with tracks the most.
     std::size_t size() const { return (tracks.empty() ? conditions.size() : tracks.size()) * spec.trials; }
 };
 
-/// Reads an experiment, or with an empty path the paper's. \throws IoError, UsageError `file:line:column: ...`.
+/// Reads an experiment, or with an empty path the paper's; "-" is standard input. \throws IoError, UsageError
+/// `file:line:column: ...`.
 Experiment read_experiment(const std::filesystem::path& file, std::span<const Override> overrides = {});
 Experiment parse_experiment(std::string_view text, const std::string& source, const std::filesystem::path& folder = {},
                             std::span<const Override> overrides = {});
@@ -114,5 +126,16 @@ std::string experiment_schema();
 
 /// The same in the form of schema_json()'s keys.
 nlohmann::ordered_json experiment_schema_json();
+
+/// A standard comes first in half of the trials of each condition or track.
+std::vector<Trial> trials_of(const Experiment& experiment, const std::string& subject, std::uint64_t session);
+
+/// From the spec and the study. \throws UsageError without a place in the file: the standard names no case or all, or
+/// a stimulus is as much like one standard as another.
+void find_conditions(Experiment& experiment);
+
+/// After the conditions, if the spec has a track. \throws UsageError likewise: the axis is none, or no track can have
+/// its levels.
+void find_tracks(Experiment& experiment);
 
 } // namespace forceshade::experiment

@@ -114,6 +114,13 @@ Events events_of(const Cues& cues, const ObserverParameters& observer) {
     return events;
 }
 
+double apart(const Shares& one, const Shares& other) {
+    double sum = 0;
+    for (std::size_t i = 0; i < kPictures; ++i)
+        sum += std::abs(one[i] - other[i]);
+    return 50 * sum;
+}
+
 Shares shares_of(const Cues& cues, const ObserverParameters& observer) {
     const auto [felt, edges, levels] = events_of(cues, observer);
     const double events = edges + levels;

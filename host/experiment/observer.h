@@ -10,10 +10,9 @@ namespace forceshade::experiment {
 inline constexpr double kMil = 25.4e-6; /* m */
 
 /// The four pictures of the 1996 experiment, in the order of their keys.
-enum class Picture { flat, two_facets, three_facets, cylinder };
 inline constexpr std::size_t kPictures = 4;
 inline constexpr std::array<const char*, kPictures> kPictureNames{"flat", "two_poly", "three_poly", "cylinder"};
-/// Of 1, by Picture; their sum is 1.
+/// Of 1, by picture; their sum is 1.
 using Shares = std::array<double, kPictures>;
 
 /// What a stroke across a feature gives to feel, over its middle: samples in the order of x.
@@ -75,6 +74,9 @@ struct Events {
     double edges = 0, levels = 0; /* 1: expected numbers of "an edge" and "a level top" */
 };
 Events events_of(const Cues& cues, const ObserverParameters& observer);
+
+/// Percentage points: half the sum of the differences of two distributions of answers.
+double apart(const Shares& one, const Shares& other);
 
 Shares shares_of(const Cues& cues, const ObserverParameters& observer);
 Shares shares_of(const StrokeSignals& signals, const ObserverParameters& observer);

@@ -1,4 +1,4 @@
-#include "host/experiment/person.h"
+#include "host/experiment/run.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,12 +12,11 @@
 
 #include "device/backends/devices.h"
 #include "device/loop/live_loop.h"
-#include "device/session/signals.h"
+#include "device/session/session.h"
 #include "experiment_pages.h"
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/program.h"
-#include "host/quiet_signals.h"
 #include "host/server/page_server.h"
 #include "shaders/shared/law.h"
 
@@ -25,7 +24,6 @@ namespace forceshade::experiment {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
 
 constexpr const char *kParticipant = "participant", *kOperator = "operator";
 constexpr double kBuffered = 16;        // s: of samples between two looks
@@ -36,10 +34,6 @@ constexpr double kFeedback = 1.2;       // s
 constexpr auto kLook = std::chrono::milliseconds(2);
 constexpr double kOperatorEach = 0.1; // s
 constexpr std::uint32_t kHeldBack = device::kDeadMan | device::kClutched;
-
-double seconds_after(Clock::time_point begin) {
-    return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 // The section of a bump of these facets, as a picture.
 Json picture(unsigned facets) {
@@ -85,10 +79,7 @@ public:
         if (!manner_.empty())
             print_note("{}\n", manner_);
         loop_.suspend(true);
-        {
-            const QuietSignals quiet;
-            loop_.start();
-        }
+        loop_.start();
         print_note("participant's page: {}\noperator's page:    {}\n", server_.address(kParticipant),
                    server_.address(kOperator));
     }
@@ -153,8 +144,7 @@ public:
 
     void finish() override {
         enter("done");
-        for (const auto begin = Clock::now(); seconds_after(begin) < kThanks;)
-            look();
+        look_for(kThanks);
     }
 
 private:
@@ -267,10 +257,15 @@ private:
         check_interrupt();
         while (const std::optional<PageEvent> event = server_.next_event())
             handle(*event);
-        if (server_.is_open(kParticipant) && seconds_after(heard_) > kSilence)
+        if (server_.is_open(kParticipant) && seconds_since(heard_) > kSilence)
             pause("The page does not answer.");
         take_samples();
         tell_operator(false);
+    }
+
+    void look_for(double seconds) {
+        for (const auto begin = Clock::now(); seconds_since(begin) < seconds;)
+            look();
     }
 
     void handle(const PageEvent& event) {
@@ -359,12 +354,9 @@ private:
     }
 
     void require_device() const {
-        if (loop_.end() == device::LoopEnd::running)
-            return;
-        const char* const complaint = opened_.device->error_text();
-        throw device::DeviceAbsent(fmt::format("{} is gone{}; the same command goes on with the next trial",
-                                               opened_.facts.name,
-                                               complaint != nullptr ? fmt::format(": {}", complaint) : ""));
+        if (loop_.end() != device::LoopEnd::running)
+            throw device::DeviceAbsent("{} is gone{}; the same command goes on with the next trial", opened_.facts.name,
+                                       error_text_of(*opened_.device));
     }
 
     // Hands over the law, without force.
@@ -388,7 +380,7 @@ private:
     // Waits until the probe has been free of contact for a while; false: somebody paused.
     bool until_free() {
         Clock::time_point touched = Clock::now();
-        while (seconds_after(touched) < kFreeOfContact) {
+        while (seconds_since(touched) < kFreeOfContact) {
             look();
             require_device();
             if (paused_)
@@ -426,8 +418,8 @@ private:
         bool late = false, over = false;
         while (!answer_ && !paused_ && !late && loop_.end() == device::LoopEnd::running) {
             look();
-            late = seconds_after(begin) > experiment_.spec.longest_trial;
-            if (!over && interval > 0 && seconds_after(begin) > interval) {
+            late = seconds_since(begin) > experiment_.spec.longest_trial;
+            if (!over && interval > 0 && seconds_since(begin) > interval) {
                 hide();
                 take_samples();
                 to = samples_.size();
@@ -450,12 +442,11 @@ private:
         if (answer_)
             outcome.answered_by = answered_by_;
         outcome.reaction = std::chrono::duration<double>((answer_ ? answered_ : Clock::now()) - begin).count();
-        const bool clamped = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
-            return (sample.flags & (device::kClamped | device::kUnstable)) != 0;
-        });
-        const bool let_go = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
-            return (sample.flags & kHeldBack) != 0 && sample.facet != layout::kNoFacet;
-        });
+        bool clamped = false, let_go = false;
+        for (const device::LiveSample& sample : felt) {
+            clamped = clamped || (sample.flags & (device::kClamped | device::kUnstable)) != 0;
+            let_go = let_go || ((sample.flags & kHeldBack) != 0 && sample.facet != layout::kNoFacet);
+        }
         if (loop_.end() != device::LoopEnd::running)
             outcome.status = "device lost";
         else if (paused_)
@@ -478,16 +469,14 @@ private:
             return tell_operator(true);
         enter("again", outcome.status == "no contact" ? "Please touch the shape before you answer."
                                                       : "Please take a little longer to feel the shape.");
-        for (const auto begin = Clock::now(); seconds_after(begin) < kFeedback;)
-            look();
+        look_for(kFeedback);
     }
 
     void thank(const TrialOutcome& outcome, const Trial& trial) {
         last_ = experiment_.spec.answers[*outcome.answer].label;
         const bool right = experiment_.correct_answer(trial) == outcome.answer;
         enter(experiment_.spec.feedback ? "feedback" : "answered", right ? "Right." : "Not quite.");
-        for (const auto begin = Clock::now(); seconds_after(begin) < (experiment_.spec.feedback ? kFeedback : kThanks);)
-            look();
+        look_for(experiment_.spec.feedback ? kFeedback : kThanks);
     }
 
     void take_samples() {
@@ -536,7 +525,7 @@ private:
     }
 
     void tell_operator(bool now) {
-        if (!now && seconds_after(told_operator_) < kOperatorEach)
+        if (!now && seconds_since(told_operator_) < kOperatorEach)
             return;
         told_operator_ = Clock::now();
         if (!server_.is_open(kOperator)) {
@@ -545,10 +534,7 @@ private:
         }
         const device::LoopStatus& status = loop_.status();
         const char* const withheld = opened_.device->withheld();
-        std::string happened;
-        for (std::size_t bit = 0; bit < device::kSampleFlagNames.size(); ++bit)
-            if (status.flags.load() >> bit & 1u)
-                happened += (happened.empty() ? "" : ", ") + std::string(device::kSampleFlagNames[bit]);
+        const std::string happened = device::flag_names(status.flags, ", ");
         Json json{{"type", "state"},
                   {"phase", phase_},
                   {"title", experiment_.spec.title},

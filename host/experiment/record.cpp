@@ -49,24 +49,24 @@ struct DataColumn {
     bool needed = true;                             // else older data may lack it
 };
 
-template <typename Part> DataColumn column_of(const char* name, const char* unit, const char* meaning, Part part) {
-    using T = std::remove_cvref_t<decltype(part(std::declval<TrialRow&>()))>;
-    return {name, unit, meaning,
-            [part](const TrialRow& row) {
-                const T& value = part(const_cast<TrialRow&>(row));
-                if constexpr (std::is_same_v<T, std::string>)
-                    return value;
-                else
-                    return fmt::format("{}", value);
-            },
-            [part](TrialRow& row, std::string_view text) {
-                if constexpr (std::is_same_v<T, std::string>) {
+// A member of the row, or of its outcome.
+template <typename T, typename Whole>
+DataColumn column_of(const char* name, const char* unit, const char* meaning, T Whole::*member) {
+    const auto part = [member](auto& row) -> auto& {
+        if constexpr (std::is_same_v<Whole, TrialOutcome>)
+            return row.outcome.*member;
+        else
+            return row.*member;
+    };
+    if constexpr (std::is_same_v<T, std::string>)
+        return {name, unit, meaning, [part](const TrialRow& row) { return part(row); },
+                [part](TrialRow& row, std::string_view text) {
                     part(row) = text;
                     return true;
-                } else {
-                    return parsed(text, part(row));
-                }
-            }};
+                }};
+    else
+        return {name, unit, meaning, [part](const TrialRow& row) { return fmt::format("{}", part(row)); },
+                [part](TrialRow& row, std::string_view text) { return parsed(text, part(row)); }};
 }
 
 DataColumn of_some(DataColumn column, bool (*is_of)(const ExperimentSpec&)) {
@@ -81,40 +81,28 @@ DataColumn optional(DataColumn column) {
 
 const std::vector<DataColumn>& all_columns() {
     using R = TrialRow;
+    using O = TrialOutcome;
     const auto compares = [](const ExperimentSpec& spec) { return spec.task == Task::compare; };
+    const auto tracks = [](const ExperimentSpec& spec) { return !spec.track.empty(); };
     static const std::vector<DataColumn> columns{
         {"row_id", "", "subject, session and sequence",
          [](const R& r) { return fmt::format("{}-{}-{}", r.subject, r.session, r.sequence); },
          [](R&, std::string_view text) { return !text.empty(); }},
-        column_of(
-            "subject", "", "as given at the start", [](R & r) -> auto& { return r.subject; }),
-        column_of(
-            "session", "", "of the subject, from 1 on", [](R & r) -> auto& { return r.session; }),
-        column_of(
-            "sequence", "", "of the trials as they were done, from 1 on", [](R & r) -> auto& { return r.sequence; }),
-        column_of(
-            "trial", "", "number in the order that was drawn before; one that failed comes again",
-            [](R & r) -> auto& { return r.number; }),
-        column_of(
-            "block", "", "from 1 on; 0: practice", [](R & r) -> auto& { return r.block; }),
-        column_of(
-            "condition", "", "name of the stimulus", [](R & r) -> auto& { return r.condition; }),
-        of_some(column_of(
-                    "standard", "", "name of the stimulus that it was compared with",
-                    [](R & r) -> auto& { return r.standard; }),
+        column_of("subject", "", "as given at the start", &R::subject),
+        column_of("session", "", "of the subject, from 1 on", &R::session),
+        column_of("sequence", "", "of the trials as they were done, from 1 on", &R::sequence),
+        column_of("trial", "", "number in the order that was drawn before; one that failed comes again", &R::number),
+        column_of("block", "", "from 1 on; 0: practice", &R::block),
+        column_of("condition", "", "name of the stimulus", &R::condition),
+        of_some(column_of("standard", "", "name of the stimulus that it was compared with", &R::standard), compares),
+        of_some(column_of("standard_interval", "",
+                          "1: the standard was felt first, 2: second; reaction_time is from the second stimulus, all "
+                          "else of both",
+                          &R::standard_interval),
                 compares),
-        of_some(column_of(
-                    "standard_interval", "",
-                    "1: the standard was felt first, 2: second; reaction_time is from the second stimulus, all else of "
-                    "both",
-                    [](R & r) -> auto& { return r.standard_interval; }),
-                compares),
-        of_some(column_of(
-                    "track", "", "the adaptive track that chose the stimulus; empty: practice",
-                    [](R & r) -> auto& { return r.track; }),
-                [](const ExperimentSpec& spec) { return !spec.track.empty(); }),
-        column_of(
-            "answer", "", "name of the answer; empty: none", [](R & r) -> auto& { return r.answer; }),
+        of_some(column_of("track", "", "the adaptive track that chose the stimulus; empty: practice", &R::track),
+                tracks),
+        column_of("answer", "", "name of the answer; empty: none", &R::answer),
         {"correct", "",
          "1: it names the stimulus' nominal shape, or the stimulus that is right, 0: it does not; empty: no answer is "
          "right",
@@ -124,40 +112,25 @@ const std::vector<DataColumn>& all_columns() {
                  r.correct = text == "1";
              return text.empty() || text == "1" || text == "0";
          }},
-        column_of(
-            "status", "", "answered, or why the trial does not count and comes again",
-            [](R & r) -> auto& { return r.outcome.status; }),
-        column_of(
-            "reaction_time", "s", "from the stimulus to the answer", [](R & r) -> auto& { return r.outcome.reaction; }),
-        column_of(
-            "contact_time", "s", "in contact", [](R & r) -> auto& { return r.outcome.contact; }),
-        column_of(
-            "largest_force", "N", "displayed", [](R & r) -> auto& { return r.outcome.largest_force; }),
-        optional(column_of(
-            "limited", "", "share of the time in contact in which the force was lowered for the motors' sake",
-            [](R & r) -> auto& { return r.outcome.limited; })),
-        column_of(
-            "strokes", "", "passes across the whole feature", [](R & r) -> auto& { return r.outcome.strokes; }),
-        column_of(
-            "speed", "m/s", "mean in contact", [](R & r) -> auto& { return r.outcome.speed; }),
-        column_of(
-            "press", "N", "mean vertical force in contact", [](R & r) -> auto& { return r.outcome.press; }),
-        column_of(
-            "seed", "", "of what was random in the trial", [](R & r) -> auto& { return r.seed; }),
-        column_of(
-            "participant", "", "person, or which simulated one", [](R & r) -> auto& { return r.participant; }),
-        column_of(
-            "device", "", "that displayed the forces", [](R & r) -> auto& { return r.device; }),
-        column_of(
-            "program", "", "forceshade's version", [](R & r) -> auto& { return r.program; }),
-        column_of(
-            "started", "", "of the trial, UTC", [](R & r) -> auto& { return r.started; }),
-        optional(column_of(
-            "answered_by", "", "key of the page or button of the device; empty: neither",
-            [](R & r) -> auto& { return r.outcome.answered_by; })),
-        optional(column_of(
-            "device_check", "", "of the device before the session: passed, or none was made",
-            [](R & r) -> auto& { return r.device_check; }))};
+        column_of("status", "", "answered, or why the trial does not count and comes again", &O::status),
+        column_of("reaction_time", "s", "from the stimulus to the answer", &O::reaction),
+        column_of("contact_time", "s", "in contact", &O::contact),
+        column_of("largest_force", "N", "displayed", &O::largest_force),
+        optional(column_of("limited", "",
+                           "share of the time in contact in which the force was lowered for the motors' sake",
+                           &O::limited)),
+        column_of("strokes", "", "passes across the whole feature", &O::strokes),
+        column_of("speed", "m/s", "mean in contact", &O::speed),
+        column_of("press", "N", "mean vertical force in contact", &O::press),
+        column_of("seed", "", "of what was random in the trial", &R::seed),
+        column_of("participant", "", "person, or which simulated one", &R::participant),
+        column_of("device", "", "that displayed the forces", &R::device),
+        column_of("program", "", "forceshade's version", &R::program),
+        column_of("started", "", "of the trial, UTC", &O::started),
+        optional(
+            column_of("answered_by", "", "key of the page or button of the device; empty: neither", &O::answered_by)),
+        optional(column_of("device_check", "", "of the device before the session: passed, or none was made",
+                           &R::device_check))};
     return columns;
 }
 
@@ -177,10 +150,9 @@ std::string header(const Experiment& experiment) {
     return text.text();
 }
 
-void write_whole(const std::filesystem::path& file, std::string_view text) {
-    TemporaryFile out(file);
-    out.write(text);
-    out.publish();
+// All of it, onto the disk.
+bool write_durably(int descriptor, std::string_view text) {
+    return ::write(descriptor, text.data(), text.size()) == std::ssize(text) && ::fdatasync(descriptor) == 0;
 }
 
 // Whether a folder's experiment means what `resolved` does: keys that this program has and that one's had not are at
@@ -251,7 +223,9 @@ public:
     SetUp& operator=(const SetUp&) = delete;
 
     bool was_begun() const { return std::filesystem::exists(mark_); }
-    void begin() const { write_whole(mark_, "forceshade sets this folder up; if it stays, start the session again\n"); }
+    void begin() const {
+        write_file_atomically(mark_, "forceshade sets this folder up; if it stays, start the session again\n");
+    }
     void end() const {
         std::error_code error;
         std::filesystem::remove(mark_, error);
@@ -262,14 +236,6 @@ private:
     int folder_;
 };
 
-std::vector<std::string> names_of(const std::vector<DataColumn>& columns) {
-    std::vector<std::string> names;
-    names.reserve(columns.size());
-    for (const DataColumn& column : columns)
-        names.push_back(column.name);
-    return names;
-}
-
 // Whether the file's header names these columns, however a spreadsheet ends its lines and quotes its cells.
 bool has_columns(const std::filesystem::path& file, const std::vector<DataColumn>& columns) {
     CsvReader csv(file);
@@ -277,7 +243,7 @@ bool has_columns(const std::filesystem::path& file, const std::vector<DataColumn
     if (csv.next())
         for (std::size_t i = 0; i < csv.size(); ++i)
             names.emplace_back(csv.text(i));
-    return names == names_of(columns);
+    return std::ranges::equal(names, columns, {}, {}, &DataColumn::name);
 }
 
 } // namespace
@@ -430,7 +396,7 @@ void SessionRecord::write_materials() const {
         order.add(trial.seed).end();
     }
     if (!std::filesystem::exists(order_file, error))
-        write_whole(order_file, order.text());
+        write_file_atomically(order_file, order.text());
     else if (read_file(order_file) != order.text())
         throw UsageError(fmt::format("{} is not the order that this program draws for subject {}, session {}; it was "
                                      "changed, or another version drew it. Name another session",
@@ -438,14 +404,14 @@ void SessionRecord::write_materials() const {
     if (is_set_up)
         return;
     for (const Case& one : experiment_.study.cases)
-        write_whole(materials / "stimuli" / (one.name + ".toml"), forceshade::resolved_toml(one));
+        write_file_atomically(materials / "stimuli" / (one.name + ".toml"), forceshade::resolved_toml(one));
     for (const Answer& answer : experiment_.spec.answers)
         if (const std::string name = answer.picture_file(); !name.empty())
-            write_whole(materials / name, answer.picture.bytes);
-    write_whole(folder_ / "dataset_description.json", description(experiment_));
-    write_whole(folder_ / "README.md", readme(experiment_));
-    write_whole(folder_ / ".psychds-ignore", "paths/\n"); // tables of samples, not of answers
-    write_whole(experiment_file, toml);                   // last: with it the rest is there
+            write_file_atomically(materials / name, answer.picture.bytes);
+    write_file_atomically(folder_ / "dataset_description.json", description(experiment_));
+    write_file_atomically(folder_ / "README.md", readme(experiment_));
+    write_file_atomically(folder_ / ".psychds-ignore", "paths/\n"); // tables of samples, not of answers
+    write_file_atomically(experiment_file, toml);                   // last: with it the rest is there
     set_up.end();
 }
 
@@ -472,8 +438,7 @@ void SessionRecord::read_back() {
             throw file_error("write", file_, errno);
     }
     if (whole == 0) {
-        const std::string first = header(experiment_);
-        if (::write(descriptor_, first.data(), first.size()) != std::ssize(first) || ::fdatasync(descriptor_) != 0)
+        if (!write_durably(descriptor_, header(experiment_)))
             throw file_error("write", file_, errno);
         return;
     }
@@ -623,8 +588,7 @@ void SessionRecord::document(const std::string& name, const std::string& line) c
     make_subfolder(folder_, "documentation");
     const std::filesystem::path file = folder_ / "documentation" / (stem() + name);
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-    const bool whole = descriptor >= 0 && ::write(descriptor, line.data(), line.size()) == std::ssize(line) &&
-                       ::fdatasync(descriptor) == 0;
+    const bool whole = descriptor >= 0 && write_durably(descriptor, line);
     const int error = errno;
     if (descriptor >= 0)
         ::close(descriptor);
@@ -635,8 +599,7 @@ void SessionRecord::document(const std::string& name, const std::string& line) c
 void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
     const Condition& condition = experiment_.conditions[trial.condition];
     TrialRow row;
-    row.subject = info_.subject;
-    row.session = info_.session;
+    static_cast<SessionInfo&>(row) = info_;
     row.sequence = rows_.empty() ? 1 : rows_.back().sequence + 1;
     row.number = trial.number;
     row.block = trial.block;
@@ -648,12 +611,10 @@ void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
     if (trial.track)
         row.track = experiment_.tracks[*trial.track].name;
     row.outcome = outcome;
+    if (outcome.started.empty())
+        row.outcome.started = utc_now();
     row.seed = trial.seed;
-    row.participant = info_.participant;
-    row.device = info_.device;
-    row.device_check = info_.device_check;
     row.program = version();
-    row.started = outcome.started.empty() ? utc_now() : outcome.started;
     if (outcome.answer) {
         row.answer = experiment_.spec.answers[*outcome.answer].name;
         if (const auto right = experiment_.correct_answer(trial))
@@ -664,11 +625,10 @@ void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
         line.add(column.text(row));
     line.end();
     struct stat before {};
-    const std::string& text = line.text();
     if (::fstat(descriptor_, &before) != 0)
         throw file_error("write", file_, errno);
     errno = ENOSPC; // of a short write
-    if (::write(descriptor_, text.data(), text.size()) != std::ssize(text) || ::fdatasync(descriptor_) != 0) {
+    if (!write_durably(descriptor_, line.text())) {
         const int error = errno;
         if (::ftruncate(descriptor_, before.st_size) != 0)
             print_note("warning: {} ends in a part of a row\n", file_.string());

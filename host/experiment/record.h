@@ -19,8 +19,7 @@
 #include <vector>
 
 #include "host/experiment/experiment.h"
-#include "host/experiment/threshold.h"
-#include "host/experiment/trials.h"
+#include "host/experiment/statistics.h"
 
 namespace forceshade::experiment {
 
@@ -43,10 +42,17 @@ struct TrialOutcome {
     std::string answered_by = {}; /* "key", "button"; empty: a simulated participant, or nobody */
 };
 
-/// A row of the data.
-struct TrialRow {
+/// What the rows say about who and how.
+struct SessionInfo {
     std::string subject; /* of letters and digits */
     std::uint64_t session = 1;
+    std::string participant;           /* "person", or the simulated one's name */
+    std::string device;                /* "simulated hand and device" */
+    std::string device_check = "none"; /* of it before the session: "passed", or none was made */
+};
+
+/// A row of the data.
+struct TrialRow : SessionInfo {
     std::uint64_t sequence = 0;          /* 1: the first row of the session */
     std::uint64_t number = 0;            /* of the trial in its order */
     std::uint64_t block = 0;             /* 0: practice */
@@ -58,8 +64,7 @@ struct TrialRow {
     std::optional<bool> correct;         /* whether it names the stimulus' nominal shape; nothing: no answer does */
     TrialOutcome outcome;                /* read back without the answer's index */
     std::uint64_t seed = 0;
-    std::string participant, device, program, started; /* as SessionInfo; UTC */
-    std::string device_check;                          /* likewise */
+    std::string program; /* forceshade's version */
     bool counts() const { return block > 0 && outcome.status == kAnswered; }
 };
 
@@ -75,15 +80,6 @@ std::vector<TrialRow> last_rows(const std::vector<TrialRow>& rows);
 
 /// The data files of a folder, by name. \throws IoError if it has none.
 std::vector<std::filesystem::path> data_files(const std::filesystem::path& folder);
-
-/// What the rows say about who and how.
-struct SessionInfo {
-    std::string subject; /* of letters and digits */
-    std::uint64_t session = 1;
-    std::string participant;           /* "person", or the simulated one's name */
-    std::string device;                /* "simulated hand and device" */
-    std::string device_check = "none"; /* of it before the session: "passed", or none was made */
-};
 
 /// One session of one subject, begun or taken up again.
 class SessionRecord {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "device/session/live_log.h"
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/norm.h"
@@ -80,14 +79,13 @@ private:
 } // namespace
 
 std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters) {
-    const auto& answers = experiment.spec.answers;
     if (experiment.spec.task == Task::compare) {
         if (experiment.spec.correct != kSmoother)
             throw UsageError("--participant observer: of two stimuli it knows which is smoother only; correct = \"" +
                              experiment.spec.correct + "\" asks something else");
         return std::make_unique<Observer>(parameters);
     }
-    if (!std::ranges::equal(answers, kPictureNames, {}, &Answer::name))
+    if (!experiment.has_papers_answers())
         throw UsageError(fmt::format("--participant observer: it knows the paper's four answers only, {}; these are "
                                      "others",
                                      fmt::join(kPictureNames, ", ")));
@@ -96,10 +94,9 @@ std::unique_ptr<Participant> make_observer(const Experiment& experiment, const O
 
 void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision,
               bool with_buttons) {
-    device::SampleRing ring(samples.size());
-    device::LiveLog log(file, ring, precision, true, with_buttons);
+    device::LiveLog log(file, static_cast<double>(samples.size()), precision, true, with_buttons);
     for (const device::LiveSample& sample : samples)
-        ring.put(sample);
+        log.ring().put(sample);
     log.close();
     if (!log.failure().empty())
         throw IoError(log.failure());

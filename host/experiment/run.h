@@ -1,11 +1,15 @@
-// A session: trial after trial is put before a participant, and what comes of it is recorded.
+// A session: trial after trial is put before a participant, a person or a simulated one, and what comes of it is
+// recorded.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "device/loop/sample.h"
+#include "device/session/session.h"
 #include "host/experiment/record.h"
 #include "host/experiment/stroke.h"
 #include "host/field/prepared_case.h"
@@ -50,11 +54,23 @@ struct RunOptions {
     std::filesystem::path folder;
     SessionInfo info;
     bool paths = false; /* keep them */
-    bool quiet = true;  /* no progress on stderr */
 };
 
 /// Until no trial is left; returns how many trials of the session are answered. \throws as SessionRecord and
 /// Participant; Interrupted: what is answered stays.
 std::size_t run_session(const Experiment& experiment, Participant& participant, const RunOptions& options);
+
+struct PersonOptions {
+    device::SessionOptions session; /* device, mapping, rate and limits; the rest is not used */
+    std::uint16_t port = 0;         /* of the pages; 0: any that is free */
+    std::vector<unsigned> buttons;  /* of the device, one for each answer; empty: answers are the page's keys alone */
+    std::string check;              /* of the device, JSON as device::check_json; empty: none was made */
+};
+
+/// Opens the device and serves the pages, whose addresses go to stderr. The force is zero but for the time in which a
+/// stimulus is felt: it comes up once the probe is free of contact, and is switched off when the page is closed.
+/// \throws UsageError, IoError, DeviceAbsent; UsageError for a check of another device or mapping, Error for one that
+/// failed.
+std::unique_ptr<Participant> make_person(const Experiment& experiment, const PersonOptions& options);
 
 } // namespace forceshade::experiment

@@ -16,6 +16,28 @@ namespace {
 
 constexpr double kTail = 0.025; // of 95 %
 
+constexpr std::size_t kSpreads = 10;
+constexpr std::array<double, 4> kLapses{0, 0.02, 0.04, 0.06};
+constexpr std::size_t kEach = kSpreads * kLapses.size();   // parameters of a threshold
+constexpr double kStep = 1.5 / 80;                         // of the levels' range, from threshold to threshold
+constexpr double kBeyond = 0.25, kMostBeyond = 1.5;        // of that range, on either side
+constexpr double kWider = 0.25;                            // of that range, at a time
+constexpr unsigned kInformed = 10;                         // answers, before which the prior decides
+constexpr double kNarrowest = 1.0 / 30, kWidest = 1.0 / 3; // of that range: spreads
+
+std::vector<double> steps(double from, double to, std::size_t count) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < count; ++i)
+        values.push_back(std::lerp(from, to, static_cast<double>(i) / static_cast<double>(count - 1)));
+    return values;
+}
+
+// Nats.
+double entropy_of(double share) {
+    const auto part = [](double p) { return p > 0 ? -p * std::log(p) : 0; };
+    return part(share) + part(1 - share);
+}
+
 } // namespace
 
 Range jeffreys(double count, double all) {
@@ -80,6 +102,127 @@ std::vector<double> holm(const std::vector<double>& p) {
         corrected[order[rank]] = least;
     }
     return corrected;
+}
+
+ThresholdTrack::ThresholdTrack(const std::vector<double>& levels, bool rises)
+    : answers_(levels.size()), below_(kBeyond), above_(kBeyond), rises_(rises) {
+    for (const double level : levels)
+        x_.push_back(std::log(level));
+    const double span = x_.back() - x_.front();
+    for (const double exponent : steps(std::log(kNarrowest * span), std::log(kWidest * span), kSpreads))
+        spreads_.push_back(std::exp(exponent));
+    lay_grid();
+}
+
+// The prior, and what the answers make of it.
+void ThresholdTrack::lay_grid() {
+    const double span = x_.back() - x_.front();
+    const auto count = static_cast<std::size_t>(std::lround((below_ + 1 + above_) / kStep)) + 1;
+    thresholds_ = steps(x_.front() - below_ * span, x_.back() + above_ * span, count);
+    weights_.assign(count * kEach, 1.0 / static_cast<double>(count * kEach));
+    right_.clear();
+    entropy_.clear();
+    for (const double x : x_) {
+        std::vector<double>&shares = right_.emplace_back(), &entropies = entropy_.emplace_back();
+        for (std::size_t i = 0; i < weights_.size(); ++i) {
+            shares.push_back(right(i, x));
+            entropies.push_back(entropy_of(shares.back()));
+        }
+    }
+    for (std::size_t level = 0; level < x_.size(); ++level)
+        for (const auto& [count_of, is_right] :
+             {std::pair(answers_[level].right, true), {answers_[level].wrong, false}})
+            for (unsigned i = 0; i < count_of; ++i)
+                learn(level, is_right);
+}
+
+double ThresholdTrack::weight_of(std::size_t threshold) const {
+    const auto first = weights_.begin() + static_cast<std::ptrdiff_t>(threshold * kEach);
+    return std::accumulate(first, first + kEach, 0.0);
+}
+
+bool ThresholdTrack::is_informed() const {
+    unsigned all = 0;
+    for (const Answers& one : answers_)
+        all += one.right + one.wrong;
+    return all >= kInformed;
+}
+
+// Whether the threshold at the end of the grid is at least half as likely as the likeliest.
+bool ThresholdTrack::favours(bool high) const {
+    double most = 0;
+    for (std::size_t i = 0; i < thresholds_.size(); ++i)
+        most = std::max(most, weight_of(i));
+    return weight_of(high ? thresholds_.size() - 1 : 0) > most / 2;
+}
+
+double ThresholdTrack::right(std::size_t parameters, double x) const {
+    const double threshold = thresholds_[parameters / (kSpreads * kLapses.size())];
+    const double spread = spreads_[parameters / kLapses.size() % kSpreads],
+                 lapse = kLapses[parameters % kLapses.size()];
+    const double easier = (rises_ ? x - threshold : threshold - x) / spread;
+    return 0.5 + (0.5 - lapse) / (1 + std::exp(-easier));
+}
+
+void ThresholdTrack::add(std::size_t level, bool right) {
+    (right ? answers_[level].right : answers_[level].wrong) += 1;
+    learn(level, right);
+    if (!is_informed())
+        return;
+    for (const bool high : {false, true})
+        while (favours(high) && (high ? above_ : below_) < kMostBeyond) {
+            (high ? above_ : below_) += kWider;
+            lay_grid();
+        }
+}
+
+void ThresholdTrack::learn(std::size_t level, bool right) {
+    double sum = 0;
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+        weights_[i] *= right ? right_[level][i] : 1 - right_[level][i];
+        sum += weights_[i];
+    }
+    for (double& weight : weights_)
+        weight /= sum;
+}
+
+// The least expected entropy of the posterior is the most information that the answer has about the parameters.
+std::size_t ThresholdTrack::next() const {
+    std::size_t best = 0;
+    double most = -1;
+    for (std::size_t level = 0; level < x_.size(); ++level) {
+        const double share = std::inner_product(weights_.begin(), weights_.end(), right_[level].begin(), 0.0);
+        const double known = std::inner_product(weights_.begin(), weights_.end(), entropy_[level].begin(), 0.0);
+        if (const double information = entropy_of(share) - known; information > most) {
+            most = information;
+            best = level;
+        }
+    }
+    return best;
+}
+
+Threshold ThresholdTrack::threshold() const {
+    const double step = thresholds_[1] - thresholds_[0];
+    // Each weight is spread over its step of the grid.
+    const auto quantile = [&](double share) {
+        double below = 0;
+        for (std::size_t i = 0; i < thresholds_.size(); ++i) {
+            const double weight = weight_of(i);
+            if (below + weight >= share)
+                return std::exp(thresholds_[i] + step * ((share - below) / weight - 0.5));
+            below += weight;
+        }
+        return std::exp(thresholds_.back());
+    };
+    const int beyond = !is_informed() ? 0 : favours(false) ? -1 : favours(true) ? 1 : 0;
+    return {quantile(0.5), {quantile(0.025), quantile(0.975)}, beyond};
+}
+
+double ThresholdTrack::share_right(double level) const {
+    double share = 0;
+    for (std::size_t i = 0; i < weights_.size(); ++i)
+        share += weights_[i] * right(i, std::log(level));
+    return share;
 }
 
 } // namespace forceshade::experiment

@@ -1,6 +1,8 @@
-// Intervals and tests of answers: shares of trials, and differences between conditions with subjects as clusters.
+// Intervals and tests of answers: shares of trials, differences between conditions with subjects as clusters, and a
+// threshold looked for adaptively.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -25,5 +27,54 @@ inline constexpr unsigned kLeastSubjects = 6;
 
 /// What the tests' p become where any of them may be the one that is reported (Holm 1979), in the same order.
 std::vector<double> holm(const std::vector<double>& p);
+
+/// What the trials so far say, in the unit of the levels.
+struct Threshold {
+    double median = 0; /* of the posterior: the level half way between chance and what lapses leave */
+    Range range;       /* 95 %, credible */
+    int beyond = 0;    /* -1: likely below all thresholds that are considered, 1: above them, and so without a bound */
+};
+
+/// The posterior over a grid of psychometric functions, logistic in the logarithm of the level: right with the
+/// probability 1/2 + (1/2 - lapse) / (1 + exp(-(ln level - ln threshold) / spread)), mirrored where it falls. Prior:
+/// ln threshold uniform from a quarter of the levels' range below them to as much above; ln spread uniform from 1/30 to
+/// 1/3 of the range; lapse 0 to 6 %. Where the answers favour a threshold at the end of that, it is widened there, to
+/// one and a half ranges beyond the levels at most.
+class ThresholdTrack {
+public:
+    /// `levels`: positive, ascending, at least two. `rises`: whether higher levels are easier.
+    ThresholdTrack(const std::vector<double>& levels, bool rises);
+
+    /// The answer to a trial at a level (its index).
+    void add(std::size_t level, bool right);
+
+    /// The index of the level whose answer leaves the least entropy to be expected.
+    std::size_t next() const;
+
+    Threshold threshold() const;
+
+    /// The posterior's mean share of right answers at any level.
+    double share_right(double level) const;
+
+private:
+    void lay_grid();
+    void learn(std::size_t level, bool right);
+    bool is_informed() const;
+    bool favours(bool high) const;
+    double weight_of(std::size_t threshold) const;
+    double right(std::size_t parameters, double x) const;
+
+    struct Answers {
+        unsigned right = 0, wrong = 0;
+    };
+    std::vector<double> x_;        // ln level
+    std::vector<Answers> answers_; // by level
+    double below_, above_;         // of the levels' range, beyond it: thresholds
+    bool rises_;
+    std::vector<double> thresholds_, spreads_; // ln level
+    std::vector<double> weights_;              // by threshold, spread, lapse; their sum is 1
+    std::vector<std::vector<double>> right_;   // by level and weight
+    std::vector<std::vector<double>> entropy_; // likewise: of the answer
+};
 
 } // namespace forceshade::experiment

@@ -86,8 +86,8 @@ PreparedCase stroked(PreparedCase stimulus, const Manner& manner) {
 std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manner) {
     const PreparedCase prepared = stroked(stimulus, manner);
     const auto probe = std::make_unique<CaseProbe<double>>(prepared);
-    const auto hand = device::make_sim(prepared, manner.rate, manner.still);
-    std::vector<LiveSample> samples(prepared.one.scene.paths->steps + manner.still);
+    const auto hand = device::make_sim(prepared, manner.rate);
+    std::vector<LiveSample> samples(prepared.one.scene.paths->steps);
     const Scene& scene = prepared.one.scene;
     const auto coupling = coupling_of<double>(scene.hand, scene.force.stiffness, 1 / manner.rate);
     double lag = -1; /* m: of a virtual coupling */
@@ -133,6 +133,10 @@ std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector
         pass.push_back(sample);
     }
     return passes;
+}
+
+std::vector<StrokeSignals> passes_of(const PreparedCase& stimulus) {
+    return passes_over(feature_of(stimulus), stroke(stimulus, manner_of(stimulus.one.scene)));
 }
 
 Cues mean_cues(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer) {

@@ -1,7 +1,6 @@
 // A simulated participant: a hand and a device that stroke a stimulus in closed loop, and what that gives to feel.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -14,11 +13,10 @@ namespace forceshade::experiment {
 
 /// How a stimulus is stroked: to and fro along x, pressed down by a constant force; the hand is the scene's.
 struct Manner {
-    double speed = 0.1;      /* m/s */
-    double press = 1;        /* N */
-    double rate = 1000;      /* Hz: of the loop */
-    unsigned passes = 4;     /* across the feature */
-    std::uint64_t still = 0; /* samples before the hand begins to move */
+    double speed = 0.1;  /* m/s */
+    double press = 1;    /* N */
+    double rate = 1000;  /* Hz: of the loop */
+    unsigned passes = 4; /* across the feature */
 };
 
 /// As the scene's [paths] say, or 0.1 m/s, 1 N and 1 kHz.
@@ -40,6 +38,9 @@ std::vector<device::LiveSample> stroke(const PreparedCase& stimulus, const Manne
 /// The passes across the whole feature, each in the order of x: what was felt of them, without what was flown over. A
 /// pass less than half of which was in contact is none.
 std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector<device::LiveSample>& samples);
+
+/// What a simulated hand feels of a stimulus that it strokes as its scene says.
+std::vector<StrokeSignals> passes_of(const PreparedCase& stimulus);
 
 /// The mean of what these passes give to feel. \throws UsageError without any.
 Cues mean_cues(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer);

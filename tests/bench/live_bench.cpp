@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "device/backends/devices.h"
-#include "device/loop/law_exchange.h"
+#include "device/loop/live_loop.h"
 #include "device/loop/sample.h"
 #include "device/session/session.h"
 #include "host/scene/study.h"
@@ -102,7 +102,7 @@ void as_fast_as_possible(const std::filesystem::path& scene, CasePreparation& pr
 
 void by_the_clock(const std::filesystem::path& scene, CasePreparation& preparation, double rate, double seconds) {
     device::SessionOptions options = options_for(scene, preparation);
-    options.rate = rate;
+    options.asked_rate = rate;
     options.duration = seconds;
     options.log = scene.parent_path() / "log.csv";
     options.replace_log = true;

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "device/session/check.h"
+#include "device/session/session.h"
 #include "tests/device/scripted_device.h"
 #include "tests/device/stub_library.h"
 

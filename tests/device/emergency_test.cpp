@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "device/session/signals.h"
+#include "device/session/session.h"
 
 namespace forceshade::device {
 namespace {

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "device/backends/haply.h"
-#include "device/backends/haply_protocol.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::device {

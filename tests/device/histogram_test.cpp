@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "device/loop/real_time.h"
 #include "device/loop/sample.h"
-#include "device/loop/wake_ups.h"
 
 namespace forceshade::device {
 namespace {

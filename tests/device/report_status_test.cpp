@@ -11,7 +11,6 @@
 
 #include <gtest/gtest.h>
 
-#include "device/run_report/status_line.h"
 #include "device/run_report/text.h"
 
 namespace forceshade::device {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/session/udp_sender.h"
+#include "device/session/readers.h"
 #include "host/error.h"
 #include "shaders/shared/law.h"
 #include "tests/io/folder.h"

@@ -9,10 +9,9 @@
 
 #include "host/error.h"
 #include "host/experiment/analysis.h"
-#include "host/experiment/plan.h"
+#include "host/experiment/expected.h"
 #include "host/experiment/run.h"
 #include "host/experiment/statistics.h"
-#include "host/experiment/threshold.h"
 #include "host/random.h"
 #include "host/study/data/data_files.h"
 

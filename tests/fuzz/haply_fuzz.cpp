@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "device/backends/haply.h"
-#include "device/backends/haply_protocol.h"
 #include "host/error.h"
 #include "tests/fuzz/fuzz.h"
 

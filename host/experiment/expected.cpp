@@ -1,4 +1,4 @@
-#include "host/experiment/perception.h"
+#include "host/experiment/expected.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,15 @@
 
 #include "host/error.h"
 #include "host/experiment/analysis.h"
+#include "host/experiment/run.h"
+#include "host/experiment/statistics.h"
 #include "host/experiment/stroke.h"
+#include "host/random.h"
+#include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade::experiment {
+
 namespace {
 
 using study::Cell;
@@ -129,14 +135,49 @@ void add_findings(study::StudyData& data, const std::vector<Expected>& rows, con
              "a model's expectation"});
 }
 
-} // namespace
+constexpr double kPower = 0.8;
 
-double apart(const Shares& one, const Shares& other) {
-    double sum = 0;
-    for (std::size_t i = 0; i < kPictures; ++i)
-        sum += std::abs(one[i] - other[i]);
-    return 50 * sum;
+// How many of a subject's answers are a certain one: beta-binomial, drawn from its distribution function.
+class Counts {
+public:
+    Counts(double share, unsigned trials) {
+        constexpr double kSpread = 1 / kSubjectCorrelation - 1;
+        const double a = share * kSpread, b = (1 - share) * kSpread;
+        const auto log_beta = [](double x, double y) { return std::lgamma(x) + std::lgamma(y) - std::lgamma(x + y); };
+        double below = 0;
+        for (unsigned k = 0; k <= trials; ++k) {
+            const double ways = -std::log(trials + 1.0) - log_beta(trials - k + 1.0, k + 1.0);
+            below += std::exp(ways + log_beta(k + a, trials - k + b) - log_beta(a, b));
+            below_.push_back(below);
+        }
+    }
+    /// Of 1.
+    double share(Random& random) const {
+        const auto count = std::ranges::upper_bound(below_, random.uniform()) - below_.begin();
+        const auto trials = static_cast<double>(below_.size() - 1);
+        return std::min(static_cast<double>(count), trials) / trials;
+    }
+
+private:
+    std::vector<double> below_; // the probability of at most so many
+};
+
+const Case& condition_named(const Experiment& experiment, const std::string& name) {
+    std::vector<std::string> names;
+    for (const Case& one : experiment.study.cases) {
+        if (one.name == name)
+            return one;
+        names.push_back(one.name);
+    }
+    throw UsageError(fmt::format("--compare: no condition \"{}\"{}; there are {}", name, did_you_mean(name, names),
+                                 fmt::join(names, ", ")));
 }
+
+Shares expected_answers(const Case& stimulus) {
+    return answer_shares(passes_of(CasePreparation().prepare(stimulus)), {});
+}
+
+} // namespace
 
 std::optional<unsigned> facets_within(double points, double radius, double width, bool shaded,
                                       const ObserverParameters& observer) {
@@ -156,9 +197,7 @@ study::StudyData study_perception(study::StudyRun& run) {
     CasePreparation preparation;
     for (const Case& one : cases)
         parts.push_back({one.name, [&] {
-                             const PreparedCase stimulus = preparation.prepare(one);
-                             const auto passes =
-                                 passes_over(feature_of(stimulus), stroke(stimulus, manner_of(one.scene)));
+                             const auto passes = passes_of(preparation.prepare(one));
                              if (passes.empty())
                                  left_out.push_back(one.name);
                              else
@@ -170,30 +209,19 @@ study::StudyData study_perception(study::StudyRun& run) {
     const std::vector<Needed> needed = facets_needed(rows);
     study::StudyData data = run.data();
     data.tables = {expected_table(rows), needed_table(needed)};
-    study::Figure facets;
-    facets.name = "facets";
-    facets.title = "Facets that feel round";
-    facets.caption =
+    study::Figure facets = study::make_figure(
+        "facets", "Facets that feel round",
         fmt::format("Fewest facets whose answers stay within {} percentage points of the cylinder's, as the observer "
                     "expects them of a rigid surface.",
-                    kClose);
-    facets.table = "facets";
-    facets.x = {"radius_mm", "radius / mm"};
-    facets.y = {"facets", "facets"};
-    facets.series = "shading";
+                    kClose),
+        study::FigureKind::scatter, "facets", {}, {"radius_mm", "radius / mm"}, {"facets", "facets"}, "shading");
     facets.joined = true;
-    study::Figure answers;
-    answers.name = "answers";
-    answers.title = "Answers \"round\" that the observer expects";
-    answers.caption = "Of a simulated hand's strokes over each scene.";
-    answers.kind = study::FigureKind::bars;
-    answers.table = "answers";
-    answers.x = {"case", "scene"};
-    answers.y = {"cylinder_percent", "answers \"round\" / %"};
-    answers.series = "tested";
-    data.figures = {facets, answers};
-    if (needed.empty())
-        data.figures.erase(data.figures.begin());
+    if (!needed.empty())
+        data.figures.push_back(facets);
+    data.figures.push_back(study::make_figure("answers", "Answers \"round\" that the observer expects",
+                                              "Of a simulated hand's strokes over each scene.", study::FigureKind::bars,
+                                              "answers", {}, {"case", "scene"},
+                                              {"cylinder_percent", "answers \"round\" / %"}, "tested"));
     data.notes = {
         "The observer was fitted to the 21 stimuli of 1996 (column tested) and its structure chosen with them in "
         "sight. Of other surfaces, facets, radii, depths and stiffnesses nobody knows yet how people answer.",
@@ -203,6 +231,65 @@ study::StudyData study_perception(study::StudyRun& run) {
             fmt::format("No whole stroke stayed in contact with {}; left out.", fmt::join(left_out, ", ")));
     add_findings(data, rows, needed);
     return data;
+}
+
+double power_of(double first, double second, unsigned trials, unsigned subjects) {
+    constexpr unsigned kExperiments = 1000;
+    constexpr double kSignificant = 0.05;
+    if (subjects < kLeastSubjects)
+        return 0;
+    Random random(1, fmt::format("{} {} {} {}", first, second, trials, subjects));
+    const Counts of_first(first, trials), of_second(second, trials);
+    unsigned found = 0;
+    for (unsigned i = 0; i < kExperiments; ++i) {
+        std::vector<double> differences;
+        for (unsigned subject = 0; subject < subjects; ++subject)
+            differences.push_back(of_first.share(random) - of_second.share(random));
+        found += sign_flip_p(differences) <= kSignificant;
+    }
+    return static_cast<double>(found) / kExperiments;
+}
+
+Plan planned(const Experiment& experiment, const std::string& first, const std::string& second) {
+    if (experiment.spec.task == Task::compare)
+        throw UsageError("plan is for task = \"name\"; how many trials a comparison wants, a run with --participant "
+                         "observer and its analysis tell");
+    make_observer(experiment); // refuses other answers
+    const Shares a = expected_answers(condition_named(experiment, first)),
+                 b = expected_answers(condition_named(experiment, second));
+    std::size_t most = 0;
+    for (std::size_t i = 1; i < kPictures; ++i)
+        if (std::abs(a[i] - b[i]) > std::abs(a[most] - b[most]))
+            most = i;
+    Plan plan{first, second, experiment.spec.answers[most].label, a[most], b[most], {}};
+    for (const unsigned trials : {6u, 12u, 24u, 48u}) {
+        // The fewest: power grows with the subjects but for the noise of its simulation, and few are simulated faster.
+        const auto enough = [&](unsigned subjects) { return power_of(a[most], b[most], trials, subjects) >= kPower; };
+        unsigned low = kLeastSubjects - 1, high = kLeastSubjects;
+        bool any = enough(high);
+        for (; !any && high < kMostSubjects; any = enough(high)) {
+            low = high;
+            high = std::min(2 * high, kMostSubjects);
+        }
+        while (any && low + 1 < high) {
+            const unsigned middle = (low + high) / 2;
+            (enough(middle) ? high : low) = middle;
+        }
+        plan.needed.push_back({trials, any ? std::optional(high) : std::nullopt});
+    }
+    return plan;
+}
+
+std::vector<std::pair<std::string, std::string>> natural_pairs(const Experiment& experiment) {
+    std::vector<std::pair<std::string, std::string>> pairs;
+    for (const Case& shaded : experiment.study.cases) {
+        Scene bare = shaded.scene;
+        bare.force.shading = Shading::none;
+        for (const Case& other : experiment.study.cases)
+            if (shaded.scene.force.shading != Shading::none && other.scene == bare)
+                pairs.emplace_back(shaded.name, other.name);
+    }
+    return pairs;
 }
 
 } // namespace forceshade::experiment

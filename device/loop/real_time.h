@@ -1,13 +1,31 @@
-// How punctually this machine wakes a loop, and the settings that decide it.
+// The live loop in real time: what the operating system permits it, how punctually this machine wakes it, and the
+// settings that decide that.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "device/loop/permissions.h"
 #include "device/loop/sample.h"
 
 namespace forceshade::device {
+
+struct Permissions {
+    struct One {
+        std::string what; // "SCHED_FIFO"
+        bool granted = false;
+        std::string detail; // "priority 80", "Operation not permitted: ..." and a remedy
+    };
+    std::vector<One> all;
+};
+
+/// For the calling thread, the live loop's: SCHED_FIFO, timers to the nanosecond, its CPU (`cpu`; by default
+/// the last one that it may use, if it has SCHED_FIFO), all memory of the process locked, no deep idle states.
+Permissions ask_for_real_time(std::optional<int> cpu);
+
+/// CPUs that this process may run on, in ascending order; empty: unknown.
+std::vector<int> allowed_cpus();
 
 struct WakeUps {
     Histogram late;         /* ns: after the period had begun */

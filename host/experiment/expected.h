@@ -1,4 +1,5 @@
-// How many subjects and trials tell two conditions apart, as the observer expects their answers.
+// What the observer expects people to answer: to any list of scenes, how many facets feel round, and how many subjects
+// and trials tell two conditions of an experiment apart.
 #pragma once
 
 #include <optional>
@@ -6,8 +7,20 @@
 #include <vector>
 
 #include "host/experiment/experiment.h"
+#include "host/experiment/observer.h"
+#include "host/scene/study.h"
+#include "host/study/run/study_run.h"
 
 namespace forceshade::experiment {
+
+/// The fewest facets from which on a bump's answers stay within `points` of its cylinder's, in the limit of a rigid
+/// surface; nothing if 128 are too few.
+std::optional<unsigned> facets_within(double points, double radius, double width, bool shaded,
+                                      const ObserverParameters& observer = {});
+
+/// The study "perception": of the user's cases, or the paper's and those of more facets. A case that is stroked without
+/// a whole pass (it is no bump) is left out, and told of.
+study::StudyData study_perception(study::StudyRun& run);
 
 /// How far subjects differ: the correlation of two answers of a subject to one condition. From Table 2, whose rows of 5
 /// subjects and 24 trials spread 2.75 times as much about the observer as answers by chance: (2.75 - 1) / (24 - 1).
