@@ -40,16 +40,19 @@ template <typename T> void put_number(std::string& bytes, T value, bool big_endi
     bytes.append(raw.data(), raw.size());
 }
 
-/// The same facets over vertices and normals of made-up whole numbers, as PLY of several types: text, and binary.
-void check_mixed_ply(PolygonSoup soup) {
-    const std::string properties = "property char x\nproperty short y\nproperty int z\nproperty float nx\nproperty "
-                                   "double ny\nproperty uchar nz\n";
+/// The same facets over vertices and normals of made-up whole numbers, as PLY of several types, with a sign or without:
+/// text, and binary.
+template <typename Byte, typename Short, typename Int>
+void check_mixed_ply(PolygonSoup soup, std::string_view unsigned_mark) {
+    const std::string properties = fmt::format("property {0}char x\nproperty {0}short y\nproperty {0}int z\nproperty "
+                                               "float nx\nproperty double ny\nproperty uchar nz\n",
+                                               unsigned_mark);
     std::string text, binary[2];
     std::vector<glm::dvec3> normals;
     for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
-        const auto number = static_cast<std::int32_t>((i + 1) * 2654435761U);
-        const auto x = static_cast<std::int8_t>(number);
-        const auto y = static_cast<std::int16_t>(number);
+        const auto number = static_cast<Int>((i + 1) * 2654435761U);
+        const auto x = static_cast<Byte>(number);
+        const auto y = static_cast<Short>(number);
         const auto nx = static_cast<float>(y) / 8;
         const double ny = number / 3.0;
         const auto nz = static_cast<std::uint8_t>(number >> 8);
@@ -84,6 +87,41 @@ void check_mixed_ply(PolygonSoup soup) {
         for (std::size_t i = 0; i < soup.corners.size(); ++i)
             require(read.normals[i] == normals[soup.corners[i]], "a normal is another in {} PLY", format);
     }
+}
+
+/// The same polygons as OBJ with a normal for each corner, counted from either end. Each vertex is there twice, and
+/// where a facet has no two equal corners side by side, each corner may be followed by its copy: joined, that goes.
+void check_obj_normals(const PolygonSoup& soup) {
+    std::string text;
+    for (int copy = 0; copy < 2; ++copy)
+        for (const glm::dvec3& vertex : soup.vertices)
+            text += fmt::format("v {} {} {}\n", vertex.x, vertex.y, vertex.z);
+    std::vector<glm::dvec3> normals;
+    std::size_t there = 0; // normals
+    for (std::size_t facet = 0; facet < soup.facets(); ++facet) {
+        const auto outline = soup.outline(facet);
+        bool plain = outline.front() != outline.back();
+        for (std::size_t i = 1; i < outline.size(); ++i)
+            plain = plain && outline[i] != outline[i - 1];
+        std::string line = "f", before;
+        const std::size_t last = there + (plain ? 2 : 1) * outline.size();
+        for (const std::uint32_t corner : outline)
+            for (std::size_t copy = 0; copy < (plain ? 2U : 1U); ++copy) {
+                const glm::dvec3 normal(1 + static_cast<double>(there), static_cast<double>(facet), -1);
+                before += fmt::format("vn {} {} {}\n", normal.x, normal.y, normal.z);
+                if (copy == 0)
+                    normals.push_back(normal);
+                const std::size_t number = ++there;
+                line += fmt::format(" {}//{}", corner + 1 + copy * soup.vertices.size(),
+                                    number / 2 % 2
+                                        ? static_cast<std::int64_t>(number)
+                                        : static_cast<std::int64_t>(number) - static_cast<std::int64_t>(last) - 1);
+            }
+        text += before + line + "\n";
+    }
+    const PolygonSoup read = parse_polygons("a.obj", text, true).polygons;
+    require(same(read, soup), "not the same as OBJ with normals");
+    require(read.normals == normals, "normals of OBJ are others");
 }
 
 /// The corners of the facets, one behind the other, as triangle strips, ended now and then. Two registers take the
@@ -160,15 +198,30 @@ void check_skipped(const PolygonSoup& soup) {
                 "{} is read as other facets beside what is skipped", name);
         require(read.polygons.begins == soup.begins, "{} has other facets beside what is skipped", name);
         require(read.warnings.size() == warnings, "{} has {} warnings, not {}", name, read.warnings.size(), warnings);
+        std::string lines;
+        for (const char c : file)
+            lines += c == '\n' ? "\r\n" : std::string(1, c);
+        const PolygonFile ended = parse_polygons(name, lines);
+        require(same(ended.polygons, read.polygons) && ended.warnings == read.warnings,
+                "{} is another if its lines end in two characters", name);
     };
     const std::string obj = testing::as_obj(soup);
     for (const std::string_view line : {"l 1 2", "p 1", "f 1 1", "f 1", "f", "a remark", "surf 0 1 0 1 1"})
         check("a.obj", with_lines(obj, line, "f "), 1);
     check("a.obj", with_lines(obj, "usemtl a\\", "f "), 0);
+    check("a.ply", testing::as_ply_text(soup), 0);
     const std::string counts = fmt::format("\n{} {} 0\n", soup.vertices.size(), soup.facets());
     std::string off = testing::as_off(soup);
     off.replace(3, counts.size(), fmt::format("{} {} 0\n", soup.vertices.size(), soup.facets() + 2));
     check("a.off", off + "2 0 0\n1 0\n", 2);
+    std::string shortest = fmt::format("OFF\n{} {} 0\n", soup.vertices.size(), soup.facets());
+    for (std::size_t i = 0; i < soup.vertices.size(); ++i)
+        shortest += "0 0 0\n";
+    for (std::size_t facet = 0; facet < soup.facets(); ++facet)
+        shortest += "0\n";
+    shortest.pop_back();
+    require(parse_polygons("a.off", shortest).joined_vertices + 1 == soup.vertices.size(),
+            "the shortest OFF is another");
     if (soup.corners.size() == 3 * soup.facets()) {
         const std::string stl = testing::as_stl_text(soup);
         for (const std::string_view after : {"solid", " facet", "   vertex", "  endloop", " endfacet", "endsolid"})
@@ -263,7 +316,9 @@ void check_file(const std::string& name, std::string_view bytes, bool normals) {
     require(same(soup, parse_polygons("a.ply", testing::as_ply_binary(soup, true, false, true)).polygons),
             "not the same as PLY");
     if (soup.corners.size() < 200) {
-        check_mixed_ply(soup);
+        check_mixed_ply<std::int8_t, std::int16_t, std::int32_t>(soup, "");
+        check_mixed_ply<std::uint8_t, std::uint16_t, std::uint32_t>(soup, "u");
+        check_obj_normals(soup);
         check_strips(soup);
         check_skipped(soup);
         fuzz::Bytes places(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());

@@ -3,6 +3,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include <glm/geometric.hpp>
 
@@ -228,6 +229,71 @@ void check_mesh(const Mesh& mesh) {
             require(corner < mesh.polygons.vertices.size(), "a triangle has no vertex {}", corner);
 }
 
+/// The triangles below a node of the tree; each child's box and slab hold those below it.
+std::vector<layout::uint> check_node(const MeshStructure& structure, layout::uint node) {
+    std::vector<layout::uint> all;
+    const layout::MeshNode& one = structure.parts->nodes[node];
+    const layout::MeshSlabs& slabs = structure.parts->slabs[node];
+    for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
+        if (one.child[i] == layout::kMeshNoChild)
+            continue;
+        std::vector<layout::uint> below;
+        if (one.child[i] & layout::kMeshLeaf)
+            for (layout::uint k = 0; k <= one.child[i] % 8; ++k)
+                below.push_back((one.child[i] & ~layout::kMeshLeaf) / 8 + k);
+        else
+            below = check_node(structure, one.child[i]);
+        for (const layout::uint triangle : below)
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                const double* const at =
+                    &structure.reals
+                         ->vertices[3 * std::size_t(structure.parts->triangle_corners[3 * triangle + corner])];
+                require(one.low_x[i] <= at[0] && at[0] <= one.high_x[i] && one.low_y[i] <= at[1] &&
+                            at[1] <= one.high_y[i] && one.low_z[i] <= at[2] && at[2] <= one.high_z[i],
+                        "triangle {} is not in its box", triangle);
+                const long double along = static_cast<long double>(slabs.normal_x[i]) * at[0] +
+                                          static_cast<long double>(slabs.normal_y[i]) * at[1] +
+                                          static_cast<long double>(slabs.normal_z[i]) * at[2];
+                require(slabs.low[i] <= along && along <= slabs.high[i], "triangle {} is not in its slab", triangle);
+            }
+        all.insert(all.end(), below.begin(), below.end());
+    }
+    return all;
+}
+
+/// Each triangle is below the root once, and next to the only other one between the same two places.
+void check_structure(const MeshStructure& structure) {
+    std::vector<layout::uint> all = check_node(structure, 0);
+    std::ranges::sort(all);
+    for (layout::uint i = 0; i < structure.triangles(); ++i)
+        require(all.size() == structure.triangles() && all[i] == i, "the tree holds other triangles");
+    const auto place = [&](std::size_t triangle, std::size_t corner) {
+        const std::size_t vertex = structure.parts->triangle_corners[3 * triangle + corner % 3];
+        return glm::dvec3(structure.reals->vertices[3 * vertex], structure.reals->vertices[3 * vertex + 1],
+                          structure.reals->vertices[3 * vertex + 2]);
+    };
+    std::map<std::array<double, 6>, std::vector<std::size_t>> sides;
+    const auto ends = [&](std::size_t side) {
+        glm::dvec3 from = place(side / 3, side % 3) + 0.0, to = place(side / 3, side % 3 + 1) + 0.0; // no -0
+        if (std::tie(to.x, to.y, to.z) < std::tie(from.x, from.y, from.z))
+            std::swap(from, to);
+        return std::array{from.x, from.y, from.z, to.x, to.y, to.z};
+    };
+    for (std::size_t side = 0; side < 3 * structure.triangles(); ++side)
+        sides[ends(side)].push_back(side / 3);
+    for (std::size_t side = 0; side < 3 * structure.triangles(); ++side) {
+        const std::vector<std::size_t>& there = sides[ends(side)];
+        const layout::uint across = structure.parts->triangle_neighbours[side];
+        if (there.size() == 1)
+            require(across == layout::kMeshBorder, "triangle {} is next to {} on a border", side / 3, across);
+        else if (there.size() == 2 && there[0] != there[1])
+            require(across == there[0] + there[1] - side / 3, "triangle {} is not next to {}", side / 3, across);
+        else
+            require(across != layout::kMeshBorder && (across & layout::kMeshManyBit) != 0,
+                    "triangle {} is next to {} alone", side / 3, across);
+    }
+}
+
 template <typename T> Nearest<T> nearest_by_loop(const layout::MeshView<T>& mesh, const Vector<T>& probe) {
     Nearest<T> best{0, 0, 0, {}, std::numeric_limits<T>::infinity()};
     for (layout::uint triangle = 0; triangle < mesh.params.triangles; ++triangle) {
@@ -293,8 +359,19 @@ void check_against_referee(const MeshStructure& structure, const layout::MeshVie
     if (distance < 1e-3)
         return;
     const auto winding = static_cast<double>(referee.winding_number(world));
-    require(std::abs(reference::winding_number(view, probe) - winding) < reference::kWindingFine.error,
-            "the winding number is {}, not {}", winding, reference::winding_number(view, probe));
+    // From far the moments of all of it count. They leave out 4 r^3 / R^5 and less of an area at most r from their
+    // centre.
+    double allowed = reference::kWindingFine.error;
+    if (const double far = glm::length(place) - 2; far > 8) {
+        double area = 0;
+        for (layout::uint triangle = 0; triangle < view.params.triangles; ++triangle) {
+            const auto& [a, b, c] = reference::triangle_at(view, triangle).corners;
+            area += glm::length(glm::cross(b - a, c - a)) / 2;
+        }
+        allowed = std::min(allowed, 15 * area / std::pow(far, 5) + 1e-12);
+    }
+    require(std::abs(reference::winding_number(view, probe) - winding) < allowed, "the winding number is {}, not {}",
+            winding, reference::winding_number(view, probe));
     const double rough = reference::winding_number(view, probe, reference::kWindingRough);
     // It leaves out what shrinks with the fourth power of the reach.
     const double more = std::pow(reference::kWindingFine.reach / reference::kWindingRough.reach, 4);
@@ -327,6 +404,7 @@ void check_preparation(const PolygonSoup& soup, Bytes& bytes) {
         check_placement(soup, bytes);
         MeshStructure structure =
             build_structure(mesh, {.threads = 1, .winding = true, .leaf_triangles = kind & 2 ? 1U : 4U});
+        check_structure(structure);
         if (is_solid(findings))
             assume_solid(structure);
         const bool solid = is_solid(findings) && findings.volume > 0; // its outside out
@@ -335,8 +413,10 @@ void check_preparation(const PolygonSoup& soup, Bytes& bytes) {
         const brute::MeshReferee referee(mesh, {});
         // Of triangles that are flat to within rounding tree and referee pass over different ones.
         const bool has_flat = brute::choose_triangles(mesh).noise > 0;
-        for (int i = 0; i < 6; ++i) {
-            const glm::dvec3 place = take_place(bytes, structure);
+        for (int i = 0; i < 7; ++i) {
+            glm::dvec3 place = take_place(bytes, structure);
+            if (i == 6) // from far
+                place = 200.0 * glm::normalize(glm::dvec3(kind, kind / 8 % 16, 60) - 50.0);
             check_nearest<double>(wide, place);
             check_nearest<float>(narrow, place);
             if (!has_flat)
