@@ -3,8 +3,11 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <regex>
 #include <set>
 #include <sstream>
+
+#include <glm/geometric.hpp>
 
 #include "host/error.h"
 #include "host/output/raw_formats.h"
@@ -71,6 +74,54 @@ void check_recorded(const RecordedFile& file, const std::vector<PathSample>& sam
             before = sample.time;
         }
     }
+}
+
+/// What a message shows of a cell stands where it says: FILE:LINE:COLUMN: NAME: "CELL..., columns counted in
+/// characters.
+void check_place(const std::string& message, std::string_view text) {
+    static const std::regex kForm(R"re(^[^:]*:(\d+):(\d+): (?:path|t|x|y|z): "(.*)" is [^"]*$)re");
+    std::smatch parts;
+    if (text.starts_with("\xEF\xBB\xBF"))
+        text.remove_prefix(3);
+    if (!std::regex_match(message, parts, kForm))
+        return;
+    for (unsigned long line = std::stoul(parts[1]); line > 1; --line)
+        text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+    for (unsigned long column = std::stoul(parts[2]); column > 1 && !text.empty(); --column)
+        do
+            text.remove_prefix(1);
+        while (!text.empty() && (static_cast<unsigned char>(text.front()) & 0xC0) == 0x80);
+    std::string shown = parts[3];
+    if (text.starts_with('"') || (static_cast<unsigned char>(shown[0]) & 0xC0) == 0x80) // no character begins so
+        return;
+    text.remove_prefix(text.starts_with('+') && !shown.starts_with('+'));   // which is none of the number
+    shown.resize(shown.ends_with("...") ? shown.size() - 3 : shown.size()); // it was cut
+    require(shown.size() <= text.size() && std::ranges::equal(shown, text.substr(0, shown.size()),
+                                                              [](char a, char b) { return a == b || a == '?'; }),
+            "{}, but there stands {}", message, text.substr(0, shown.size()));
+}
+
+/// How far the samples go, and how long half of the steps between them are at most.
+void check_scale(const StepScale& scale, const std::vector<PathSample>& samples) {
+    double farthest = 0;
+    std::map<std::uint64_t, glm::dvec3> before;
+    std::vector<long double> steps;
+    for (const PathSample& sample : samples) {
+        for (int axis = 0; axis < 3; ++axis)
+            farthest = std::max(farthest, std::abs(sample.probe[axis]));
+        if (const auto [known, is_new] = before.try_emplace(sample.path, sample.probe); !is_new) {
+            const long double step = glm::length(glm::vec<3, long double>(sample.probe - known->second));
+            known->second = sample.probe;
+            if (step > 0)
+                steps.push_back(step);
+        }
+    }
+    require(scale.farthest() == farthest, "samples reach {}, not {}", farthest, scale.farthest());
+    if (steps.empty() || *std::ranges::min_element(steps) < 1e-150L)
+        return;
+    std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
+    const auto ratio = static_cast<double>(steps[steps.size() / 2] / static_cast<long double>(scale.median_step()));
+    require(ratio > 0.8 && ratio < 1.25, "the median step is {} times {}", ratio, scale.median_step());
 }
 
 /// The cells of a line without quotes.
@@ -153,6 +204,7 @@ void check_paths(std::string_view text) {
         require(!expected, "plain samples are refused: {}", error.what());
         require(std::string_view(error.what()).starts_with("/proc/self/fd/"), "a message without its place: {}",
                 error.what());
+        check_place(error.what(), text);
         return;
     }
     require(!expected || std::ranges::equal(samples, *expected, same), "plain samples are read as others");
@@ -166,6 +218,7 @@ void check_paths(std::string_view text) {
         const RecordedFile kept(file.path(), {.largest_coordinate = kFarthest});
         require(kept.samples() == samples.size(), "{} samples of {}", kept.samples(), samples.size());
         check_recorded(kept, samples);
+        check_scale(kept.scale(), samples);
         const RecordedFile streamed(file.path(), {.largest_coordinate = kFarthest, .most_kept = 0});
         RecordedCursor one(kept), other(streamed);
         for (std::uint64_t i = 0; i < kept.samples(); ++i)

@@ -46,6 +46,14 @@ void check_png(Bytes& bytes, const std::filesystem::path& path) {
     } catch (const UsageError&) {
         require(tinted, "a grey PNG is refused");
     }
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) - 1 - bytes.below(16)); // its last chunk has 12
+    bool read = true;
+    try {
+        read_height_image(path);
+    } catch (const Error&) {
+        read = false;
+    }
+    require(!read, "a PNG without its end is read");
 }
 
 void check_exr(Bytes& bytes, const std::filesystem::path& path) {
@@ -72,7 +80,8 @@ void check_exr(Bytes& bytes, const std::filesystem::path& path) {
             return value(x, y) + (coloured == Imath::V2i(x, y) ? 1 : 0);
         };
     }
-    testing::write_exr(path, channels, {display, data, compression, tiled});
+    const Imath::V2i tile(1 + static_cast<int>(bytes.below(3)), 1 + static_cast<int>(bytes.below(3)));
+    testing::write_exr(path, channels, {display, data, compression, tiled, tile});
     HeightImage image;
     try {
         image = read_height_image(path);

@@ -60,6 +60,7 @@ struct ExrKind {
     Imath::Box2i data{{0, 0}, {3, 2}};
     Imf::Compression compression = Imf::ZIP_COMPRESSION;
     bool tiled = false;
+    Imath::V2i tile{2, 2};
 };
 
 inline void write_exr(const std::filesystem::path& path, const std::map<std::string, ExrChannel>& channels,
@@ -90,7 +91,8 @@ inline void write_exr(const std::filesystem::path& path, const std::map<std::str
                                       static_cast<std::size_t>(4 * width), channel.sampling, 1));
     }
     if (kind.tiled) {
-        header.setTileDescription(Imf::TileDescription(2, 2, Imf::ONE_LEVEL));
+        header.setTileDescription(Imf::TileDescription(static_cast<unsigned>(kind.tile.x),
+                                                       static_cast<unsigned>(kind.tile.y), Imf::ONE_LEVEL));
         Imf::TiledOutputFile file(path.c_str(), header);
         file.setFrameBuffer(frame);
         file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
