@@ -78,18 +78,49 @@ void check_csv(const study::Table& table) {
     require(!reader.next(), "there is more than the table");
 }
 
-void check_study(const Json& json) {
-    study::StudyData data;
+/// A study with the cells of its tables written out.
+Json unpacked(Json json) {
+    if (!json.is_object() || !json.contains("tables") || !json["tables"].is_array())
+        return json;
+    for (Json& table : json["tables"])
+        for (Json& column : table.is_object() && table.contains("cells") ? table["cells"] : table) {
+            if (!column.is_object() || !column.contains("of") || !column.contains("at") || !column["of"].is_array() ||
+                !column["at"].is_array())
+                continue;
+            Json cells = Json::array();
+            for (const Json& place : column["at"])
+                if (place.is_number_unsigned() && place.get<std::uint64_t>() < column["of"].size())
+                    cells.push_back(column["of"][place.get<std::size_t>()]);
+            if (cells.size() == column["at"].size())
+                column = cells;
+        }
+    return json;
+}
+
+std::optional<study::StudyData> understood(const Json& json) {
     try {
-        data = study::parse_data(json);
+        return study::parse_data(json);
     } catch (const study::DataError&) {
-        return;
+        return {};
     }
+}
+
+void check_study(const Json& json) {
+    const std::optional<study::StudyData> packed = understood(json), plain = understood(unpacked(json));
+    require(packed.has_value() == plain.has_value(),
+            "a study is understood, but not with its cells written out, or so alone");
+    if (!packed)
+        return;
+    const study::StudyData& data = *packed;
     const std::string text = study::data_json(data);
     const study::StudyData again = study::parse_data(Json::parse(text));
     require(study::data_json(again) == text, "a study becomes another");
-    require(std::ranges::equal(data.tables, again.tables, {}, &study::Table::rows, &study::Table::rows),
-            "a table holds other cells");
+    Json written = Json::parse(text);
+    written.erase("tables");
+    require(stems_from(written, json), "a study is not what was read: {}", text);
+    for (const study::StudyData& other : {again, *plain})
+        require(std::ranges::equal(data.tables, other.tables, {}, &study::Table::rows, &study::Table::rows),
+                "a table holds other cells");
     for (const study::Table& table : data.tables)
         check_csv(table);
 }

@@ -185,6 +185,9 @@ void check_findings(const report::Sweep& sweep) {
             voxels += static_cast<double>(record.voxels);
             evaluated += static_cast<double>(record.evaluated);
         }
+    const bool is_told = std::ranges::find(sweep.findings, "evaluated", &study::Finding::name) != sweep.findings.end();
+    require(is_told == (evaluated < voxels) || !(voxels < 1e15 && evaluated < 1e15),
+            "{} of {} voxels are evaluated, which is told: {}", evaluated, voxels, is_told);
     for (const study::Finding& finding : sweep.findings) {
         double some = 0, all = 0, per_cent = 0;
         if (finding.name == "evaluated" && voxels < 1e15 && evaluated < 1e15 &&
@@ -194,6 +197,85 @@ void check_findings(const report::Sweep& sweep) {
             require(some == evaluated && all == voxels && std::abs(per_cent / 100 - some / all) <= 0.06 * some / all,
                     "{} of {} voxels are evaluated: {}", evaluated, voxels, finding.text);
     }
+}
+
+/// Where a column of a sweep's table has its numbers from, and by how much they are multiplied: its unit.
+struct Source {
+    std::string_view table, column, place;
+    double factor = 1;
+};
+constexpr Source kSources[] = {{"cases", "voxels", "/voxels"},
+                               {"cases", "evaluated", "/voxels_evaluated"},
+                               {"cases", "largest force", "/largest_force_N"},
+                               {"cases", "largest error", "/oracle/largest_error_N"},
+                               {"cases", "relative error", "/oracle/relative_error"},
+                               {"cases", "differing", "/oracle/voxels_differing"},
+                               {"cases", "beyond bound", "/oracle/voxels_beyond_bound"},
+                               {"times", "prepare", "/seconds/prepare", 1e3},
+                               {"times", "plan", "/seconds/plan", 1e3},
+                               {"times", "compile", "/seconds/compile", 1e3},
+                               {"times", "upload", "/seconds/upload", 1e3},
+                               {"times", "kernel", "/seconds/kernel", 1e3},
+                               {"times", "read back", "/seconds/read_back", 1e3},
+                               {"times", "encode", "/seconds/encode", 1e3},
+                               {"times", "flush", "/seconds/flush", 1e3},
+                               {"times", "verify", "/seconds/verify", 1e3},
+                               {"times", "hash", "/seconds/hash", 1e3},
+                               {"times", "check", "/seconds/check", 1e3},
+                               {"paths", "paths", "/paths/paths"},
+                               {"paths", "samples", "/paths/samples"},
+                               {"paths", "unstable", "/paths/unstable"},
+                               {"paths", "largest force", "/paths/largest_force_N"},
+                               {"paths", "work", "/paths/work_J"},
+                               {"paths", "mean depth", "/paths/mean_depth_m", 1e3},
+                               {"paths", "compared", "/paths/oracle/samples_compared"},
+                               {"paths", "differing", "/paths/oracle/samples_differing"},
+                               {"paths", "kernel", "/paths/seconds/kernel", 1e3}};
+
+/// The tables that the page holds have the numbers of the cases' records.
+void check_tables(const report::Sweep& sweep, const std::string& html) {
+    const std::size_t script = html.find("<script type=\"application/json\"");
+    if (script == html.npos)
+        return;
+    const std::size_t begin = html.find('>', script) + 1;
+    const Json data = Json::parse(html.substr(begin, html.find('<', begin) - begin));
+    std::vector<Json> fields, paths; // the records that have them
+    for (const CaseRecord& record : sweep.cases) {
+        const Json json = Json::parse(record_json(record));
+        if (record.voxels > 0)
+            fields.push_back(json);
+        if (record.paths)
+            paths.push_back(json);
+    }
+    for (const Json& table : data.at("tables"))
+        for (std::size_t column = 0; column < table.at("columns").size(); ++column)
+            for (const Source& source : kSources) {
+                if (table["name"] != source.table || table["columns"][column]["name"] != source.column)
+                    continue;
+                const Json& cells = table.at("cells").at(column);
+                const std::vector<Json>& records = source.table == "paths" ? paths : fields;
+                for (std::size_t row = 0; row < records.size(); ++row) {
+                    const Json& cell =
+                        cells.is_object() ? cells["of"][cells["at"].at(row).get<std::size_t>()] : cells.at(row);
+                    const Json& from = records[row].at(Json::json_pointer(std::string(source.place)));
+                    const double expected = from.is_number() ? from.get<double>() * source.factor : NAN;
+                    require(!std::isfinite(expected) || (cell.is_number() && std::abs(cell.get<double>() - expected) <=
+                                                                                 1e-12 * std::abs(expected)),
+                            "{} of {} is {}, not {}", source.column, source.table, cell.dump(), expected);
+                }
+            }
+}
+
+/// JSON is read unless it is deeper than 32 levels or has an object of more than 1000 members.
+void check_json(const std::string& text, const Json& json) {
+    const std::function<std::size_t(const Json&)> depth = [&](const Json& one) {
+        std::size_t most = 0;
+        for (const Json& part : one)
+            most = std::max(most, part.is_structured() ? depth(part) : 0);
+        return most + 1;
+    };
+    if (json.is_structured() && depth(json) <= 32 && std::ranges::count(text, ':') <= 1000)
+        require(parse_json(text) == json, "JSON is refused, or is read as other JSON");
 }
 
 /// The pages of a folder.
@@ -219,7 +301,9 @@ public:
         std::string html = report::troubles_section(contents.troubles);
         for (const report::Sweep& sweep : contents.sweeps) {
             check_findings(sweep);
-            html += report::sweep_section(path_, sweep);
+            const std::string section = report::sweep_section(path_, sweep);
+            check_tables(sweep, section);
+            html += section;
         }
         for (const report::StudyPart& part : contents.studies)
             html += report::study_section(path_, part);
@@ -235,6 +319,7 @@ private:
 void check_page(const std::string& text) {
     static const Pages folder;
     const Json json = Json::parse(text, nullptr, false);
+    check_json(text, json);
     const char* const name = json.is_object() && json.contains("study") ? "study.json" : "manifest.json";
     const std::string html = folder.body(name, text);
     const Markup markup(html);

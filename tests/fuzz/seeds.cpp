@@ -90,9 +90,11 @@ void add_scenes(Seeds& seeds) {
          {"[[variant]]\nsurface.kind = \"mesh\"\nsurface.file = \"a.obj\"\nsurface.sha256 = \"{0}\"\n[[variant]]\n"
           "surface.kind = \"height_map\"\nsurface.file = \"u.exr\"\nsurface.sha256 = \"{0}\"\n",
           "[texture]\nfile = \"u.exr\"\nsha256 = \"{0}\"\n",
-          "[surface]\nkind = \"mesh\"\nfile = [\"a.obj\", \"b.obj\"]\nsha256 = [\"{0}\"]\n"})
-        seeds.add("toml", fmt::format(fmt::runtime(text), std::string(64, 'a')));
-    for (const char* text : {"quantity 7 mm", "quantity 7 N/mm", "quantity 3 cm", "quantity -0 m"})
+          "[surface]\nkind = \"mesh\"\nfile = [\"a.obj\", \"b.obj\"]\nsha256 = [\"{0}\"]\n",
+          "[surface]\nkind = \"mesh\"\nfile = [\"a.obj\", \"b.obj\"]\nsha256 = [\"{0}\", \"{1}\"]\n"})
+        seeds.add("toml", fmt::format(fmt::runtime(text), std::string(64, 'a'), std::string(64, 'b')));
+    for (const char* text : {"quantity 7 mm", "quantity 7 N/mm", "quantity 3 cm", "quantity -0 m", "quantity 2 mm^2/m",
+                             "quantity 3 rad^2/deg"})
         seeds.add("toml", text);
     std::set<std::string> words{"[[variant]]", "= [\"",   "\"]",   " = {", "deg",       "mil",
                                 "kg",          "N/mm",    "e-300", "µm",   "quantity ", "override ",
@@ -101,6 +103,8 @@ void add_scenes(Seeds& seeds) {
         if (key.kind == ValueKind::quantity && key.sign != Sign::any) // refused
             seeds.add("toml", fmt::format("override {}={} {}", key.path(), key.sign == Sign::positive ? 0 : -1,
                                           dimension_info(key.dimension).unit));
+        if (key.kind == ValueKind::quantity && key.sign == Sign::not_negative)
+            seeds.add("toml", fmt::format("override {}=0 {}", key.path(), dimension_info(key.dimension).unit));
         words.emplace(key.table);
         words.emplace(key.name);
         words.insert(key.path());
@@ -189,12 +193,21 @@ void add_records(Seeds& seeds) {
     record.paths->unfinished = 1;
     record.evaluated = record.voxels / 3;
     record.paths->deviation->angles = 3;
+    record.paths->mean_depth = 0.0015;
+    record.paths->work = 0.25;
+    record.paths->engine_times.kernel = 0.5;
+    record.paths->volume_times.read_back = 0.125;
+    record.volume_times.read_back = 0.0625;
+    CaseRecord all = record; // nothing left out
+    all.name = "all";
+    all.evaluated = all.voxels;
     testing::write_sample_manifest(folder, {record});
     const std::string one = Json::parse(record_json(record)).dump(),
                       manifest = Json::parse(read_file(folder / "manifest.json")).dump();
     study::StudyData data = testing::sample_study();
     for (study::Table& table : data.tables)
         table.rows.resize(std::min<std::size_t>(table.rows.size(), 9));
+    data.tables.front().rows[1][1] = std::string("say \"b\"");
     study::Table& few = data.tables.emplace_back(data.tables.front()); // its column is written as its different cells
     few.name = "few";
     few.columns.resize(1);
@@ -203,6 +216,10 @@ void add_records(Seeds& seeds) {
         few.rows.push_back({std::string(word)});
     data.findings = {{"sample", "A finding.", "", "here", "now", "for sure"}};
     const std::string study = study::data_json(data);
+    Json too_many = Json::parse(study);
+    too_many["run"]["cores"] = (std::uint64_t{1} << 32) + 1;
+    Json one_less = Json::parse(study);
+    one_less["tables"][0]["cells"].erase(0);
     data.figures.resize(1);
     data.tables.resize(1);
     const std::string short_study = study::data_json(data);
@@ -212,13 +229,17 @@ void add_records(Seeds& seeds) {
     empty.files.clear();
     Json negative = Json::parse(one);
     negative["voxels"] = -1;
-    for (const std::string& text : {record_json(empty), negative.dump()}) // neither is understood
+    for (const std::string& text :
+         {record_json(empty), negative.dump(), too_many.dump(), one_less.dump()}) // none is understood
         seeds.add("record", text);
     for (const std::string& text : {one, manifest, study, short_study}) {
         collect_words(Json::parse(text), words);
         seeds.add("report", text);
         seeds.add("record", text);
     }
+    testing::write_sample_manifest(folder, {all});
+    seeds.add("report", Json::parse(read_file(folder / "manifest.json")).dump());
+    seeds.add("report", Json{{"cases", Json::array()}, {"program", "\"" + std::string(40, '[')}}.dump());
     words.erase("");
     seeds.add_words("record", words);
     seeds.add_words("report", words);
@@ -303,7 +324,12 @@ void add_tables(Seeds& seeds) {
     seeds.add("csv", "path,t,x,y,z,x\n0,0,0,0,0,1\n");
     seeds.add("csv", "path,t,x,y,z\r\n\r\n7.0 \t,0  , 1,2,3\r\n");
     seeds.add("csv", "\xEF\xBB\xBFt , x,y,\"z\",path,force\r\n0,0,0,0,1e0,\"a,\"\"b\"\r\n\r\n1,1,1,1,1.0,\r\n");
+    seeds.add("csv", "na\u00efve,path,t,x,y,z\n\u00e9\u00e9,0,0,none,0,0\n");
     seeds.add("csv", std::string("\0\1\5a,b \x0d\"x\n\0\x3f\xf0\0\0\0\0\0\1", 20));
+    seeds.add("csv", std::string("\0\0\x9"
+                                 "a \x5"
+                                 "b",
+                                 7));
     seeds.add_words("csv", {"path,t,x,y,z\n", "\"\"", "\r\n", ",", "nan", "1e308", "4.9e-324", "9007199254740993",
                             "18446744073709551615", "\xEF\xBB\xBF", "\xFF\xFE"});
 }
@@ -325,7 +351,7 @@ void add_messages(Seeds& seeds) {
         seeds.add("haply", message);
     }
     for (const char* text :
-         {"X-YZ", "3.5.0-2-gce34c39e", "ws://[::1]:8500/x?device=04BA&dialect=values", "ws://a:65536"})
+         {"X-YZ", "Y-ZX", "3.5.0-2-gce34c39e", "ws://[::1]:8500/x?device=04BA&dialect=values", "ws://a:65536"})
         seeds.add("haply", text);
     words.erase("");
     seeds.add_words("haply", words);

@@ -2,6 +2,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <regex>
 
 #include "host/error.h"
 #include "host/scene/document.h"
@@ -49,15 +50,50 @@ void check_cases(const Study& study) {
                 "{}: some files have a digest", one.name);
 }
 
+/// What messages say of sizes is true of the sizes that they quote.
+void check_complaints(const std::string& message) {
+    static const std::regex kSign("must (be positive|not be negative), got ([-+.0-9eE]+)[^\n]*");
+    static const std::regex kHalf("radius must be at least half of width: ([^\n]*) is less than half of ([^\n,]*)");
+    for (std::sregex_iterator one(message.begin(), message.end(), kSign), end; one != end; ++one) {
+        const double number = std::strtod((*one)[2].str().c_str(), nullptr);
+        require((*one)[1] == "be positive" ? !(number > 0) : number < 0, "{}", message);
+    }
+    for (std::sregex_iterator one(message.begin(), message.end(), kHalf), end; one != end; ++one)
+        require(2 * parse_quantity((*one)[1].str(), Dimension::length) <
+                    parse_quantity((*one)[2].str(), Dimension::length),
+                "{}", message);
+}
+
+/// Of files in a list each has the digest that stands in the same place.
+void check_digests(std::string_view text, const Study& study) {
+    const TomlNode root = parse_toml(text, "f.toml");
+    const TomlNode* const surface = root.find("surface");
+    const TomlNode* const files = surface ? surface->find("file") : nullptr;
+    const TomlNode* const digests = files ? surface->find("sha256") : nullptr;
+    if (!digests || files->type != TomlNode::Type::array || !study.document->variants.empty())
+        return;
+    std::map<std::string, std::string> expected;
+    for (std::size_t i = 0; i < files->items.size(); ++i)
+        if (!expected.emplace(files->items[i].text, digests->items.at(i).text).second)
+            return; // one file twice
+    for (const Case& one : study.cases)
+        for (const FileSpec* file : {static_cast<const FileSpec*>(&one.scene.surface.mesh),
+                                     static_cast<const FileSpec*>(&one.scene.surface.map)})
+            require(file->file.empty() || file->sha256 == expected.at(file->file), "{}: {} has the digest {}", one.name,
+                    file->file, file->sha256);
+}
+
 void check_study(std::string_view text) {
     Study study;
     try {
         study = parse_study(text, "f.toml", "/folder");
     } catch (const UsageError& error) {
         require(std::string_view(error.what()).starts_with("f.toml:"), "a message without its place: {}", error.what());
+        check_complaints(error.what());
         return;
     }
     check_cases(study);
+    check_digests(text, study);
     const std::string resolved = resolved_toml(study);
     if (study.cases.size() > kMostCases)
         return;
@@ -79,9 +115,17 @@ void check_override(std::string_view input) {
     try {
         const Study study = parse_study(below, "f.toml", "/folder", std::span(&one, 1));
         check_cases(study);
+        for (const Case& each : study.cases) // whatever the file and its variants say
+            for (const Setting& setting : each.settings)
+                if (const Key& key = schema_keys()[key_index(fmt::format("{}.{}", setting.table, setting.name))];
+                    key.path() == one.first && !one.second.starts_with('[') &&
+                    (key.kind == ValueKind::quantity || key.kind == ValueKind::choice))
+                    require(setting.literal == toml_string(one.second), "{}: {} is {}, not {}", each.name, one.first,
+                            setting.literal, one.second);
         if (study.cases.size() <= kMostCases)
             check_same(study, parse_study(resolved_toml(study), "resolved.toml", "/folder"));
-    } catch (const UsageError&) {
+    } catch (const UsageError& error) {
+        check_complaints(error.what());
     }
 }
 
@@ -107,6 +151,35 @@ std::optional<Factor> factor_of(std::string_view unit) {
         return {};
     return Factor{symbol->second.numerator * prefix->second.numerator,
                   symbol->second.denominator * prefix->second.denominator};
+}
+
+/// Products, quotients and powers, factor by factor; nothing of a unit that is written in another way.
+std::optional<long double> factor_of_product(std::string_view unit) {
+    static const std::regex kFactor("(/?) ?([A-Za-z]+)(?:\\^(-?[1-9]))? ?");
+    long double product = 1;
+    for (std::cmatch one; !unit.empty(); unit.remove_prefix(static_cast<std::size_t>(one.length()))) {
+        if (!std::regex_search(unit.data(), unit.data() + unit.size(), one, kFactor,
+                               std::regex_constants::match_continuous))
+            return {};
+        const std::optional<Factor> factor = factor_of(one[2].str());
+        if (!factor)
+            return {};
+        const int power = (one[3].matched ? std::stoi(one[3].str()) : 1) * (one[1].length() ? -1 : 1);
+        product *= std::pow(factor->numerator / factor->denominator, static_cast<long double>(power));
+    }
+    return product;
+}
+
+/// Of any unit the value is near to that.
+void check_product(std::string_view text, double value) {
+    const std::size_t blank = std::min(text.find(' '), text.size());
+    const auto factor = factor_of_product(text.substr(std::min(blank + 1, text.size())));
+    if (blank == 0 || text.substr(0, blank).find_first_not_of("+-.0123456789eE") != text.npos || !factor ||
+        !(std::abs(value) > 1e-290 && std::abs(value) < 1e290))
+        return;
+    const long double expected = std::strtold(std::string(text.substr(0, blank)).c_str(), nullptr) * *factor;
+    require(std::abs(expected - static_cast<long double>(value)) <= 1e-13L * std::abs(expected), "\"{}\" is {}, not {}",
+            text, value, static_cast<double>(expected));
 }
 
 /// Of a unit, or of one over another, the value is the nearest double; of degrees and over inches one near to it.
@@ -137,6 +210,7 @@ void check_quantity(std::string_view text) {
         try {
             const double value = parse_quantity(text, dimension);
             check_value(text, value);
+            check_product(text, value);
             const std::string back = fmt::format("{} {}", value, dimension_info(dimension).unit);
             require(parse_quantity(back, dimension) == value, "\"{}\" is {}, but \"{}\" is not", text, value, back);
         } catch (const UsageError&) {
