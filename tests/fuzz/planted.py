@@ -87,7 +87,7 @@ def run(command, folder, number):
 def on_seeds(target, folder, number):
     inputs = [str(one) for one in (folder / "build/fuzz/seeds" / target, folder / "tests/fuzz/found" / target) if one.is_dir()]
     return run([f"build/fuzz/fuzz_{target}", "-runs=0", "-timeout=10", "-rss_limit_mb=3000", "-max_len=20000",
-                "-artifact_prefix=build/fuzz/failed/", *inputs], folder, number)
+                f"-artifact_prefix=build/fuzz/failed/{target}-", *inputs], folder, number)
 
 
 def in_short_form(target, folder, number):
@@ -102,9 +102,9 @@ def try_target(target, bugs, folder):
     for bug in bugs:
         seeds = on_seeds(target, folder, bug["number"])
         found[bug["number"]] = ("seeds", seeds) if seeds else ("short", in_short_form(target, folder, bug["number"]))
-        for left in glob.glob(f"{folder}/build/fuzz/failed/*"):
-            if os.path.basename(left).startswith(target) or "-" not in os.path.basename(left)[:8]:
-                os.unlink(left)
+        for left in glob.glob(f"{folder}/build/fuzz/failed/{target}-*"):
+            os.unlink(left)
+    print(f"fuzz_{target} was tried", file=sys.stderr, flush=True)
     return found
 
 
