@@ -59,11 +59,10 @@ std::vector<Override> overrides(const CommonOptions& common) {
 }
 
 void print_stage_times(const EngineTimes& engine, const VolumeTimings& files) {
-    spdlog::debug(
-        "stages: prepare {:.3f} s, engine {:.3f} s, encode {:.3f} s, check against the oracle {:.3f} s, flush "
-        "{:.3f} s, read back {:.3f} s, hash {:.3f} s",
-        engine.prepare, engine.sum() - engine.prepare, files.encode, files.check, files.flush, files.read_back,
-        files.hash);
+    spdlog::debug("stages: prepare {:.3f} s, engine {:.3f} s, encode {:.3f} s, check against the oracle {:.3f} s, "
+                  "flush {:.3f} s, read back {:.3f} s, hash {:.3f} s",
+                  engine.prepare, engine.sum() - engine.prepare, files.encode, files.check, files.flush,
+                  files.read_back, files.hash);
 }
 
 void print_warnings(const std::vector<std::string>& warnings, const CommonOptions& common) {
@@ -121,10 +120,9 @@ bool may_write(const std::vector<std::filesystem::path>& files, const CommonOpti
     const std::string names =
         there.front().filename().string() + (there.size() > 1 ? fmt::format(" and {} more", there.size() - 1) : "");
     if (!common.no_clobber)
-        throw UsageError(
-            fmt::format("{} {} there already: --overwrite replaces what is there, --no-clobber leaves it; or "
-                        "choose another name",
-                        names, there.size() > 1 ? "are" : "is"));
+        throw UsageError(fmt::format(
+            "{} {} there already: --overwrite replaces what is there, --no-clobber leaves it; or choose another name",
+            names, there.size() > 1 ? "are" : "is"));
     if (!common.quiet)
         print_note("{} {} there already and stay{} (--no-clobber)\n", names, there.size() > 1 ? "are" : "is",
                    there.size() > 1 ? "" : "s");

@@ -80,11 +80,10 @@ void add_device_command(CommandLine& program) {
     program.add_group("device", "Check a haptic device before use")
         .example("device check bump.toml", "the simulated device")
         .example("devices", "the devices that can be checked");
-    program.add<DeviceCommandArguments>(
-        "device check",
-        "Check where the probe is, whether 0.5 N along each axis moves it that way, the workspace, the watchdog, the "
-        "buttons; exit 1 unless all passed",
-        run, describe);
+    program.add<DeviceCommandArguments>("device check",
+                                        "Check where the probe is, whether 0.5 N along each axis moves it that way, "
+                                        "the workspace, the watchdog, the buttons; exit 1 unless all passed",
+                                        run, describe);
 }
 
 } // namespace forceshade

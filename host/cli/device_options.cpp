@@ -70,9 +70,9 @@ std::pair<glm::dvec3, glm::dvec3> workspace(const std::string& text) {
     const std::vector<double> ends = lengths("--workspace", text, 6, "-0.1 m, -0.1 m, -0.1 m, 0.1 m, 0.1 m, 0.1 m");
     for (std::size_t i = 0; i < 3; ++i)
         if (!(ends[i] < ends[i + 3]))
-            throw UsageError(fmt::format("--workspace: {} m is not below {} m; first the lowest x, y and z, then the "
-                                         "highest",
-                                         ends[i], ends[i + 3]));
+            throw UsageError(
+                fmt::format("--workspace: {} m is not below {} m; first the lowest x, y and z, then the highest",
+                            ends[i], ends[i + 3]));
     return {{ends[0], ends[1], ends[2]}, {ends[3], ends[4], ends[5]}};
 }
 
@@ -92,8 +92,8 @@ glm::dmat3 rotation(const std::string& text) {
         const std::size_t axis_at = std::min(text.find_first_not_of(' ', begin), end);
         const std::size_t axis = axis_at < end ? std::string_view("xyz").find(text[axis_at]) : std::string_view::npos;
         if (axis == std::string_view::npos || axis_at + 1 >= end || text[axis_at + 1] != ' ')
-            throw UsageError(fmt::format("--rotate \"{}\": expected an axis of the device and an angle, as in "
-                                         "--rotate \"z 90 deg\", or several between commas",
+            throw UsageError(fmt::format("--rotate \"{}\": expected an axis of the device and an angle, as in --rotate "
+                                         "\"z 90 deg\", or several between commas",
                                          text));
         const double angle = parsed("--rotate", text.substr(axis_at + 2, end - axis_at - 2), Dimension::angle);
         turn = device::turn_about(static_cast<int>(axis), angle) * turn;
@@ -106,9 +106,8 @@ double scale(const std::string& text) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !(value >= 1e-3) || !(value <= 1e3))
-        throw UsageError(fmt::format("--scale: metres of the scene in a metre of the device, from 0.001 to 1000, got "
-                                     "\"{}\"",
-                                     text));
+        throw UsageError(
+            fmt::format("--scale: metres of the scene in a metre of the device, from 0.001 to 1000, got \"{}\"", text));
     return value;
 }
 
@@ -126,12 +125,12 @@ void describe_device(Options& options, DeviceArguments& arguments) {
     device::SessionOptions& session = arguments.session;
     options.optional("--device DEVICE", session.device,
                      "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
-                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices lists them. "
-                     "sim:1@0.5 s..3 s,2@1 s..2 s: its hand holds these buttons then");
+                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices lists them. sim:1@0.5 "
+                     "s..3 s,2@1 s..2 s: its hand holds these buttons then");
     options.read(
         "--origin X,Y,Z", [&session](const std::string& text) { read_origin(text, session); },
-        "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
-        "probe is at the start (default: at the device's)");
+        "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the probe is at "
+        "the start (default: at the device's)");
     options.read(
         "--rotate AXIS ANGLE", [&session](const std::string& text) { session.mapping.turn = rotation(text); },
         "how the scene lies turned in the device's space: \"z 90 deg\" about the device's z, right-handed; several, "
@@ -163,8 +162,8 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
     add(options, "--lasting-force FORCE", session.continuous_force, Dimension::force, Accepted::positive_or_none,
         "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)");
     options.flag("--without-device-watchdog", session.without_watchdog,
-                 "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
-                 "last then stays on");
+                 "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed last "
+                 "then stays on");
     add(options, "--slew RATE", limits.slew, Dimension::force_rate, Accepted::positive_or_none,
         "how fast the force may rise (default \"2 N/ms\"); it falls at once");
     add(options, "--ramp TIME", limits.ramp, Dimension::time, Accepted::ramp,
@@ -179,8 +178,8 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
         "no force when a sample is later than this (default \"20 ms\")");
     options.read(
         "--workspace LENGTHS", [&session](const std::string& text) { session.workspace = workspace(text); },
-        "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas, in the device's axes "
-        "from the scene's origin (default: the device's)");
+        "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas, in the device's axes from "
+        "the scene's origin (default: the device's)");
     options.flag("--unstable", session.unstable,
                  "feel a scene on hardware even if its stiffness is above what the hand of [hand] comes to rest at");
     options.flag("--without-fade", arguments.without_fade,

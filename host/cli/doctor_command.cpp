@@ -113,10 +113,10 @@ std::string try_cache() {
 std::string try_python() {
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     ::setenv("FORCESHADE_MODULE", (program / "python").c_str(), 1);
-    std::FILE* output = ::popen("PYTHONPATH=\"$FORCESHADE_MODULE${PYTHONPATH:+:$PYTHONPATH}\" python3 -c '"
-                                "import sys, forceshade; print(forceshade.__version__, \"in\", forceshade.__path__[0], "
-                                "\"for Python\", sys.version.split()[0])' 2>&1",
-                                "r");
+    std::FILE* output = ::popen(
+        "PYTHONPATH=\"$FORCESHADE_MODULE${PYTHONPATH:+:$PYTHONPATH}\" python3 -c 'import sys, forceshade; "
+        "print(forceshade.__version__, \"in\", forceshade.__path__[0], \"for Python\", sys.version.split()[0])' 2>&1",
+        "r");
     if (!output)
         throw std::runtime_error("cannot start python3");
     std::string text, last;
@@ -144,12 +144,11 @@ void examine_wake_ups(std::vector<Finding>& findings) {
         const auto text = [&](double ns) { return fmt::format("{:.0f} us", 1e-3 * ns); };
         findings.push_back(
             {found.punctual(),
-             fmt::format("live loop at {:.0f} kHz: wakes {} late (p50), {} (p99.9), {} at worst; {} of {} "
-                         "periods lost",
+             fmt::format("live loop at {:.0f} kHz: wakes {} late (p50), {} (p99.9), {} at worst; {} of {} periods lost",
                          rate / 1e3, text(found.late.quantile(0.5)), text(found.late.quantile(0.999)),
                          text(static_cast<double>(found.late.largest())), found.lost, found.late.count()),
-             "a loop at this rate would be late: end other programs, or try a slower --rate; a kernel with "
-             "PREEMPT_RT, a core of its own (--cpu, isolcpus) and the governor performance help"});
+             "a loop at this rate would be late: end other programs, or try a slower --rate; a kernel with PREEMPT_RT, "
+             "a core of its own (--cpu, isolcpus) and the governor performance help"});
     }
 }
 

@@ -40,9 +40,8 @@ struct ExploreArguments {
 void check(const ExploreArguments& arguments, const std::string& recorded) {
     const std::string extension = std::filesystem::path(arguments.out).extension().string();
     if (extension != ".csv" && extension != ".exr")
-        throw UsageError(fmt::format("--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr "
-                                     "or .csv",
-                                     arguments.out));
+        throw UsageError(fmt::format(
+            "--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr or .csv", arguments.out));
     std::error_code ignored; // a missing file is not the same one
     for (const std::string& input : {recorded, arguments.scene})
         for (const std::filesystem::path& written : {std::filesystem::path(arguments.out), arguments.summary()})
@@ -137,13 +136,12 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
 }
 
 void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine, const Scene& scene) {
-    print_note(
-        "{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, work "
-        "{:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it; {} of {} compared with the oracle, {} differ\n",
-        out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device, record.steps_per_second() / 1e6,
-        100 * share(record.in_contact, record.samples), record.unstable, record.largest_force, record.work,
-        record.mean_depth, record.depth_deviation, record.error.paths, plural(record.paths, "path"),
-        record.error.differing + record.error.metrics);
+    print_note("{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, "
+               "work {:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it; {} of {} compared with the oracle, {} differ\n",
+               out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device,
+               record.steps_per_second() / 1e6, 100 * share(record.in_contact, record.samples), record.unstable,
+               record.largest_force, record.work, record.mean_depth, record.depth_deviation, record.error.paths,
+               plural(record.paths, "path"), record.error.differing + record.error.metrics);
     if (record.deviation)
         print_note("{}", deviation_text(*record.deviation));
     constexpr double kHardly = 0.1; // of the samples
@@ -253,9 +251,9 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? paths->path : "";
     check(arguments, recorded);
     if (recorded.empty() && !paths)
-        throw UsageError(fmt::format("{}: the probe has no path: add a [paths] table, or give --paths with "
-                                     "a CSV file of positions",
-                                     arguments.scene));
+        throw UsageError(
+            fmt::format("{}: the probe has no path: add a [paths] table, or give --paths with a CSV file of positions",
+                        arguments.scene));
     device_options(common, false); // refuses --gpu with --engine cpu
     PreparedCase prepared = prepare_scene(preparation, std::move(one), common);
     if (arguments.paths.empty())
@@ -273,14 +271,13 @@ void describe(Options& options, ExploreArguments& arguments) {
     options.required("SCENE", arguments.scene,
                      "scene file (TOML) with [paths], unless --paths is given; needs no [grid]");
     options.optional("--paths FILE", arguments.paths,
-                     "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, "
-                     "y, z (s, m); others are not read, and times of a path increase");
+                     "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, y, "
+                     "z (s, m); others are not read, and times of a path increase");
     options.required("--out FILE", arguments.out,
                      "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv next to it has a line a path");
-    options.list(
-        "--also vtp|npy|html|png|svg|pdf", arguments.also,
-        "further files next to it: vtp (ParaView); npy (NumPy); html (force and position over time and place); "
-        "png, svg, pdf (paths over the surface, direction of the force)");
+    options.list("--also vtp|npy|html|png|svg|pdf", arguments.also,
+                 "further files next to it: vtp (ParaView); npy (NumPy); html (force and position over time and "
+                 "place); png, svg, pdf (paths over the surface, direction of the force)");
     describe_look(options, arguments.look);
     options.flag("--open-loop", arguments.open_loop,
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "

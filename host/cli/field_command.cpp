@@ -52,10 +52,9 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     CasePreparation preparation;
     job.prepared = prepare_scene(preparation, load_scene(arguments.scene, common), common);
     if (!job.prepared.one.scene.field)
-        throw UsageError(
-            fmt::format("{}: this scene has [paths] and no [grid], so it has no field: add a [grid], or use "
-                        "forceshade explore",
-                        arguments.scene));
+        throw UsageError(fmt::format(
+            "{}: this scene has [paths] and no [grid], so it has no field: add a [grid], or use forceshade explore",
+            arguments.scene));
     job.prepared.one.scene.paths.reset(); // they are explore's
     job.volume = std::filesystem::absolute(volume);
     job.also = parse_also(arguments.also);
@@ -99,8 +98,8 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     if (!common.quiet && record.files.size() > 1)
         print_note("wrote {}\n", names_of(record.files));
     if (!common.quiet && record.largest_force == 0 && record.error.largest_force > 0)
-        print_note("warning: the forces (max {:.3g} N) underflow 32-bit floats: the EXR volume is all zeros; "
-                   "with --precision f64, --also npy keeps them\n",
+        print_note("warning: the forces (max {:.3g} N) underflow 32-bit floats: the EXR volume is all zeros; with "
+                   "--precision f64, --also npy keeps them\n",
                    record.error.largest_force);
     else if (!common.quiet && record.largest_force == 0)
         print_note("warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
@@ -121,8 +120,8 @@ void describe(Options& options, FieldArguments& arguments) {
     options.read(
         "--quantity magnitude|x|y|z|direction|turn",
         [&](const std::string& text) { arguments.pictures.slice.quantity = quantity_named(text); },
-        "that the colours show: magnitude (default), a component, the direction, or the turn: the angle between "
-        "the forces with and without shading");
+        "that the colours show: magnitude (default), a component, the direction, or the turn: the angle between the "
+        "forces with and without shading");
     options.optional("--slice PLANE", arguments.slice,
                      "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");
     options

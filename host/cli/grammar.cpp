@@ -35,19 +35,16 @@ void limit_jobs(const std::string& text) {
 }
 
 void add_common_options(Options options, CommonOptions& common) {
-    options.optional(
-        "--gpu NAME|UUID|INDEX", common.gpu,
-        "Vulkan device: part of its name, UUID or index (forceshade gpus); default: a hardware GPU if available, "
-        "else the software device, where --engine takes a device");
-    options.optional(
-        "--engine auto|gpu|cpu", common.engine,
-        "auto (default): a hardware GPU, the software device or the CPU, whichever was measured faster at such work, "
-        "its start included (study, validate and doctor, which measure or check a device, take a device); "
-        "gpu: a Vulkan device; cpu: the oracle");
-    options.optional(
-        "--precision f32|f64", common.precision,
-        "of the computation; default: as the scene says, else f32, but f64 for explore and field of a mesh "
-        "with parts too thin for f32");
+    options.optional("--gpu NAME|UUID|INDEX", common.gpu,
+                     "Vulkan device: part of its name, UUID or index (forceshade gpus); default: a hardware GPU if "
+                     "available, else the software device, where --engine takes a device");
+    options.optional("--engine auto|gpu|cpu", common.engine,
+                     "auto (default): a hardware GPU, the software device or the CPU, whichever was measured faster at "
+                     "such work, its start included (study, validate and doctor, which measure or check a device, take "
+                     "a device); gpu: a Vulkan device; cpu: the oracle");
+    options.optional("--precision f32|f64", common.precision,
+                     "of the computation; default: as the scene says, else f32, but f64 for explore and field of a "
+                     "mesh with parts too thin for f32");
     options.read("-j,--jobs N", limit_jobs,
                  "most threads for each stage (engine, plan of a mesh, compression); default: one for each CPU that "
                  "this process may use; results are the same");

@@ -19,9 +19,8 @@ namespace forceshade {
 
 namespace {
 
-constexpr const char* kExitCodes =
-    "0 ok, 1 a case failed or a bound was exceeded, 2 usage or configuration, 3 no such device, 4 files missing, "
-    "damaged or not writable, 130 interrupted.";
+constexpr const char* kExitCodes = "0 ok, 1 a case failed or a bound was exceeded, 2 usage or configuration, 3 no such "
+                                   "device, 4 files missing, damaged or not writable, 130 interrupted.";
 
 // Characters of UTF-8.
 std::size_t letters(std::string_view text) {

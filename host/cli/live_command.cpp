@@ -77,9 +77,9 @@ void check_outputs(const LiveArguments& arguments, const std::filesystem::path& 
     const std::filesystem::path log = std::filesystem::absolute(arguments.log.empty() ? "." : arguments.log);
     if (scene_file.parent_path() == log.parent_path() &&
         scene_file.filename().string().starts_with(log.stem().string() + ".scene-"))
-        throw UsageError(fmt::format("--log {}: {} may be one of the scenes that are kept next to it; choose another "
-                                     "name",
-                                     arguments.log, arguments.scene));
+        throw UsageError(
+            fmt::format("--log {}: {} may be one of the scenes that are kept next to it; choose another name",
+                        arguments.log, arguments.scene));
     if (!report.empty() && ::access(report.parent_path().c_str(), W_OK) != 0)
         throw file_error("write", report, errno);
 }

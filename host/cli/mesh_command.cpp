@@ -182,8 +182,7 @@ std::string force(const Inspected& one) {
     std::string text = closed && !winding ? "inside, out of the nearest facet"
                        : closed           ? "where the winding number exceeds 1/2, out of the nearest facet"
                        : winding          ? "inside, as if holes were closed (winding number), out of the nearest facet"
-                                          : "behind the sheet, however far away; a path's stays on the side where it "
-                                            "began";
+                                 : "behind the sheet, however far away; a path's stays on the side where it began";
     if (one.mesh->findings.components > 1)
         text += ", whichever piece that is of";
     if (const std::size_t sharp = one.marks.sharp.size())

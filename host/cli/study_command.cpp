@@ -132,18 +132,18 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
         return show(*before, arguments, common, "computed before by the same program of the same scene, so it stays");
     if (const std::string lost = lost_by(before, study_run, options); !lost.empty() && !arguments.fresh) {
         if (!common.overwrite && !common.no_clobber)
-            throw UsageError(fmt::format("{} {}: --overwrite replaces them, --no-clobber leaves them; or name another "
-                                         "--out to keep both",
-                                         options.folder.string(), lost));
+            throw UsageError(fmt::format(
+                "{} {}: --overwrite replaces them, --no-clobber leaves them; or name another --out to keep both",
+                options.folder.string(), lost));
         if (common.no_clobber)
             return show(*before, arguments, common, "computed before stays (--no-clobber)");
     }
     study::StudyData data = known.run(study_run);
     std::vector<std::string> warnings;
     for (const std::string& name : study::write_data(options.folder, data, study::figure_files(data)))
-        warnings.push_back(fmt::format("{} is of an earlier run and was changed since, so it stays; this run does not "
-                                       "name it",
-                                       (options.folder / name).string()));
+        warnings.push_back(
+            fmt::format("{} is of an earlier run and was changed since, so it stays; this run does not name it",
+                        (options.folder / name).string()));
     print_warnings(warnings, common);
     return show(data, arguments, common, "in " + clock_text(data.seconds));
 }
@@ -156,8 +156,8 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     if (common.json)
         throw UsageError("--json is of one study: name it, or read study.json in each one's folder");
     if (!common.precision.empty())
-        throw UsageError("--precision is of a study that measures in the scene's own: name error-time, stability or "
-                         "omission");
+        throw UsageError(
+            "--precision is of a study that measures in the scene's own: name error-time, stability or omission");
     for (const KnownStudy& one : kStudies)
         run_one(one, arguments, common);
     return 0;
@@ -184,8 +184,7 @@ void describe(Options& options, StudyArguments& arguments) {
 void add_study_command(CommandLine& program) {
     program.add<StudyArguments>(
         "study",
-        "Measure errors, run times, stability, energy, savings or perception into a folder, with figures "
-        "and a report",
+        "Measure errors, run times, stability, energy, savings or perception into a folder, with figures and a report",
         run, describe);
 }
 

@@ -122,11 +122,10 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
         print_note("when all shards have ended: the same command with --merge in place of --shard\n");
         return;
     }
-    print_note("look at {} (in a browser), summary.csv (a row a case), manifest.json (all records){}{} and *.exr next "
-               "to it\n",
-               (folder / report.filename()).string(),
-               options.also.pictures.any() && fields ? ", *.arrows.*, *.mosaic.*" : "",
-               options.also.pictures.any() && paths ? ", *.paths.*" : "");
+    print_note(
+        "look at {} (in a browser), summary.csv (a row a case), manifest.json (all records){}{} and *.exr next to it\n",
+        (folder / report.filename()).string(), options.also.pictures.any() && fields ? ", *.arrows.*, *.mosaic.*" : "",
+        options.also.pictures.any() && paths ? ", *.paths.*" : "");
 }
 
 int print_status(const SweepArguments& arguments, const CommonOptions& common) {
@@ -178,10 +177,9 @@ int merge(const SweepArguments& arguments, const CommonOptions& common) {
         print_note("error: {} missing: {}{}\n", plural(result.missing.size(), "case"), fmt::join(first, ", "),
                    first.size() < result.missing.size() ? " ..." : "");
         if (result.others > 0)
-            print_note(
-                "error: {} of them have records of another scene, other files or another program: give --merge the "
-                "study and the flags that the shards have, and run all with the same program\n",
-                result.others);
+            print_note("error: {} of them have records of another scene, other files or another program: give --merge "
+                       "the study and the flags that the shards have, and run all with the same program\n",
+                       result.others);
         if (!result.shards.empty())
             print_note("error: run again: --shard {}\n", fmt::join(result.shards, ", --shard "));
     }
@@ -268,14 +266,12 @@ void describe(Options& options, SweepArguments& arguments) {
                  "small copies of some");
     options.optional("--only CASES", arguments.only, "shell pattern of case names, for example 'bump*facets-2*'")
         .names(case_names);
-    options.optional(
-        "--shard I/N", arguments.shard,
-        "do the I-th of N parts, for several machines at once, and write volumes and records alone; \"slurm\": the "
-        "part that a task of a Slurm array 1-N or of an srun is");
-    options.flag(
-        "--merge", arguments.merge,
-        "do not compute: make manifest, summary and report from what the shards wrote; exits with 1 and lists the "
-        "cases that are missing, if any");
+    options.optional("--shard I/N", arguments.shard,
+                     "do the I-th of N parts, for several machines at once, and write volumes and records alone; "
+                     "\"slurm\": the part that a task of a Slurm array 1-N or of an srun is");
+    options.flag("--merge", arguments.merge,
+                 "do not compute: make manifest, summary and report from what the shards wrote; exits with 1 and lists "
+                 "the cases that are missing, if any");
     options.flag("--verify", arguments.verify, "with --merge: hash every file, instead of looking at its size");
     options.optional("--status DIR", arguments.status,
                      "do not compute: print the status of the shards that write into DIR");
@@ -284,8 +280,8 @@ void describe(Options& options, SweepArguments& arguments) {
                  "on it, the paths as lines), npy (NumPy), png, svg, pdf (pictures)");
     options.flag("--fresh", arguments.fresh, "compute anew what is there already");
     options.flag("--replace", arguments.replace,
-                 "put this study's summary, manifest and report in the place of another study's, whose cases it "
-                 "does not all have; volumes stay");
+                 "put this study's summary, manifest and report in the place of another study's, whose cases it does "
+                 "not all have; volumes stay");
     options
         .example("sweep --out bumps --only '*600mil_facets-[1-3]_*' --also png",
                  "some cases of the paper's study, with pictures")

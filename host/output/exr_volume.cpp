@@ -61,9 +61,9 @@ void require_possible(const VolumeHeader& header) {
         throw UsageError(
             fmt::format("a grid of {} x {} x {} samples is empty: every size must be 1 or more", nx, ny, nz));
     if (ny > kMostRows / nz)
-        throw UsageError(fmt::format("a grid of {} x {} x {} samples has more than the {} rows (y times z) that an EXR "
-                                     "holds: make it smaller",
-                                     nx, ny, nz, kMostRows));
+        throw UsageError(fmt::format(
+            "a grid of {} x {} x {} samples has more than the {} rows (y times z) that an EXR holds: make it smaller",
+            nx, ny, nz, kMostRows));
     if (nx > kMostColumns)
         throw UsageError(fmt::format(
             "a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx, kMostColumns));

@@ -284,9 +284,9 @@ void RowsWriter::throw_if_refused(const PlaceText& place) const {
     for (const PartRows& rows : parts_) {
         const auto& [value, at, found] = rows.watch.largest();
         if (rows.part.format == PixelFormat::half && overflows_half(static_cast<float>(value)))
-            throw UsageError(fmt::format("{}: half cannot hold {:.6g} {} at {}, its largest is 65504: write "
-                                         "pixel = \"float\"",
-                                         file_.path().string(), static_cast<float>(value), rows.part.unit, place(at)));
+            throw UsageError(
+                fmt::format("{}: half cannot hold {:.6g} {} at {}, its largest is 65504: write pixel = \"float\"",
+                            file_.path().string(), static_cast<float>(value), rows.part.unit, place(at)));
     }
 }
 
@@ -402,10 +402,9 @@ void require_possible(const PathVolumeHeader& header) {
     if (header.steps == 0 || header.paths == 0)
         throw UsageError("there are no paths to write");
     if (header.steps > kMostColumns)
-        throw UsageError(
-            fmt::format("paths of {} steps are longer than the {} that an EXR holds: write a .csv file, or "
-                        "make them shorter",
-                        header.steps, kMostColumns));
+        throw UsageError(fmt::format(
+            "paths of {} steps are longer than the {} that an EXR holds: write a .csv file, or make them shorter",
+            header.steps, kMostColumns));
     if (header.paths > kMostRows)
         throw UsageError(fmt::format("{} paths are more than the {} that an EXR holds: write fewer to a file",
                                      header.paths, kMostRows));

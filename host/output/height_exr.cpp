@@ -36,10 +36,9 @@ std::vector<std::size_t> choose_channels(const ReadableFile& file, const exr::La
         std::string all;
         for (const exr::Channel& channel : layer.channels)
             all += (all.empty() ? "" : ", ") + channel.name;
-        throw UsageError(
-            fmt::format("{}: none of its channels ({}) is a height map's: it needs Y, a single channel, or "
-                        "R, G and B alike",
-                        file.path().string(), all));
+        throw UsageError(fmt::format(
+            "{}: none of its channels ({}) is a height map's: it needs Y, a single channel, or R, G and B alike",
+            file.path().string(), all));
     }
     for (const std::size_t c : chosen)
         if (const exr::Channel& channel = layer.channels[c]; channel.x_sampling != 1 || channel.y_sampling != 1)
@@ -70,10 +69,9 @@ double height_at(const ReadableFile& file, const exr::Layer& layer, const std::v
             throw UsageError(fmt::format("{}: the pixel in row {}, column {} is {}: a height must be finite",
                                          file.path().string(), row, column, value(c)));
         if (value(c) != first)
-            throw UsageError(
-                fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, "
-                            "G and B alike)",
-                            file.path().string(), row, column));
+            throw UsageError(fmt::format(
+                "{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, G and B alike)",
+                file.path().string(), row, column));
     }
     return first;
 }

@@ -19,9 +19,9 @@ namespace forceshade {
 void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows) {
     constexpr std::uint64_t kMostHeightSamples = 1ull << 28;
     if (columns == 0 || rows == 0 || columns > kMostHeightSamples / rows)
-        throw UsageError(fmt::format("{}: a height map of {} x {} samples cannot be used: between 1 and {} samples are "
-                                     "possible",
-                                     file.path().string(), columns, rows, kMostHeightSamples));
+        throw UsageError(
+            fmt::format("{}: a height map of {} x {} samples cannot be used: between 1 and {} samples are possible",
+                        file.path().string(), columns, rows, kMostHeightSamples));
     constexpr double kSampleBytes = 32; // measured: the sample, its gradients in both precisions, and the device's copy
     require_memory(file.path(), fmt::format("a height map of {} x {} samples", columns, rows),
                    kSampleBytes * static_cast<double>(columns * rows));
@@ -151,10 +151,9 @@ void PngDecoder::convert_row(std::span<const png_byte> row, std::size_t y, std::
         samples[x] = component(row, x * components_);
         for (std::size_t c = 1; c < components_; ++c)
             if (component(row, x * components_ + c) != samples[x])
-                throw UsageError(
-                    fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey "
-                                "(red, green and blue alike)",
-                                file_.path().string(), y, x));
+                throw UsageError(fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be "
+                                             "grey (red, green and blue alike)",
+                                             file_.path().string(), y, x));
     }
 }
 

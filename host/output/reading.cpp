@@ -55,10 +55,8 @@ std::uint64_t parse_memory(const std::string& text) {
         if (error == std::errc() && (unit == name || (unit.starts_with(' ') && unit.substr(1) == name)))
             if (const double all = number * bytes; all >= 1 && all < 0x1p63)
                 return static_cast<std::uint64_t>(all);
-    throw UsageError(
-        fmt::format("--max-memory {}: it is a number with kB, MB, GB, TB, KiB, MiB, GiB or TiB, for example "
-                    "\"8 GiB\"",
-                    text));
+    throw UsageError(fmt::format(
+        "--max-memory {}: it is a number with kB, MB, GB, TB, KiB, MiB, GiB or TiB, for example \"8 GiB\"", text));
 }
 
 void set_memory_limit(std::uint64_t bytes) {

@@ -20,8 +20,8 @@ std::string error_text(const PathRecord& record, const std::string& name, const 
                            name, record.error.beyond, record.error.samples, record.error.metrics, record.error.paths,
                            device, record.error.first);
     if (record.unfinished > 0)
-        return fmt::format("{}: at {} of {} samples the proxy did not come to rest within its limit of steps; do "
-                           "not trust their forces",
+        return fmt::format("{}: at {} of {} samples the proxy did not come to rest within its limit of steps; do not "
+                           "trust their forces",
                            name, record.unfinished, record.samples);
     return {};
 }
@@ -209,10 +209,9 @@ std::string deviation_text(const DeviationRecord& deviation) {
 std::string error_text(const CaseRecord& record) {
     if (record.error.beyond == 0)
         return record.paths ? error_text(*record.paths, record.name, record.engine.device) : std::string();
-    return fmt::format(
-        "{}: {} of {} voxels compared are further from the CPU oracle than rounding allows on {}; do not trust its "
-        "volume (details: forceshade validate)",
-        record.name, record.error.beyond, record.error.compared, record.engine.device);
+    return fmt::format("{}: {} of {} voxels compared are further from the CPU oracle than rounding allows on {}; do "
+                       "not trust its volume (details: forceshade validate)",
+                       record.name, record.error.beyond, record.error.compared, record.engine.device);
 }
 
 std::filesystem::path record_path(const std::filesystem::path& folder, const std::string& name) {

@@ -45,10 +45,10 @@ std::string VtkFile::make_xml() const {
                     "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n",
                     kind_);
     for (const Array& array : arrays_)
-        xml += fmt::format("{}<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
-                           "offset=\"{:020}\"/>\n",
-                           array.description.before, array.description.type, array.description.name,
-                           array.description.components, array.offset);
+        xml += fmt::format(
+            "{}<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{:020}\"/>\n",
+            array.description.before, array.description.type, array.description.name, array.description.components,
+            array.offset);
     return xml + after_ + "<AppendedData encoding=\"raw\">\n_";
 }
 

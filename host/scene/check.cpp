@@ -309,8 +309,7 @@ private:
             surface != SurfaceKind::cylinder_bump && surface != SurfaceKind::mesh)
             fail(source_, place({"paths.follow", "surface.kind"}),
                  "follow \"surface\" is for the kinds bump, cylinder_bump and mesh; the nominal surface of kind \"{}\" "
-                 "is "
-                 "followed by \"plane\"",
+                 "is followed by \"plane\"",
                  find("surface.kind")->texts.front());
         if (paths.inner && paths.length && *paths.inner > *paths.length / 2)
             fail(source_, place({"paths.inner", "paths.length"}),

@@ -267,24 +267,21 @@ void add_surface(std::vector<Key>& keys) {
     Table mesh(keys, "surface", Subject::surface, kFormMesh);
     mesh.add(ValueKind::unit, "unit", "\"m\"", store<&MeshSpec::unit>,
              "what a coordinate of 1 means in the mesh's file, for example \"mm\"", {.sign = kPositive});
-    mesh.add(
-            ValueKind::choice, "normals", "\"plain\"", store_normals,
-            "a vertex normal is the plain average of its facets' normals, as in the paper, or weighted by their angles "
-            "there, which does not depend on how a face was cut into triangles, or what the file says, as other "
-            "renderers "
-            "have it (vn of an OBJ; nx, ny and nz of a PLY), or the plain average within each smoothing group of an "
-            "OBJ, or "
-            "over those facets that are connected across edges at which they meet at no sharper an angle (L7)")
+    mesh.add(ValueKind::choice, "normals", "\"plain\"", store_normals,
+             "a vertex normal is the plain average of its facets' normals, as in the paper, or weighted by their "
+             "angles there, which does not depend on how a face was cut into triangles, or what the file says, as "
+             "other renderers have it (vn of an OBJ; nx, ny and nz of a PLY), or the plain average within each "
+             "smoothing group of an OBJ, or over those facets that are connected across edges at which they meet at no "
+             "sharper an angle (L7)")
         .choices = kNormals;
     mesh.choice<&MeshSpec::inside>(
         "inside", "\"auto\"", kInsideTests,
-        "how inside is found on a grid (L6): the normal of the nearest feature, for closed meshes whose "
-        "pieces do not cross, or the generalized winding number, which also serves crossing pieces and meshes with "
-        "holes; auto: the first for sheets and for meshes that bound solids, else the second");
-    mesh.choice<&MeshSpec::orient>(
-        "orient", "\"file\"", kOrientations,
-        "which way facets face: as the file has them, or turned so that those of a piece agree and closed pieces face "
-        "outward, but for cavities");
+        "how inside is found on a grid (L6): the normal of the nearest feature, for closed meshes whose pieces do not "
+        "cross, or the generalized winding number, which also serves crossing pieces and meshes with holes; auto: the "
+        "first for sheets and for meshes that bound solids, else the second");
+    mesh.choice<&MeshSpec::orient>("orient", "\"file\"", kOrientations,
+                                   "which way facets face: as the file has them, or turned so that those of a piece "
+                                   "agree and closed pieces face outward, but for cavities");
     mesh.length<&MeshSpec::weld>("weld", "\"0 m\"",
                                  "vertices no further apart are joined into one, and chains of them; of equal "
                                  "coordinates always (after unit and transform.scale)",
@@ -426,12 +423,11 @@ void add_paths(std::vector<Key>& keys) {
     paths.length<&PathsSpec::height>(
         "height", "", "z of the plane that depth is measured from; left out: 0, of a mesh the top of its box",
         {.forms = kMade, .example = "\"0 m\""});
-    paths.choice<&PathsSpec::follow>(
-        "follow", "\"plane\"", kFollows,
-        "whether depth is measured from that plane, or from the nominal surface of a bump "
-        "or cylinder_bump raised by that height; of a mesh, from its highest place above or "
-        "below, or the plane beside it (rounds are not told apart then)",
-        {.forms = kMade});
+    paths.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
+                                     "whether depth is measured from that plane, or from the nominal surface of a bump "
+                                     "or cylinder_bump raised by that height; of a mesh, from its highest place above "
+                                     "or below, or the plane beside it (rounds are not told apart then)",
+                                     {.forms = kMade});
     paths.length<&PathsSpec::length>(
         "length", "",
         "of a stroke or line from end to end, of a region along the heading, of a circle or spiral the largest "
@@ -498,8 +494,8 @@ void add_hand(std::vector<Key>& keys) {
     hand.quantity<&HandSpec::coupling_stiffness>(
         Dimension::stiffness, "coupling.stiffness", "\"0 N/m\"",
         "of a virtual coupling, 0 for none: a spring and a damper between the device and the scene's tool (Colgate, "
-        "Stanley & Brown 1995), so that scenes stiffer than the loop's limit are stable; a contact at rest displays "
-        "at most this stiffness",
+        "Stanley & Brown 1995), so that scenes stiffer than the loop's limit are stable; a contact at rest displays at "
+        "most this stiffness",
         {.sign = kNotNegative});
     hand.quantity<&HandSpec::coupling_damping>(Dimension::damping, "coupling.damping", "\"0 N s/m\"",
                                                "of the virtual coupling's damper", {.sign = kNotNegative});
@@ -513,24 +509,21 @@ void add_compare(std::vector<Key>& keys) {
         "surface.kind", "\"sphere\"", kCompareKinds,
         "the shape that forces are compared with: the channels angle (deg, between the force and the shape's normal at "
         "the probe) and magnitude_error (N, the force's magnitude less K times the depth below the shape)");
-    compare.length<&CompareSpec::depth>(
-        "depth", "\"2 mm\"",
-        "root mean squares and largest sizes of the two are told of places where the contact "
-        "is at most so deep, as a hand presses",
-        {.sign = kPositive});
+    compare.length<&CompareSpec::depth>("depth", "\"2 mm\"",
+                                        "root mean squares and largest sizes of the two are told of places where the "
+                                        "contact is at most so deep, as a hand presses",
+                                        {.sign = kPositive});
     compare.length<&CompareSpec::radius>(
         "surface.radius", "",
         "of a sphere or cylinder; left out: a bump's own smooth shape, its cylinder on its plane, with the normal "
-        "above "
-        "the probe and depth straight down, as shading takes it (L4)",
+        "above the probe and depth straight down, as shading takes it (L4)",
         {.forms = bit(sphere) | bit(cylinder), .sign = kPositive, .example = "\"20 mm\""});
     compare.length<&CompareSpec::centre>(
         "surface.centre", "", "of a sphere; a place of a cylinder's axis or of a plane; left out: the origin",
         {.forms = kAnalytic, .example = "[\"0 m\", \"0 m\", \"0 m\"]"});
-    compare.choice<&CompareSpec::axis>("surface.axis", "", kAxes,
-                                       "along which a cylinder lies (left out: y), or to which a plane looks (left "
-                                       "out: z)",
-                                       {.forms = bit(cylinder) | bit(plane), .example = "\"y\""});
+    compare.choice<&CompareSpec::axis>(
+        "surface.axis", "", kAxes, "along which a cylinder lies (left out: y), or to which a plane looks (left out: z)",
+        {.forms = bit(cylinder) | bit(plane), .example = "\"y\""});
     compare.add(ValueKind::file, "surface.file", "", [](Scene& s, const Value& v) { store_file(s.compare->file, v); },
                 "of a mesh its polygons (OBJ, OFF, PLY or STL), closed; relative to this TOML file or absolute",
                 {.forms = kMesh, .example = "\"fine.obj\""});

@@ -31,9 +31,8 @@ struct Foreign {
 constexpr std::string_view kMeshAdvice = "a scene of it: forceshade init mesh {0} -o {1}.toml";
 constexpr std::string_view kImageAdvice =
     "as a height map a scene names it: [surface] with kind = \"height_map\" and file = \"{0}\"";
-constexpr std::string_view kTableAdvice =
-    "as recorded paths a scene names it: [paths] with kind = \"recorded\" and file = \"{0}\"; or forceshade explore "
-    "SCENE.toml --paths {0}";
+constexpr std::string_view kTableAdvice = "as recorded paths a scene names it: [paths] with kind = \"recorded\" and "
+                                          "file = \"{0}\"; or forceshade explore SCENE.toml --paths {0}";
 constexpr std::string_view kOtherAdvice = "a scene to start from: forceshade init bump -o bump.toml";
 constexpr Foreign kForeign[] = {{" .obj .off .stl ", "solid ", "a mesh", kMeshAdvice},
                                 {" .ply ", "ply\n", "a mesh", kMeshAdvice},
@@ -121,9 +120,9 @@ SceneText read_scene_text(const std::filesystem::path& path) {
                                              : SceneText{read_text(path), path.string(), path.parent_path()};
     refuse_foreign(read.source, read.text);
     if (!has_content(read.text))
-        throw UsageError(fmt::format("{} has no [surface], nor anything else; a scene to start from: forceshade init "
-                                     "bump -o bump.toml",
-                                     read.source));
+        throw UsageError(fmt::format(
+            "{} has no [surface], nor anything else; a scene to start from: forceshade init bump -o bump.toml",
+            read.source));
     return read;
 }
 

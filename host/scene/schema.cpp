@@ -218,10 +218,9 @@ std::string schema_text() {
     std::string result = comment_text(
         "Every key of a scene or study, with its default. A quantity is a number with a unit in a string; units are m, "
         "mil, in, g, s, Hz, N, J, rad, deg with SI prefixes, products (\"N s/m\"), quotients and powers.");
-    result += comment_text(
-        "A list where one value may stand is a sweep axis (for a key that is a list itself, a list of lists); axes "
-        "cross. [[variant]] tables override keys (surface.kind = \"cylinder_bump\"); each is swept by itself, and a "
-        "case that comes twice runs once.");
+    result += comment_text("A list where one value may stand is a sweep axis (for a key that is a list itself, a list "
+                           "of lists); axes cross. [[variant]] tables override keys (surface.kind = "
+                           "\"cylinder_bump\"); each is swept by itself, and a case that comes twice runs once.");
     result += comment_text("A line that is commented out applies to another kind or function only.");
     std::string_view table;
     for (const Key& key : schema_keys()) {
