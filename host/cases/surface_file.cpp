@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/field/comparison.h"
-#include "host/output/vtk_file.h"
+#include "host/output/raw_formats.h"
 #include "host/picture/picture.h"
 #include "host/picture/values.h"
 #include "host/program.h"

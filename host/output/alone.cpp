@@ -1,4 +1,4 @@
-// What stands in the place of sha256.cpp and height_exr.cpp in the library, which does without OpenSSL and OpenEXR:
+// What stands in the place of sha256.cpp and exr_image.cpp in the library, which does without OpenSSL and OpenEXR:
 // SHA-256 (FIPS 180-4), slower, with the same digits; and no height maps but PNG.
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // zlib's one-call functions by libdeflate. OpenEXR asks for them by name and finds the program's own first: its ZIP and
 // PXR24 blocks are then compressed and unpacked several times as fast, in the same format, and with the same bytes on
 // every machine. What was packed is unpacked at once and compared.
-#include "host/output/deflate.h"
+#include "host/output/raw_formats.h"
 
 #include <algorithm>
 #include <cstring>

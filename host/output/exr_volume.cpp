@@ -10,7 +10,6 @@
 
 #include "host/error.h"
 #include "host/output/exr_image.h"
-#include "host/output/exr_layout.h"
 #include "host/output/files.h"
 #include "host/output/rows.h"
 #include "host/scene/scene.h"

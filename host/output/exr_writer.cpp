@@ -28,7 +28,7 @@
 
 #include "host/clock.h"
 #include "host/error.h"
-#include "host/output/exr_layout.h"
+#include "host/output/exr_image.h"
 #include "host/output/files.h"
 #include "host/output/rows.h"
 #include "host/program.h"
@@ -209,8 +209,24 @@ public:
     }
 
     std::vector<PartRows>& parts() noexcept { return parts_; }
-    // Where the part's next row goes: width * sample_bytes.
-    std::byte* target(PartRows& rows) { return rows.rows.data() + group_count_ * row_bytes(rows); }
+    // Reals of the part's next row from sample at[0] on, which stands `repeat` times; up to `width` samples NaN follow.
+    template <typename T>
+    void put(PartRows& rows, std::span<const T> values, std::size_t width, const Voxel& at, std::uint64_t repeat = 1) {
+        const std::uint32_t channel = rows.part.channel;
+        rounded_.assign(width * components_of(channel), std::numeric_limits<float>::quiet_NaN());
+        for (std::size_t i = 0; i < values.size(); ++i)
+            rounded_[i] = static_cast<float>(values[i]);
+        if (!(channel & kComparedChannels)) // they may be NaN
+            rows.watch.add(std::span(rounded_).first(values.size()), at[1], at[2], repeat, at[0]);
+        encode_row(rounded_, rows.part.format, target(rows) + at[0] * rows.part.sample_bytes());
+    }
+    // The same of facet ids; up to `width` kNoFacet follow.
+    void put_ids(PartRows& rows, std::span<const layout::uint> ids, std::size_t width, std::uint64_t from) {
+        std::byte* const to = target(rows) + from * sizeof(layout::uint);
+        ids_.assign(width, layout::kNoFacet);
+        std::ranges::copy(ids, ids_.begin());
+        std::memcpy(to, ids_.data(), width * sizeof(layout::uint));
+    }
     // The next row of every part is in its place.
     void advance() {
         if (++group_count_ == group_rows_)
@@ -231,6 +247,8 @@ public:
 
 private:
     std::size_t row_bytes(const PartRows& rows) const { return sheet_.width * rows.part.sample_bytes(); }
+    // Where the part's next row goes.
+    std::byte* target(PartRows& rows) { return rows.rows.data() + group_count_ * row_bytes(rows); }
     void flush_group();
     bool refused() const;
     void throw_if_refused(const PlaceText& place) const;
@@ -244,6 +262,8 @@ private:
     std::uint64_t group_rows_;
     std::uint64_t group_first_ = 0; // row of the file
     std::uint64_t group_count_ = 0; // rows in the group so far
+    std::vector<float> rounded_;    // a row, or a part of one
+    std::vector<layout::uint> ids_; // of the facets
 };
 
 // An image that will be refused is only watched to its end, so that the message can name its largest value.
@@ -342,41 +362,24 @@ struct VolumeWriter::State {
 
     template <typename real> void write(const layout::FieldChunk<real>& chunk, std::size_t repeat_y) {
         for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
-            for (PartRows& part : rows.parts())
-                convert_row(chunk, row, repeat_y, part);
+            const Voxel at{0, chunk.y_first + row % chunk.y_count, chunk.z_first + row / chunk.y_count};
+            for (PartRows& part : rows.parts()) {
+                const std::uint32_t channel = part.part.channel;
+                const std::size_t components = components_of(channel);
+                const std::size_t first = row * chunk.x_pitch * components, count = chunk.x_count * components;
+                if (part.part.format == PixelFormat::id)
+                    rows.put_ids(part, ids_of(chunk).subspan(first, count), chunk.x_count, 0);
+                else
+                    rows.put(part, values_of(chunk, channel).subspan(first, count), chunk.x_count, at, repeat_y);
+            }
             rows.advance();
             for (std::size_t copy = 1; copy < repeat_y; ++copy)
                 rows.repeat();
         }
     }
 
-    template <typename real>
-    void convert_row(const layout::FieldChunk<real>& chunk, std::size_t row, std::size_t repeat, PartRows& part) {
-        std::byte* target = rows.target(part);
-        const std::size_t components = components_of(part.part.channel);
-        const std::size_t first = row * chunk.x_pitch * components, count = chunk.x_count * components;
-        if (part.part.format == PixelFormat::id) {
-            std::memcpy(target, ids_of(chunk).subspan(first, count).data(), count * sizeof(layout::uint));
-            return;
-        }
-        const std::span<const real> values = values_of(chunk, part.part.channel).subspan(first, count);
-        std::span<const float> floats;
-        if constexpr (std::is_same_v<real, float>) {
-            floats = values;
-        } else {
-            rounded.resize(count);
-            for (std::size_t i = 0; i < count; ++i)
-                rounded[i] = static_cast<float>(values[i]);
-            floats = rounded;
-        }
-        if (!(part.part.channel & kComparedChannels)) // they may be NaN
-            part.watch.add(floats, chunk.y_first + row % chunk.y_count, chunk.z_first + row / chunk.y_count, repeat);
-        encode_row(floats, part.part.format, target);
-    }
-
     RowsWriter rows;
     RowOrder order;
-    std::vector<float> rounded; // one row of doubles, as floats
 };
 
 VolumeWriter::VolumeWriter(const std::filesystem::path& path, const VolumeHeader& header)
@@ -444,8 +447,18 @@ struct PathVolumeWriter::State {
             throw std::logic_error(fmt::format("step {} of path {} is not what follows step {} of {}", paths.step_first,
                                                paths.path_first, step, next));
         for (std::size_t path = 0; path < paths.path_count; ++path) {
-            for (PartRows& part : rows.parts())
-                convert_row(paths, path, part);
+            // The samples, and where the path ends with them what fills its row up.
+            const std::size_t first = path * paths.pitch, samples = paths.samples(path);
+            const std::size_t width = paths.ends(path) ? header.steps - paths.step_first : samples;
+            for (PartRows& part : rows.parts()) {
+                const std::size_t components = components_of(part.part.channel);
+                if (part.part.format == PixelFormat::id)
+                    rows.put_ids(part, paths.facet.subspan(first, samples), width, paths.step_first);
+                else
+                    rows.put(part,
+                             values_of(paths, part.part.channel).subspan(first * components, samples * components),
+                             width, {paths.step_first, paths.path_first + path, 0});
+            }
             step = paths.step_first + paths.pitch;
             if (!paths.ends(path))
                 continue;
@@ -455,34 +468,10 @@ struct PathVolumeWriter::State {
         }
     }
 
-    // The samples, and where the path ends with them what fills its row up.
-    template <typename T> void convert_row(const PathRows<T>& paths, std::size_t path, PartRows& part) {
-        const std::size_t components = components_of(part.part.channel);
-        const std::size_t first = path * paths.pitch, samples = paths.samples(path);
-        const std::size_t width = paths.ends(path) ? header.steps - paths.step_first : samples;
-        std::byte* const target = rows.target(part) + paths.step_first * part.part.sample_bytes();
-        if (part.part.format == PixelFormat::id) {
-            ids.assign(width, layout::kNoFacet);
-            std::copy_n(paths.facet.begin() + static_cast<std::ptrdiff_t>(first), samples, ids.begin());
-            std::memcpy(target, ids.data(), ids.size() * sizeof(layout::uint));
-            return;
-        }
-        const std::span<const T> values = values_of(paths, part.part.channel).subspan(first * components);
-        rounded.assign(width * components, std::numeric_limits<float>::quiet_NaN());
-        for (std::size_t i = 0; i < samples * components; ++i)
-            rounded[i] = static_cast<float>(values[i]);
-        if (!(part.part.channel & kComparedChannels)) // they may be NaN
-            part.watch.add(std::span(rounded).first(samples * components), paths.path_first + path, 0, 1,
-                           paths.step_first);
-        encode_row(rounded, part.part.format, target);
-    }
-
     PathVolumeHeader header;
     RowsWriter rows;
-    std::uint64_t next = 0;        // path
-    std::uint64_t step = 0;        // of it, the next
-    std::vector<float> rounded;    // a row, or a part of one
-    std::vector<layout::uint> ids; // of the facets
+    std::uint64_t next = 0; // path
+    std::uint64_t step = 0; // of it, the next
 };
 
 PathVolumeWriter::PathVolumeWriter(const std::filesystem::path& path, const PathVolumeHeader& header)

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <random>
+#include <regex>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -61,9 +62,6 @@ constexpr std::size_t kBufferBytes = 1 << 20;
 constexpr std::uint64_t kWriteBack = 8 << 20; /* bytes */
 constexpr std::size_t kLongestName = 170; /* bytes of NAME kept in a temporary's name: file systems allow 255 in all */
 constexpr std::size_t kLongestHost = 32;
-constexpr std::size_t kUniqueDigits = 16;
-constexpr std::string_view kMark = ".fs.";
-constexpr std::string_view kEnding = ".tmp";
 
 // Letters, digits and "-" of the machine's name; of one that is longer or has others the beginning and a hash.
 const std::string& this_host() {
@@ -85,44 +83,26 @@ const std::string& this_host() {
 std::string temporary_name(const std::filesystem::path& path) {
     std::random_device source;
     const std::uint64_t unique = (std::uint64_t{source()} << 32) | source();
-    return fmt::format(".{}{}{}.{}.{:016x}{}", path.filename().string().substr(0, kLongestName), kMark, this_host(),
-                       ::getpid(), unique, kEnding);
+    return fmt::format(".{}.fs.{}.{}.{:016x}.tmp", path.filename().string().substr(0, kLongestName), this_host(),
+                       ::getpid(), unique);
 }
 
 struct TemporaryName {
-    std::string_view of, host; /* the file's own name, where it was not too long; the machine */
+    std::string of, host; /* the file's own name, where it was not too long; the machine */
 };
 
 // Empty for the name of another file.
-std::optional<TemporaryName> temporary_name_in(std::string_view name) {
-    if (!name.starts_with('.') || !name.ends_with(kEnding))
-        return std::nullopt;
-    name.remove_prefix(1);
-    name.remove_suffix(kEnding.size());
-    const auto take_last = [&name](const char* characters) -> std::optional<std::string_view> {
-        const std::size_t dot = name.rfind('.');
-        if (dot == std::string_view::npos)
-            return std::nullopt;
-        const std::string_view part = name.substr(dot + 1);
-        name = name.substr(0, dot);
-        return part.empty() || part.find_first_not_of(characters) != std::string_view::npos ? std::nullopt
-                                                                                            : std::optional(part);
-    };
-    const auto unique = take_last("0123456789abcdef"), process = take_last("0123456789");
-    const std::size_t mark = name.rfind(kMark);
-    if (!unique || unique->size() != kUniqueDigits || !process || mark == std::string_view::npos || mark == 0)
-        return std::nullopt;
-    const std::string_view host = name.substr(mark + kMark.size());
-    if (host.empty() || host.find('.') != std::string_view::npos)
-        return std::nullopt;
-    return TemporaryName{name.substr(0, mark), host};
+std::optional<TemporaryName> temporary_name_in(const std::string& name) {
+    static const std::regex form(R"(\.([\s\S]+)\.fs\.([^.]+)\.[0-9]+\.[0-9a-f]{16}\.tmp)");
+    std::smatch found;
+    return std::regex_match(name, found, form) ? std::optional(TemporaryName{found[1], found[2]}) : std::nullopt;
 }
 
 // What a file is called, or will be.
 std::string final_name(const std::filesystem::path& path) {
     const std::string name = path.filename().string();
     const auto temporary = temporary_name_in(name);
-    return temporary ? std::string(temporary->of) : name;
+    return temporary ? temporary->of : name;
 }
 
 std::set<std::filesystem::path>& kept_files() {

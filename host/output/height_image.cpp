@@ -29,8 +29,6 @@ void require_height_size(const ReadableFile& file, std::uint64_t columns, std::u
 
 namespace {
 
-/// libpng reports errors by a long jump. It only ever jumps back into one of the methods marked below, which hold
-/// no object that would have to be destroyed; all memory belongs to this object.
 class PngDecoder {
 public:
     explicit PngDecoder(const ReadableFile& file) : file_(file) {
@@ -53,14 +51,14 @@ public:
     HeightImage decode();
 
 private:
-    bool read_header();                                                     // jump target
-    bool start();                                                           // jump target
-    bool read_rows(png_bytep first, std::size_t stride, png_uint_32 count); // jump target
-    bool read_end(); // jump target: so that a file whose end is missing is noticed
-    void check(bool succeeded) const {
-        if (!succeeded)
+    /// libpng reports errors by a long jump. It only ever jumps back to here, so `work` holds no object that would have
+    /// to be destroyed; all memory belongs to this object.
+    template <typename Work> void guard(const Work& work) {
+        if (setjmp(png_jmpbuf(png_)) != 0)
             throw IoError(fmt::format("cannot read {}: no valid PNG file, {}", file_.path().string(), message_));
+        work();
     }
+    void start();
     void convert_row(std::span<const png_byte> row, std::size_t y, std::span<double> samples) const;
     double component(std::span<const png_byte> row, std::size_t index) const;
 
@@ -77,7 +75,6 @@ private:
     std::uint64_t position_ = 0;
     png_structp png_ = nullptr;
     png_infop info_ = nullptr;
-    png_uint_32 width_ = 0, height_ = 0;
     int depth_ = 0, passes_ = 1;
     std::size_t components_ = 1;
     char message_[160] = {};
@@ -98,19 +95,8 @@ void PngDecoder::on_read(png_structp png, png_bytep bytes, std::size_t count) {
         png_error(png, "it ends too soon or cannot be read");
 }
 
-bool PngDecoder::read_header() {
-    if (setjmp(png_jmpbuf(png_)) != 0)
-        return false;
-    png_read_info(png_, info_);
-    width_ = png_get_image_width(png_, info_);
-    height_ = png_get_image_height(png_, info_);
-    return true;
-}
-
 // No gamma is applied: samples stay the fractions of full scale that they are.
-bool PngDecoder::start() {
-    if (setjmp(png_jmpbuf(png_)) != 0)
-        return false;
+void PngDecoder::start() {
     const int colour = png_get_color_type(png_, info_);
     if (colour == PNG_COLOR_TYPE_PALETTE)
         png_set_palette_to_rgb(png_);
@@ -122,22 +108,6 @@ bool PngDecoder::start() {
     png_read_update_info(png_, info_);
     components_ = png_get_channels(png_, info_);
     depth_ = png_get_bit_depth(png_, info_);
-    return true;
-}
-
-bool PngDecoder::read_rows(png_bytep first, std::size_t stride, png_uint_32 count) {
-    if (setjmp(png_jmpbuf(png_)) != 0)
-        return false;
-    for (png_uint_32 row = 0; row < count; ++row)
-        png_read_row(png_, first + row * stride, nullptr);
-    return true;
-}
-
-bool PngDecoder::read_end() {
-    if (setjmp(png_jmpbuf(png_)) != 0)
-        return false;
-    png_read_end(png_, nullptr);
-    return true;
 }
 
 double PngDecoder::component(std::span<const png_byte> row, std::size_t index) const {
@@ -158,27 +128,30 @@ void PngDecoder::convert_row(std::span<const png_byte> row, std::size_t y, std::
 }
 
 HeightImage PngDecoder::decode() {
-    check(read_header());
-    require_height_size(file_, width_, height_);
+    guard([this] { png_read_info(png_, info_); });
+    const png_uint_32 width = png_get_image_width(png_, info_), height = png_get_image_height(png_, info_);
+    require_height_size(file_, width, height);
     constexpr std::uint64_t kMostDeflation = 1040; // deflate shrinks by 1032 at most
-    if (std::uint64_t{width_} * height_ / 8 > file_.size() * kMostDeflation)
+    if (std::uint64_t{width} * height / 8 > file_.size() * kMostDeflation)
         throw IoError(
-            fmt::format("cannot read {}: it is too short for {} x {} samples", file_.path().string(), width_, height_));
-    check(start());
+            fmt::format("cannot read {}: it is too short for {} x {} samples", file_.path().string(), width, height));
+    guard([this] { start(); });
     HeightImage image;
-    image.columns = width_;
-    image.rows = height_;
+    image.columns = width;
+    image.rows = height;
     const std::size_t stride = png_get_rowbytes(png_, info_);
-    std::vector<png_byte> bytes(stride * (passes_ > 1 ? height_ : 1));
+    std::vector<png_byte> bytes(stride * (passes_ > 1 ? height : 1));
+    const auto row = [&](std::size_t y) { return bytes.data() + (passes_ > 1 ? y * stride : 0); };
+    const auto read_row = [&](std::size_t y) { png_read_row(png_, row(y), nullptr); };
     for (int pass = 0; pass + 1 < passes_; ++pass) // an interlaced image grows in memory, pass by pass
-        check(read_rows(bytes.data(), stride, height_));
+        for (std::size_t y = 0; y < image.rows; ++y)
+            guard([&] { read_row(y); });
     image.samples.resize(image.columns * image.rows);
     for (std::size_t y = 0; y < image.rows; ++y) {
-        png_bytep row = bytes.data() + (passes_ > 1 ? y * stride : 0);
-        check(read_rows(row, stride, 1));
-        convert_row({row, stride}, y, std::span(image.samples).subspan(y * image.columns, image.columns));
+        guard([&] { read_row(y); });
+        convert_row({row(y), stride}, y, std::span(image.samples).subspan(y * image.columns, image.columns));
     }
-    check(read_end());
+    guard([this] { png_read_end(png_, nullptr); }); // so that a file whose end is missing is noticed
     return image;
 }
 

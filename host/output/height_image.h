@@ -28,7 +28,7 @@ HeightImage read_height_image(const std::filesystem::path& path);
 /// Throws UsageError if an image announces too many samples, or more than fit into the memory that is allowed.
 void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows);
 
-/// An OpenEXR image, all but its SHA-256 (height_exr.cpp, alone.cpp). Throws as read_height_image.
+/// An OpenEXR image, all but its SHA-256 (exr_image.cpp, alone.cpp). Throws as read_height_image.
 HeightImage read_height_exr(const ReadableFile& file);
 
 } // namespace forceshade

@@ -120,21 +120,18 @@ bool overflows_half(float value) noexcept {
 }
 
 void encode_row(std::span<const float> values, PixelFormat format, std::byte* bytes) {
-    if (format == PixelFormat::half) {
-        for (const float value : values) {
-            const std::uint16_t bits = Imath::half(value).bits();
-            std::memcpy(bytes, &bits, sizeof bits);
-            bytes += sizeof bits;
-        }
-    } else if (format == PixelFormat::float24) {
-        for (const float value : values) {
-            const float rounded = round_to_float24(value);
-            std::memcpy(bytes, &rounded, sizeof rounded);
-            bytes += sizeof rounded;
-        }
-    } else {
+    const auto put = [&bytes](auto stored) {
+        std::memcpy(bytes, &stored, sizeof stored);
+        bytes += sizeof stored;
+    };
+    if (format == PixelFormat::half)
+        for (const float value : values)
+            put(Imath::half(value).bits());
+    else if (format == PixelFormat::float24)
+        for (const float value : values)
+            put(round_to_float24(value));
+    else
         std::memcpy(bytes, values.data(), values.size_bytes());
-    }
 }
 
 void PixelWatch::add(std::span<const float> values, std::uint64_t y, std::uint64_t z, std::uint64_t repeat,

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "host/output/files.h"
+#include "host/output/raw_formats.h"
 #include "host/output/rows.h"
-#include "host/output/vtk_file.h"
 #include "host/picture/picture.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"

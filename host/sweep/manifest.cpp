@@ -12,7 +12,6 @@
 
 #include "host/error.h"
 #include "host/long_run.h"
-#include "host/output/deflate.h"
 #include "host/output/files.h"
 #include "host/output/json.h"
 #include "host/output/raw_formats.h"

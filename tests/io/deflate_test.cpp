@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "host/output/deflate.h"
+#include "host/output/raw_formats.h"
 
 namespace forceshade {
 namespace {
