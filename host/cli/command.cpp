@@ -43,8 +43,8 @@ SelectedEngine select_engine(const CommonOptions& common, bool needs_f64, const 
 }
 
 std::unique_ptr<Engine> make_engine(const SelectedEngine& selected, const CommonOptions& common) {
-    if (!selected.why.empty() && !common.quiet)
-        print_note("engine: {}\n", selected.why);
+    if (!selected.why.empty())
+        note(common, "engine: {}\n", selected.why);
     return make_engine(selected.options);
 }
 
@@ -85,10 +85,10 @@ PreparedCase prepare_scene(CasePreparation& preparation, Case one, const CommonO
     const auto& mesh = prepared.images.mesh;
     if (!one.chooses_precision || !mesh || !has_thin_parts(mesh->structure, kThin))
         return prepared;
-    if (!common.quiet)
-        print_note("precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32 "
-                   "(--precision f32 takes it all the same)\n",
-                   kThin * mesh->structure.scale);
+    note(common,
+         "precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32 "
+         "(--precision f32 takes it all the same)\n",
+         kThin * mesh->structure.scale);
     set_precision(one, Precision::f64);
     return preparation.prepare(one);
 }
@@ -123,11 +123,31 @@ bool may_write(const std::vector<std::filesystem::path>& files, const CommonOpti
         throw UsageError(fmt::format(
             "{} {} there already: --overwrite replaces what is there, --no-clobber leaves it; or choose another name",
             names, there.size() > 1 ? "are" : "is"));
-    if (!common.quiet)
-        print_note("{} {} there already and stay{} (--no-clobber)\n", names, there.size() > 1 ? "are" : "is",
-                   there.size() > 1 ? "" : "s");
+    note(common, "{} {} there already and stay{} (--no-clobber)\n", names, there.size() > 1 ? "are" : "is",
+         there.size() > 1 ? "" : "s");
     keep_files(there);
     return there.size() < files.size();
+}
+
+void refuse_replacing(const std::vector<std::pair<std::string, std::filesystem::path>>& written,
+                      const std::vector<std::filesystem::path>& read) {
+    std::error_code ignored; // a missing file is not the same one
+    for (const auto& [name, output] : written)
+        for (const std::filesystem::path& input : read)
+            if (std::filesystem::equivalent(output, input, ignored))
+                throw UsageError(
+                    fmt::format("{} would replace {}, which is read; choose another name", name, input.string()));
+}
+
+std::string full_path(const std::filesystem::path& file) {
+    return std::filesystem::absolute(file).lexically_normal().string();
+}
+
+std::vector<std::string> split(std::string_view text, char mark) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0; begin <= text.size(); begin += parts.back().size() + 1)
+        parts.emplace_back(text.substr(begin, text.find(mark, begin) - begin));
+    return parts;
 }
 
 void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names) {
@@ -147,6 +167,36 @@ void print_data(const std::string& text) {
         return;
     if (errno != EPIPE) // a reader that has seen enough, such as head, is not an error
         throw IoError("cannot write to standard output");
+}
+
+namespace {
+
+// "1200" or "1200x800".
+void read_size(const std::string& text, picture::Look& look) {
+    constexpr int kLeast = 400, kMost = 8000; // pixels
+    const std::size_t x = text.find('x');
+    const auto number = [&](std::string_view digits) {
+        if (const auto value = number_in(digits, kLeast, kMost))
+            return *value;
+        throw UsageError(fmt::format("--size {}: write a width in pixels, or WIDTHxHEIGHT, each from {} to {}", text,
+                                     kLeast, kMost));
+    };
+    look.width = number(std::string_view(text).substr(0, x));
+    look.most_height = x == std::string::npos ? 0 : number(std::string_view(text).substr(x + 1));
+}
+
+} // namespace
+
+void describe_look(Options& options, picture::Look& look) {
+    options.optional("--title TEXT", look.title, "of the pictures; by default what they show, in words");
+    options.read(
+        "--size PIXELS", [&look](const std::string& text) { read_size(text, look); },
+        "of the pictures in pixels: a width, or WIDTHxHEIGHT; by default 1400, as high as they need");
+}
+
+void refuse_unused(const picture::Endings& endings, bool as_by_default) {
+    if (!endings.any() && !as_by_default)
+        throw UsageError("these options need a picture: add --also png, svg or pdf");
 }
 
 } // namespace forceshade

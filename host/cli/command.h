@@ -1,16 +1,22 @@
 // The commands of the program, and their common parts: flags, scenes, the engine, where text goes.
 #pragma once
 
+#include <charconv>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "host/cases/engine_choice.h"
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
+#include "host/picture/picture.h"
 #include "host/program.h"
 #include "host/scene/study.h"
 
@@ -22,6 +28,9 @@ class Option;
 namespace forceshade {
 
 struct Grammar;
+namespace study {
+struct StudyData;
+}
 
 /// Options that every command accepts.
 struct CommonOptions {
@@ -173,6 +182,11 @@ Study load_study(const std::string& path, const CommonOptions& common, const Cas
 void print_stage_times(const EngineTimes& engine, const VolumeTimings& files);
 
 /// To stderr unless quiet.
+template <typename... Parts>
+void note(const CommonOptions& common, fmt::format_string<Parts...> text, Parts&&... parts) {
+    if (!common.quiet)
+        print_note(text, std::forward<Parts>(parts)...);
+}
 void print_warnings(const std::vector<std::string>& warnings, const CommonOptions& common);
 
 /// The names of the cases of the study in a file, or of the paper's if `path` is empty.
@@ -182,6 +196,36 @@ std::vector<std::string> case_names(const std::string& path);
 /// is missing, and without either they are an error. False if all are there (it says so unless quiet). \throws
 /// UsageError.
 bool may_write(const std::vector<std::filesystem::path>& files, const CommonOptions& common);
+
+/// --title and --size of pictures.
+void describe_look(Options& options, picture::Look& look);
+
+/// \throws UsageError if options of pictures are given without --also.
+void refuse_unused(const picture::Endings& endings, bool as_by_default);
+
+/// Writes the report of a folder and tells the findings of a study in it, how it was `made` ("energy in 2:01; "), and
+/// where the report is and `what` besides. Always 0.
+int show_findings(const study::StudyData& data, const std::filesystem::path& folder, const std::string& made,
+                  const char* what, const CommonOptions& common);
+
+/// \throws UsageError if one of the files to be written, each by what an error calls it ("--log felt.csv"), is one that
+/// is read.
+void refuse_replacing(const std::vector<std::pair<std::string, std::filesystem::path>>& written,
+                      const std::vector<std::filesystem::path>& read);
+
+/// The whole path of a file, as notes give it.
+std::string full_path(const std::filesystem::path& file);
+
+/// The number that a text is, and nothing else; none where it is no number, or not from `least` to `most`.
+template <typename T> std::optional<T> number_in(std::string_view text, T least, T most) {
+    T number{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    return whole && number >= least && number <= most ? std::optional(number) : std::nullopt;
+}
+
+/// The parts of a text between marks, at least one.
+std::vector<std::string> split(std::string_view text, char mark);
 
 /// `no study "omision", did you mean omission?; there are ...`. \throws UsageError.
 [[noreturn]] void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names);

@@ -69,19 +69,9 @@ end
 complete -c forceshade -f -a '(__forceshade_complete)'
 )";
 
-// The options that a command accepts: its own, then those of its groups.
-std::vector<const CLI::Option*> accepted(const CLI::App& command) {
-    std::vector<const CLI::Option*> options = options_of(command);
-    if (command.get_parent())
-        for (const CLI::Option* option : accepted(*command.get_parent()))
-            if (option->get_lnames() != std::vector<std::string>{"help"})
-                options.push_back(option);
-    return options;
-}
-
 // "--out", "-o"; null: none.
 const CLI::Option* option_named(const CLI::App& command, const std::string& word) {
-    for (const CLI::Option* option : accepted(command))
+    for (const CLI::Option* option : accepted_options(command))
         if (word.starts_with("--") ? option->check_lname(word.substr(2))
                                    : word.size() > 1 && option->check_sname(word.substr(word.size() - 1)))
             return option;
@@ -169,7 +159,7 @@ void add_values(const Grammar& grammar, const CLI::Option& option, const std::st
 }
 
 void add_options(const CLI::App& command, const Place& place, Answer& answer) {
-    for (const CLI::Option* option : accepted(command))
+    for (const CLI::Option* option : accepted_options(command))
         if (is_list(*option) || std::ranges::find(place.given, option) == place.given.end())
             for (const std::string& name : option->get_lnames())
                 answer.add("--" + name, option->get_description());

@@ -1,7 +1,6 @@
 #include "host/cli/device_options.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -50,14 +49,8 @@ void check_cpu(std::optional<int> cpu) {
 std::vector<double> lengths(const std::string& flag, const std::string& text, std::size_t count,
                             const std::string& example) {
     std::vector<double> values;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        std::string part = text.substr(begin, end - begin);
-        part.erase(0, part.find_first_not_of(' '));
-        part.erase(part.find_last_not_of(' ') + 1);
+    for (const std::string& part : split(text, ','))
         values.push_back(parsed(flag, part, Dimension::length)); // of either sign
-        begin = end + 1;
-    }
     if (values.size() != count)
         throw UsageError(fmt::format("{} needs {} lengths, got {}; for example {} \"{}\"", flag, count, values.size(),
                                      flag, example));
@@ -87,28 +80,27 @@ void read_origin(const std::string& text, device::SessionOptions& session) {
 // "z 90 deg, x 30 deg": turns about the device's axes, one after the other.
 glm::dmat3 rotation(const std::string& text) {
     glm::dmat3 turn(1);
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        const std::size_t axis_at = std::min(text.find_first_not_of(' ', begin), end);
-        const std::size_t axis = axis_at < end ? std::string_view("xyz").find(text[axis_at]) : std::string_view::npos;
-        if (axis == std::string_view::npos || axis_at + 1 >= end || text[axis_at + 1] != ' ')
+    for (const std::string& part : split(text, ',')) {
+        const std::size_t begin = std::min(part.find_first_not_of(' '), part.size());
+        const std::size_t axis = part.size() > begin + 1 && part[begin + 1] == ' '
+                                     ? std::string_view("xyz").find(part[begin])
+                                     : std::string_view::npos;
+        if (axis == std::string_view::npos)
             throw UsageError(fmt::format("--rotate \"{}\": expected an axis of the device and an angle, as in --rotate "
                                          "\"z 90 deg\", or several between commas",
                                          text));
-        const double angle = parsed("--rotate", text.substr(axis_at + 2, end - axis_at - 2), Dimension::angle);
-        turn = device::turn_about(static_cast<int>(axis), angle) * turn;
-        begin = end + 1;
+        turn =
+            device::turn_about(static_cast<int>(axis), parsed("--rotate", part.substr(begin + 2), Dimension::angle)) *
+            turn;
     }
     return turn;
 }
 
 double scale(const std::string& text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !(value >= 1e-3) || !(value <= 1e3))
-        throw UsageError(
-            fmt::format("--scale: metres of the scene in a metre of the device, from 0.001 to 1000, got \"{}\"", text));
-    return value;
+    if (const auto value = number_in(text, 1e-3, 1e3))
+        return *value;
+    throw UsageError(
+        fmt::format("--scale: metres of the scene in a metre of the device, from 0.001 to 1000, got \"{}\"", text));
 }
 
 // Adds an option that reads a quantity.
@@ -192,11 +184,9 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
 }
 
 unsigned read_button(const char* flag, const std::string& text) {
-    unsigned number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > 32)
-        throw UsageError(fmt::format("{}: a button's number from 1 to 32, got \"{}\"", flag, text));
-    return number;
+    if (const auto number = number_in(text, 1u, 32u))
+        return *number;
+    throw UsageError(fmt::format("{}: a button's number from 1 to 32, got \"{}\"", flag, text));
 }
 
 std::uint16_t page_port(const std::optional<int>& port) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <sys/stat.h>
 
@@ -31,11 +30,9 @@ struct ExperimentArguments {
 };
 
 std::uint64_t session_number(const std::string& text) {
-    std::uint64_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > 9999)
-        throw UsageError(fmt::format("--session: a number from 1 to 9999, got \"{}\"", text));
-    return number;
+    if (const auto number = number_in<std::uint64_t>(text, 1, 9999))
+        return *number;
+    throw UsageError(fmt::format("--session: a number from 1 to 9999, got \"{}\"", text));
 }
 
 std::vector<unsigned> answer_buttons(const std::vector<std::string>& words) {
@@ -107,9 +104,8 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
                         person && !arguments.check.empty() ? "passed" : "none"};
         options.paths = person || arguments.paths;
         const std::size_t answered = experiment::run_session(experiment, *participant, options);
-        if (!common.quiet)
-            print_note("subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),
-                       arguments.out);
+        note(common, "subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),
+             arguments.out);
     }
     return 0;
 }
@@ -126,17 +122,8 @@ int analyse_data(const ExperimentArguments& arguments, const CommonOptions& comm
     for (const std::string& name : study::write_data(out / data.study, data, study::figure_files(data)))
         warnings.push_back(fmt::format("{} is of an earlier analysis and was changed since, so it stays",
                                        (out / data.study / name).string()));
-    const report::ReportResult written = report::write_report(out);
     print_warnings(warnings, common);
-    if (!common.quiet) {
-        for (const study::Finding& finding : data.findings)
-            print_note("- {}\n", finding.text);
-        print_note("look at {}, tables in {}\n", std::filesystem::absolute(written.file).lexically_normal().string(),
-                   std::filesystem::absolute(out / data.study).lexically_normal().string());
-    }
-    if (common.json)
-        print_data(study::data_json(data));
-    return 0;
+    return show_findings(data, out, "", "tables", common);
 }
 
 int plan_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {

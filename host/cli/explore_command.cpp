@@ -8,7 +8,6 @@
 
 #include "host/cases/path_run.h"
 #include "host/cli/command.h"
-#include "host/cli/picture_options.h"
 #include "host/error.h"
 #include "host/field/comparison.h"
 #include "host/field/prepared_case.h"
@@ -42,12 +41,8 @@ void check(const ExploreArguments& arguments, const std::string& recorded) {
     if (extension != ".csv" && extension != ".exr")
         throw UsageError(fmt::format(
             "--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr or .csv", arguments.out));
-    std::error_code ignored; // a missing file is not the same one
-    for (const std::string& input : {recorded, arguments.scene})
-        for (const std::filesystem::path& written : {std::filesystem::path(arguments.out), arguments.summary()})
-            if (std::filesystem::equivalent(written, input, ignored))
-                throw UsageError(
-                    fmt::format("--out {} would replace {}, which is read; choose another name", arguments.out, input));
+    const std::string name = "--out " + arguments.out;
+    refuse_replacing({{name, arguments.out}, {name, arguments.summary()}}, {recorded, arguments.scene});
     if (arguments.metrics_only && !arguments.also.empty())
         throw UsageError("--metrics-only and --also exclude each other: there are no samples then");
 }
@@ -79,11 +74,9 @@ int stream(const ExploreArguments& arguments, const CommonOptions& common, const
         explore(prepared, recorded, std::filesystem::absolute(arguments.out), single_stretch(region), show);
     stage.reset();
     print_warnings(result.warnings, common);
-    if (!common.quiet)
-        print_note("{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
-                   plural(result.samples, "sample"), plural(result.paths, "path"),
-                   100 * share(result.in_contact, result.samples), result.largest_force,
-                   1e9 * result.law_seconds / double(result.samples));
+    note(common, "{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
+         plural(result.samples, "sample"), plural(result.paths, "path"), 100 * share(result.in_contact, result.samples),
+         result.largest_force, 1e9 * result.law_seconds / double(result.samples));
     if (common.json) {
         nlohmann::ordered_json json;
         json["out"] = arguments.out;
@@ -221,8 +214,7 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     print_warnings(record.warnings, common);
     if (!common.quiet)
         print_outcome(record, out, engine->report(), scene);
-    if (!common.quiet)
-        print_note("wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
+    note(common, "wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
     if (common.json)
         print_data(as_json(record, arguments, engine->report()));
     if (const std::string wrong = error_text(record, out, engine->report().device); !wrong.empty())

@@ -1,15 +1,17 @@
 // forceshade field.
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/cases/case_files.h"
 #include "host/cases/case_pipeline.h"
 #include "host/cases/forecast.h"
 #include "host/cli/command.h"
-#include "host/cli/picture_options.h"
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
-#include "host/program.h"
+#include "host/scene/quantity.h"
 
 namespace forceshade {
 
@@ -29,6 +31,29 @@ std::vector<std::filesystem::path> in_folder(const std::filesystem::path& volume
     for (const std::string& name : names)
         files.push_back(volume.parent_path() / name);
     return files;
+}
+
+/// "magnitude". \throws UsageError with the names that there are.
+picture::Quantity quantity_named(const std::string& name) {
+    const auto found = std::ranges::find(picture::kQuantityNames, name);
+    if (found == picture::kQuantityNames.end())
+        throw UsageError(fmt::format("--quantity {}: there are {}", name, fmt::join(picture::kQuantityNames, ", ")));
+    return static_cast<picture::Quantity>(found - picture::kQuantityNames.begin());
+}
+
+/// "y=2 mm", or "y" for the middle. \throws UsageError for other text and for a plane outside of the grid.
+void read_slice(const std::string& text, const GridSpec& grid, picture::SliceChoice& slice) {
+    const auto axis = std::string_view("xyz").find(text.front());
+    if (axis == std::string_view::npos || (text.size() > 1 && text[1] != '='))
+        throw UsageError(fmt::format("--slice {}: write x, y or z, or as in \"y=2 mm\" where", text));
+    slice.axis = axis;
+    if (text.size() == 1)
+        return;
+    slice.at = parse_quantity(text.substr(2), Dimension::length);
+    const double low = grid.origin[axis], high = low + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
+    if (const double border = grid.spacing[axis] / 2; !(*slice.at >= low - border && *slice.at <= high + border))
+        throw UsageError(fmt::format("--slice {}: the grid goes from {} = {:.6g} mm to {:.6g} mm", text, text.front(),
+                                     low * 1e3, high * 1e3));
 }
 
 PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene, const picture::Endings& wanted) {
@@ -84,25 +109,24 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
         std::rethrow_exception(outcome.error);
     const CaseRecord& record = outcome.record;
     print_stage_times(record.engine_times, record.volume_times);
-    if (!common.quiet)
-        print_note("{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
-                   "precision {:.2g} of it{}\n",
-                   arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
-                   record.error.relative(),
-                   record.error.on_edge ? fmt::format(", {} voxels on facet edges excluded", record.error.on_edge)
-                                        : "");
-    if (!common.quiet)
-        print_note("{}\n", left_out_text(record));
-    if (!common.quiet && record.deviation)
-        print_note("{}", deviation_text(*record.deviation));
-    if (!common.quiet && record.files.size() > 1)
-        print_note("wrote {}\n", names_of(record.files));
-    if (!common.quiet && record.largest_force == 0 && record.error.largest_force > 0)
-        print_note("warning: the forces (max {:.3g} N) underflow 32-bit floats: the EXR volume is all zeros; with "
-                   "--precision f64, --also npy keeps them\n",
-                   record.error.largest_force);
-    else if (!common.quiet && record.largest_force == 0)
-        print_note("warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
+    note(common,
+         "{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
+         "precision {:.2g} of it{}\n",
+         arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
+         record.error.relative(),
+         record.error.on_edge ? fmt::format(", {} voxels on facet edges excluded", record.error.on_edge) : "");
+    note(common, "{}\n", left_out_text(record));
+    if (record.deviation)
+        note(common, "{}", deviation_text(*record.deviation));
+    if (record.files.size() > 1)
+        note(common, "wrote {}\n", names_of(record.files));
+    if (record.largest_force == 0 && record.error.largest_force > 0)
+        note(common,
+             "warning: the forces (max {:.3g} N) underflow 32-bit floats: the EXR volume is all zeros; with "
+             "--precision f64, --also npy keeps them\n",
+             record.error.largest_force);
+    else if (record.largest_force == 0)
+        note(common, "warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
     if (common.json)
         print_data(record_json(record) + "\n");
     if (const std::string wrong = error_text(record); !wrong.empty())

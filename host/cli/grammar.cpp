@@ -26,11 +26,10 @@ namespace {
 
 void limit_jobs(const std::string& text) {
     constexpr unsigned kMost = 1024;
-    unsigned count = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-    if (error != std::errc() || end != text.data() + text.size() || count < 1 || count > kMost)
+    const auto count = number_in(text, 1u, kMost);
+    if (!count)
         throw UsageError(fmt::format("--jobs {}: expected a number of threads from 1 to {}", text, kMost));
-    limit_threads(count);
+    limit_threads(*count);
     ::setenv("LP_NUM_THREADS", text.c_str(), 0); // of Mesa's software device, which is not loaded yet
 }
 
@@ -72,15 +71,6 @@ void add_common_options(Options options, CommonOptions& common) {
 const CLI::App& chosen_command(const CLI::App& program) {
     const std::vector<CLI::App*> parsed = program.get_subcommands();
     return parsed.empty() ? program : chosen_command(*parsed.front());
-}
-
-// A command's, then those of its groups.
-std::vector<const CLI::Option*> accepted_options(const CLI::App& command) {
-    std::vector<const CLI::Option*> options = options_of(command);
-    if (command.get_parent())
-        for (const CLI::Option* option : accepted_options(*command.get_parent()))
-            options.push_back(option);
-    return options;
 }
 
 std::vector<std::string> long_names(const std::vector<const CLI::Option*>& options) {
@@ -178,12 +168,10 @@ void refuse_slips(const std::vector<std::string>& words, const CLI::App& program
 
 void refuse_missing(const CLI::App& command) {
     std::vector<std::string> missing;
-    for (const CLI::Option* option : arguments_of(command))
-        if (option->get_required() && option->count() == 0)
-            missing.push_back(usage_of(*option));
-    for (const CLI::Option* option : options_of(command))
-        if (option->get_required() && option->count() == 0)
-            missing.push_back(usage_of(*option));
+    for (const auto& options : {arguments_of(command), options_of(command)})
+        for (const CLI::Option* option : options)
+            if (option->get_required() && option->count() == 0)
+                missing.push_back(usage_of(*option));
     if (!missing.empty())
         refuse(fmt::format("{} needs {}", full_name(command), fmt::join(missing, " and ")), command);
 }
@@ -262,14 +250,9 @@ Options& Options::keep(CLI::Option* option, const std::string& value_name) {
         option->group(heading_);
     if (!value_name.empty())
         option->type_name(value_name);
-    std::vector<std::string> values;
-    for (std::size_t begin = 0; value_name.find('|') != std::string::npos && begin <= value_name.size();) {
-        const std::size_t end = std::min(value_name.find('|', begin), value_name.size());
-        values.push_back(value_name.substr(begin, end - begin));
-        begin = end + 1;
-    }
+    std::vector<std::string> values = split(value_name, '|');
     const bool only_names = std::ranges::none_of(value_name, [](char c) { return c >= 'a' && c <= 'z'; });
-    return values.empty() || only_names ? *this : one_of(std::move(values)); // NAME|UUID are kinds of values
+    return values.size() < 2 || only_names ? *this : one_of(std::move(values)); // NAME|UUID are kinds of values
 }
 
 namespace {
@@ -362,22 +345,28 @@ CommandLine::CommandLine() : grammar_(std::make_unique<Grammar>()) {
 
 CommandLine::~CommandLine() = default;
 
+namespace {
+
+Command printing(const std::function<std::string()>& text) {
+    return [text] {
+        print_data(text());
+        return 0;
+    };
+}
+
+} // namespace
+
 void CommandLine::add_help_commands() {
     const auto topic = std::make_shared<std::vector<std::string>>();
     const auto shell = std::make_shared<std::string>();
-    add_command("help", "Explain a command, or list them all",
-                [this, topic] {
-                    print_data(help_text(*grammar_, command_named(grammar_->program, *topic), help_width()));
-                    return 0;
-                })
+    add_command("help", "Explain a command, or list them all", printing([this, topic] {
+                    return help_text(*grammar_, command_named(grammar_->program, *topic), help_width());
+                }))
         .list("COMMAND", *topic, "which, as field or experiment run; without it the program")
         .example("help field", "what field takes")
         .example("help experiment run", "what a command of a group takes");
     add_command("completion", "Print a script that completes commands, options and cases in a shell",
-                [shell] {
-                    print_data(completion_script(*shell));
-                    return 0;
-                })
+                printing([shell] { return completion_script(*shell); }))
         .required("SHELL", *shell, "bash, zsh or fish")
         .one_of({"bash", "zsh", "fish"})
         .example("completion bash > forceshade.bash", "a script to source, as ~/.bashrc may do")
@@ -430,10 +419,9 @@ std::optional<Command> CommandLine::hidden_command(const std::vector<std::string
     if (words.size() < 3 || words[0] != "__complete" ||
         std::from_chars(words[1].data(), words[1].data() + words[1].size(), at).ec != std::errc())
         return std::nullopt;
-    return [this, at, line = std::vector<std::string>(words.begin() + 2, words.end())] {
-        print_data(completions(*grammar_, line, at));
-        return 0;
-    };
+    return printing([this, at, line = std::vector<std::string>(words.begin() + 2, words.end())] {
+        return completions(*grammar_, line, at);
+    });
 }
 
 Command CommandLine::parse(int argc, char** argv) {
@@ -446,17 +434,11 @@ Command CommandLine::parse(int argc, char** argv) {
     try {
         program.parse(argc, argv);
     } catch (const CLI::CallForVersion& error) {
-        return [text = std::string(error.what()) + "\n"] {
-            print_data(text);
-            return 0;
-        };
+        return printing([text = std::string(error.what()) + "\n"] { return text; });
     } catch (const CLI::ParseError& error) {
         const CLI::App& command = chosen_command(program);
         if (asks_for_help(command))
-            return [this, &command] {
-                print_data(help_text(*grammar_, command, help_width()));
-                return 0;
-            };
+            return printing([this, &command] { return help_text(*grammar_, command, help_width()); });
         refuse_wrong(program, words);
         const std::string wrong = error.what(); // "Could not convert: --cpu = two"
         const std::size_t colon = error.get_name() == "ConversionError" ? wrong.find(": ") : std::string::npos;

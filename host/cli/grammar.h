@@ -42,6 +42,8 @@ std::string usage_of(const CLI::Option& option);
 /// A command's own options or arguments, in the order of the help.
 std::vector<const CLI::Option*> options_of(const CLI::App& command);
 std::vector<const CLI::Option*> arguments_of(const CLI::App& command);
+/// The options that a command accepts: its own, then those of its groups.
+std::vector<const CLI::Option*> accepted_options(const CLI::App& command);
 /// The command of that name below `group`, or null.
 const CLI::App* find_command(const CLI::App& group, const std::string& name);
 /// All commands below the program, groups before their commands.

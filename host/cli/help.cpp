@@ -106,8 +106,6 @@ std::string value_name(const CLI::Option& option) {
 
 // "-o, --out FILE"
 std::string left_column(const CLI::Option& option) {
-    if (option.get_positional())
-        return usage_of(option);
     std::vector<std::string> names;
     for (const std::string& name : option.get_snames())
         names.push_back("-" + name);
@@ -145,24 +143,31 @@ std::string common_options(const CLI::App& program) {
     return fmt::format("Every command takes {}: forceshade help explains them.", fmt::join(names, "; "));
 }
 
-// "Options", and the other headings that a command has.
-std::vector<std::pair<std::string, std::vector<const CLI::Option*>>> sections_of(const CLI::App& command) {
-    std::vector<std::pair<std::string, std::vector<const CLI::Option*>>> sections;
-    if (const auto arguments = arguments_of(command); !arguments.empty())
-        sections.emplace_back("Arguments", arguments);
-    for (const CLI::Option* option : options_of(command)) {
-        const auto found = std::ranges::find(sections, option->get_group(),
-                                             &std::pair<std::string, std::vector<const CLI::Option*>>::first);
-        if (found == sections.end())
-            sections.push_back({option->get_group(), {option}});
-        else
-            found->second.push_back(option);
-    }
-    return sections;
-}
-
 std::string about(const CLI::Option& option) {
     return option.get_description() + (option.get_required() && !option.get_positional() ? " (required)" : "");
+}
+
+struct Section {
+    std::string title;
+    std::vector<std::pair<std::string, std::string>> rows; /* names, and what they mean */
+};
+
+// "Commands", "Arguments", "Options", and the other headings that a command has.
+std::vector<Section> sections_of(const CLI::App& command) {
+    std::vector<Section> sections;
+    const auto add = [&](const std::string& title, const std::string& name, const std::string& meaning) {
+        auto found = std::ranges::find(sections, title, &Section::title);
+        if (found == sections.end())
+            found = sections.insert(found, {title, {}});
+        found->rows.emplace_back(name, meaning);
+    };
+    for (const CLI::App* one : command.get_subcommands(nullptr))
+        add("Commands", one->get_name(), one->get_description());
+    for (const CLI::Option* argument : arguments_of(command))
+        add("Arguments", usage_of(*argument), about(*argument));
+    for (const CLI::Option* option : options_of(command))
+        add(option->get_group(), left_column(*option), about(*option));
+    return sections;
 }
 
 // Words of the program itself: hyphens that can be copied.
@@ -246,6 +251,15 @@ std::vector<const CLI::Option*> arguments_of(const CLI::App& command) {
     return command.get_options([](const CLI::Option* option) { return option->get_positional(); });
 }
 
+std::vector<const CLI::Option*> accepted_options(const CLI::App& command) {
+    std::vector<const CLI::Option*> options = options_of(command);
+    if (const CLI::App* group = command.get_parent())
+        for (const CLI::Option* option : accepted_options(*group))
+            if (option != group->get_help_ptr()) // a command has its own
+                options.push_back(option);
+    return options;
+}
+
 const CLI::App* find_command(const CLI::App& group, const std::string& name) {
     const auto found = group.get_subcommands([&](const CLI::App* command) { return command->check_name(name); });
     return found.empty() ? nullptr : found.front();
@@ -266,15 +280,11 @@ std::string help_text(const Grammar& grammar, const CLI::App& command, std::size
     const bool is_program = command.get_parent() == nullptr;
     std::string text = wrapped(command.get_description(), 0, width) + "\n\n";
     text += "Usage: " + wrapped(usage_line(command), 7, width) + "\n";
-    if (const auto commands = command.get_subcommands(nullptr); !commands.empty()) {
-        text += "\nCommands:\n";
-        for (const CLI::App* one : commands)
-            text += row(one->get_name(), one->get_description(), column, width);
-    }
-    for (const auto& [title, options] : sections_of(command)) {
-        text += "\n" + wrapped((is_program ? "Options of every command" : title) + ":", 0, width) + "\n";
-        for (const CLI::Option* option : options)
-            text += row(left_column(*option), about(*option), column, width);
+    for (const auto& [title, rows] : sections_of(command)) {
+        const bool common = is_program && title != "Commands";
+        text += "\n" + wrapped((common ? "Options of every command" : title) + ":", 0, width) + "\n";
+        for (const auto& [name, meaning] : rows)
+            text += row(name, meaning, column, width);
     }
     if (const auto found = grammar.examples.find(&command); found != grammar.examples.end()) {
         text += "\nExamples:\n";
@@ -298,19 +308,12 @@ ManualPage manual_page(const Grammar& grammar, const CLI::App& command) {
         fmt::format(".TH {} 1 \"\" \"forceshade {}\"\n.nh\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {}\n{}\n",
                     literal(upper_case(name)), release, literal(name), command.get_description(),
                     literal(full_name(command)), literal(usage.substr(1)));
-    if (const auto commands = command.get_subcommands(nullptr); !commands.empty()) {
-        text += ".SH COMMANDS\n";
-        for (const CLI::App* one : commands)
-            text += entry(one->get_name(), one->get_description());
-    }
-    for (const auto& [title, options] : sections_of(command)) {
-        std::string upper = title;
-        std::ranges::transform(upper, upper.begin(),
-                               [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    for (const auto& [title, rows] : sections_of(command)) {
+        std::string upper = upper_case(title);
         std::erase(upper, '"');
         text += ".SH " + upper + "\n";
-        for (const CLI::Option* option : options)
-            text += entry(left_column(*option).substr(left_column(*option).find_first_not_of(' ')), about(*option));
+        for (const auto& [left, meaning] : rows)
+            text += entry(left.substr(left.find_first_not_of(' ')), meaning);
     }
     if (command.get_parent())
         text += ".PP\n" + paragraph(common_options(program_of(command)));

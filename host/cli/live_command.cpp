@@ -18,8 +18,8 @@
 #include "host/field/prepared_case.h"
 #include "host/output/files.h"
 #include "host/scene/document.h"
-#include "host/scene/scene_text.h"
 #include "host/scene/schema.h"
+#include "host/scene/study.h"
 
 namespace forceshade {
 
@@ -48,11 +48,9 @@ std::filesystem::path report_stem(const LiveArguments& arguments) {
 // Before the run: the outputs can be written, and none of them replaces an input.
 void check_outputs(const LiveArguments& arguments, const std::filesystem::path& report, const Scene& scene) {
     const std::string& device = arguments.device.session.device;
-    std::vector<std::filesystem::path> inputs{arguments.scene, scene.surface.map.path, scene.surface.mesh.path};
-    if (scene.texture)
-        inputs.emplace_back(scene.texture->map.path);
-    if (scene.paths)
-        inputs.emplace_back(scene.paths->path);
+    std::vector<std::filesystem::path> inputs{arguments.scene};
+    for (const auto& [table, file] : files_of(scene))
+        inputs.emplace_back(file->path);
     if (constexpr std::string_view kReplay = "replay:"; device.starts_with(kReplay))
         inputs.emplace_back(device.substr(kReplay.size()));
     std::vector<std::pair<std::string, std::filesystem::path>> outputs{{"--log " + arguments.log, arguments.log}};
@@ -67,11 +65,7 @@ void check_outputs(const LiveArguments& arguments, const std::filesystem::path& 
         ending == ".exr" || ending == ".npy" || ending == ".json" || ending == ".html")
         throw UsageError(fmt::format(
             "--log {}: a log is a CSV file, so its name ends in .csv; explore makes an EXR of it", arguments.log));
-    for (const auto& [name, output] : outputs)
-        for (const std::filesystem::path& input : inputs)
-            if (std::filesystem::equivalent(output, input, ignored))
-                throw UsageError(
-                    fmt::format("{} would replace {}, which is read; choose another name", name, input.string()));
+    refuse_replacing(outputs, inputs);
     // Scenes that the loop reads again are kept next to the log: never in place of the one that is watched.
     const std::filesystem::path scene_file = std::filesystem::absolute(arguments.scene);
     const std::filesystem::path log = std::filesystem::absolute(arguments.log.empty() ? "." : arguments.log);
@@ -154,8 +148,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     if (common.no_clobber && !arguments.log.empty() && !may_write({options.log}, common))
         return 0;
     const device::SessionResult result = device::run_session(options);
-    if (!common.quiet)
-        print_note("{}", device::report_text(result.outcome));
+    note(common, "{}", device::report_text(result.outcome));
     if (common.json)
         print_data(device::report_json(result.outcome).dump(2) + "\n");
     return outcome_code(result, written_report(result.outcome, stem, options.log));

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
-#include "host/cli/picture_options.h"
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/long_run.h"
@@ -297,9 +296,10 @@ int run(const Arguments& arguments, const CommonOptions& common) {
         write_picture(stem, endings,
                       picture::draw_mesh(look, {contents(one), surface(one)}, one.mesh->mesh, one.marks, one.unit));
     }
-    if (!common.quiet && unit.empty())
-        print_note("lengths are in the file's unit, which mesh files do not state; for metres say what a coordinate of "
-                   "1 is, as --unit mm\n");
+    if (unit.empty())
+        note(common,
+             "lengths are in the file's unit, which mesh files do not state; for metres say what a coordinate of "
+             "1 is, as --unit mm\n");
     return 0;
 }
 

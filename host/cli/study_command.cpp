@@ -1,4 +1,4 @@
-// forceshade study.
+// forceshade study, report.
 #include <array>
 #include <filesystem>
 
@@ -86,24 +86,6 @@ std::optional<study::StudyData> study_in(const std::filesystem::path& folder) {
     }
 }
 
-// Writes the report and prints the findings of a complete study; `how` it was made.
-int show(const study::StudyData& data, const StudyArguments& arguments, const CommonOptions& common,
-         const std::string& how) {
-    const std::filesystem::path out = arguments.out;
-    const report::ReportResult written = report::write_report(out);
-    const auto shown = [](const std::filesystem::path& path) {
-        return std::filesystem::absolute(path).lexically_normal().string();
-    };
-    if (!common.quiet) {
-        for (const study::Finding& finding : data.findings)
-            print_note("- {}\n", finding.text);
-        print_note("{} {}; look at {}, numbers in {}\n", data.study, how, shown(written.file), shown(out / data.study));
-    }
-    if (common.json)
-        print_data(study::data_json(data));
-    return 0;
-}
-
 // What the new run would replace of an earlier one without computing it again; may be empty.
 std::string lost_by(const std::optional<study::StudyData>& before, const study::StudyRun& run,
                     const study::StudyOptions& options) {
@@ -125,18 +107,21 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
         options.cases = load_study(arguments.scene, common).cases;
     options.quick = arguments.quick;
     options.engine = device_options(common, true);
+    const auto show = [&](const study::StudyData& data, const std::string& how) {
+        return show_findings(data, out, fmt::format("{} {}; ", data.study, how), "numbers", common);
+    };
     const std::optional<study::StudyData> before = study_in(options.folder);
     study::StudyRun study_run(known.name, options);
     if (before && before->fingerprint == study_run.fingerprint() && !arguments.fresh &&
         study::files_are_intact(options.folder, *before))
-        return show(*before, arguments, common, "computed before by the same program of the same scene, so it stays");
+        return show(*before, "computed before by the same program of the same scene, so it stays");
     if (const std::string lost = lost_by(before, study_run, options); !lost.empty() && !arguments.fresh) {
         if (!common.overwrite && !common.no_clobber)
             throw UsageError(fmt::format(
                 "{} {}: --overwrite replaces them, --no-clobber leaves them; or name another --out to keep both",
                 options.folder.string(), lost));
         if (common.no_clobber)
-            return show(*before, arguments, common, "computed before stays (--no-clobber)");
+            return show(*before, "computed before stays (--no-clobber)");
     }
     study::StudyData data = known.run(study_run);
     std::vector<std::string> warnings;
@@ -145,7 +130,7 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
             fmt::format("{} is of an earlier run and was changed since, so it stays; this run does not name it",
                         (options.folder / name).string()));
     print_warnings(warnings, common);
-    return show(data, arguments, common, "in " + clock_text(data.seconds));
+    return show(data, "in " + clock_text(data.seconds));
 }
 
 // One study after the other; a later run goes on with those that are not there yet.
@@ -179,13 +164,52 @@ void describe(Options& options, StudyArguments& arguments) {
         .example("study energy bump.toml --quick -o results", "of a scene of your own");
 }
 
+struct ReportArguments {
+    std::string folder;
+};
+
+int run(const ReportArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
+    const report::ReportResult written = report::write_report(arguments.folder);
+    const std::string file = full_path(written.file);
+    print_warnings(written.troubles, common);
+    note(common, "look at {}\n", file);
+    if (common.json)
+        print_data(
+            nlohmann::ordered_json{{"report", file}, {"findings", written.findings}, {"troubles", written.troubles}}
+                .dump(2) +
+            "\n");
+    return written.troubles.empty() ? 0 : static_cast<int>(ExitCode::io);
+}
+
 } // namespace
+
+int show_findings(const study::StudyData& data, const std::filesystem::path& folder, const std::string& made,
+                  const char* what, const CommonOptions& common) {
+    const report::ReportResult written = report::write_report(folder);
+    for (const study::Finding& finding : data.findings)
+        note(common, "- {}\n", finding.text);
+    note(common, "{}look at {}, {} in {}\n", made, full_path(written.file), what, full_path(folder / data.study));
+    if (common.json)
+        print_data(study::data_json(data));
+    return 0;
+}
 
 void add_study_command(CommandLine& program) {
     program.add<StudyArguments>(
         "study",
         "Measure errors, run times, stability, energy, savings or perception into a folder, with figures and a report",
         run, describe);
+}
+
+void add_report_command(CommandLine& program) {
+    program.add<ReportArguments>(
+        "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline", run,
+        [](Options& options, ReportArguments& arguments) {
+            options.required("DIR", arguments.folder, "folder that sweep or study wrote")
+                .example("report bumps", "after a sweep's files were changed or copied")
+                .example("report results --json", "where it is, for a script");
+        });
 }
 
 } // namespace forceshade

@@ -163,12 +163,11 @@ int merge(const SweepArguments& arguments, const CommonOptions& common) {
     const MergeResult result =
         merge_sweep(load_study(arguments.study, common), {arguments.out, arguments.verify, arguments.replace});
     const std::filesystem::path report = result.recorded > 0 ? report::write_report(arguments.out).file : "";
-    if (!common.quiet)
-        print_note("{} of {} recorded{}\n", result.recorded, plural(result.cases, "case"),
-                   report.empty() ? "" : "; look at " + std::filesystem::absolute(report).lexically_normal().string());
-    if (result.temporaries > 0 && !common.quiet)
-        print_note("{} of other machines, .*.tmp: once no shard is at work, they can be removed\n",
-                   plural(result.temporaries, "temporary file"));
+    note(common, "{} of {} recorded{}\n", result.recorded, plural(result.cases, "case"),
+         report.empty() ? "" : "; look at " + full_path(report));
+    if (result.temporaries > 0)
+        note(common, "{} of other machines, .*.tmp: once no shard is at work, they can be removed\n",
+             plural(result.temporaries, "temporary file"));
     print_errors(result.failures);
     print_errors(result.wrong);
     if (!result.missing.empty()) {
@@ -242,14 +241,9 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
         print_data(forecast_text(result, options, common.json));
         return 0;
     }
-    if (options.shard) {
-        if (!common.quiet)
-            print_outcome(result, options, study, {});
-    } else {
-        const report::ReportResult report = report::write_report(options.folder);
-        if (!common.quiet)
-            print_outcome(result, options, study, report.file);
-    }
+    const std::filesystem::path report = options.shard ? "" : report::write_report(options.folder).file;
+    if (!common.quiet)
+        print_outcome(result, options, study, report);
     for (const std::string& failure : result.failures)
         print_note("error: {}\n", failure);
     if (common.json)

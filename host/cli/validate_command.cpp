@@ -29,8 +29,8 @@ struct ValidateArguments {
 std::vector<Precision> precisions(const CommonOptions& common, const EngineReport& engine) {
     if (!common.precision.empty())
         return {common.precision == "f64" ? Precision::f64 : Precision::f32};
-    if (!engine.f64 && !common.quiet)
-        print_note("{} has no double precision: only f32 is validated\n", engine.device);
+    if (!engine.f64)
+        note(common, "{} has no double precision: only f32 is validated\n", engine.device);
     return precisions_of(engine);
 }
 
@@ -228,8 +228,8 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     bool passed = true;
     for (const Findings& found : all) {
         passed = passed && found.passed();
-        if (!found.passed() && !common.quiet)
-            print_note("a comparison failed on {}\n", found.engine.device);
+        if (!found.passed())
+            note(common, "a comparison failed on {}\n", found.engine.device);
     }
     return passed ? 0 : 1;
 }

@@ -16,7 +16,7 @@
 #include "host/output/height_image.h"
 #include "host/output/reading.h"
 #include "host/scene/scene.h"
-#include "host/scene/starter.h"
+#include "host/scene/schema.h"
 #include "host/spelling.h"
 
 namespace forceshade {

@@ -1,4 +1,4 @@
-#include "host/scene/case_list.h"
+#include "host/scene/cases.h"
 
 #include <algorithm>
 #include <filesystem>

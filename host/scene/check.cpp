@@ -108,20 +108,18 @@ private:
         return {};
     }
 
-    void check_length(const std::string& path, double metres, std::size_t part = 0) const {
-        const double size = std::abs(metres);
-        if (size < range_.smallest_length || size > range_.largest_length)
-            fail(source_, place({path, "run.precision"}, part),
-                 "{} must be from {} to {} in {}, so that its square is a normal number; got {}", path,
-                 in_unit_of(path, range_.smallest_length, part), in_unit_of(path, range_.largest_length, part),
-                 range_.name, text_of(path, part));
+    void check_range(const std::string& path, double size, double least, double most, const char* reason,
+                     std::size_t part = 0) const {
+        if (size < least || size > most)
+            fail(source_, place({path, "run.precision"}, part), "{} must be from {} to {} in {}{}; got {}", path,
+                 in_unit_of(path, least, part), in_unit_of(path, most, part), range_.name, reason, text_of(path, part));
     }
-
+    void check_length(const std::string& path, double metres, std::size_t part = 0) const {
+        check_range(path, std::abs(metres), range_.smallest_length, range_.largest_length,
+                    ", so that its square is a normal number", part);
+    }
     void check_stiffness(const std::string& path, double stiffness) const {
-        if (stiffness < range_.smallest_stiffness || stiffness > range_.largest_stiffness)
-            fail(source_, place({path, "run.precision"}), "{} must be from {} to {} in {}; got {}", path,
-                 in_unit_of(path, range_.smallest_stiffness), in_unit_of(path, range_.largest_stiffness), range_.name,
-                 text_of(path));
+        check_range(path, stiffness, range_.smallest_stiffness, range_.largest_stiffness, "");
     }
 
     void check_circle(const std::string& table, double width, double radius) {

@@ -177,7 +177,8 @@ public:
             {.forms = forms, .example = "\"(64 hexadecimal digits)\""})
             .axis = false;
     }
-    template <auto member> void spread(Dimension dimension, Text name, Text default_text, Text doc, KeyTraits traits);
+    template <auto member>
+    void spread(Dimension dimension, Text name, Text default_text, Text doc, KeyTraits traits = {});
     template <bool texture>
     void height_map(Text function, Text height, Text file, Set set_file, std::uint32_t file_forms);
 
@@ -354,6 +355,8 @@ void add_paths(std::vector<Key>& keys) {
     constexpr std::uint32_t kRecorded = bit(PathKind::recorded), kRaster = bit(PathKind::raster);
     constexpr std::string_view kDepthChoice = "depth"; // a depth, or the force that the hand presses with
     Table paths(keys, "paths", Subject::paths, kAllPaths);
+    Table made(keys, "paths", Subject::paths, kMade); // not of recorded ones
+    Table turned(keys, "paths", Subject::paths, kMadeButWalks);
     paths.choice<&PathsSpec::kind>("kind", "\"strokes\"", kPathKinds,
                                    "how the probe is meant to go: straight there and back, line after line, round a "
                                    "circle, in a spiral, up and down, at random (band limited), from point to point "
@@ -363,31 +366,28 @@ void add_paths(std::vector<Key>& keys) {
               "relative to this TOML file or absolute",
               {.forms = kRecorded, .example = "\"paths.csv\""});
     paths.digest(kRecorded);
-    paths.integer<&PathsSpec::count>("count", "1000", 1073741822, "paths; an EXR holds up to 1073741822",
-                                     {.forms = kMade});
-    paths.integer<&PathsSpec::steps>("steps", "2000", 1073741822, "samples of each path; an EXR holds up to 5592405",
-                                     {.forms = kMade});
+    made.integer<&PathsSpec::count>("count", "1000", 1073741822, "paths; an EXR holds up to 1073741822");
+    made.integer<&PathsSpec::steps>("steps", "2000", 1073741822, "samples of each path; an EXR holds up to 5592405");
     paths.quantity<&PathsSpec::rate>(
         Dimension::frequency, "rate", "\"1 kHz\"",
         "samples a second; recorded paths have times of their own, which in closed loop keep to it",
         {.sign = kPositive});
-    paths.integer<&PathsSpec::seed>("seed", "1", 9223372036854775807,
-                                    "of the random numbers: a path follows from it and from its own number alone",
-                                    {.forms = kMade, .smallest = 0});
+    made.integer<&PathsSpec::seed>("seed", "1", 9223372036854775807,
+                                   "of the random numbers: a path follows from it and from its own number alone",
+                                   {.smallest = 0});
     paths.choice<&PathsSpec::loop>("loop", "", kLoops,
                                    "whether the probe is where the path is, or a hand and a device take it there "
                                    "([hand]); left out: closed with press or push, else open",
                                    {.example = "\"open\""});
 
     // How it is driven.
-    paths.spread<&PathsSpec::speed>(
+    made.spread<&PathsSpec::speed>(
         Dimension::speed, "speed", "\"100 mm/s\"",
         "along the path; of a spiral at its largest radius, of taps the mean, of a random walk the root mean square, "
         "of minimum jerk the mean over the mean distance of two points",
-        {.forms = kMade, .sign = kPositive});
-    paths.spread<&PathsSpec::depth>(Dimension::length, "depth", "\"1 mm\"",
-                                    "below the plane or surface that the path follows; negative: above it",
-                                    {.forms = kMade});
+        {.sign = kPositive});
+    made.spread<&PathsSpec::depth>(Dimension::length, "depth", "\"1 mm\"",
+                                   "below the plane or surface that the path follows; negative: above it");
     paths.quantity(Dimension::force, "press", "", store_drive<PathDrive::press, &PathsSpec::press>,
                    "instead of depth: the constant force that the hand presses down with, in closed loop; nothing else "
                    "then holds the probe along z but damping",
@@ -401,33 +401,30 @@ void add_paths(std::vector<Key>& keys) {
         Dimension::length, "depth_back", "",
         "below the plane or surface on the way back; left out: as deep as on the way there",
         {.forms = bit(PathKind::strokes), .example = "\"1 mm\""});
-    paths.spread<&PathsSpec::heading>(
+    turned.spread<&PathsSpec::heading>(
         Dimension::angle, "heading", "\"0 deg\"",
-        "the direction of strokes and lines, from x towards y; other paths are turned by it", {.forms = kMadeButWalks});
-    paths.spread<&PathsSpec::offset>(Dimension::length, "offset", "\"0 m\"",
-                                     "of the path's middle from the centre, to the left of its heading",
-                                     {.forms = kMadeButWalks});
-    paths.spread<&PathsSpec::tremor_amplitude>(
+        "the direction of strokes and lines, from x towards y; other paths are turned by it");
+    turned.spread<&PathsSpec::offset>(Dimension::length, "offset", "\"0 m\"",
+                                      "of the path's middle from the centre, to the left of its heading");
+    turned.spread<&PathsSpec::tremor_amplitude>(
         Dimension::length, "tremor.amplitude", "\"0 m\"",
         "root mean square of the trembling on each axis, four harmonics within 20 % of its frequency",
-        {.forms = kMadeButWalks, .sign = kNotNegative});
-    paths.quantity<&PathsSpec::tremor_frequency>(
+        {.sign = kNotNegative});
+    turned.quantity<&PathsSpec::tremor_frequency>(
         Dimension::frequency, "tremor.frequency", "\"10 Hz\"",
-        "of the trembling; that of a healthy hand has 8 to 12 Hz (Elble & Koller 1990)",
-        {.forms = kMadeButWalks, .sign = kPositive});
+        "of the trembling; that of a healthy hand has 8 to 12 Hz (Elble & Koller 1990)", {.sign = kPositive});
 
     // Where it goes.
-    paths.length<&PathsSpec::centre>(
+    made.length<&PathsSpec::centre>(
         "centre", "", "x and y of the paths' middle; left out: the origin, of a mesh the middle of its box",
-        {.forms = kMade, .example = "[\"0 m\", \"0 m\"]"});
-    paths.length<&PathsSpec::height>(
+        {.example = "[\"0 m\", \"0 m\"]"});
+    made.length<&PathsSpec::height>(
         "height", "", "z of the plane that depth is measured from; left out: 0, of a mesh the top of its box",
-        {.forms = kMade, .example = "\"0 m\""});
-    paths.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
-                                     "whether depth is measured from that plane, or from the nominal surface of a bump "
-                                     "or cylinder_bump raised by that height; of a mesh, from its highest place above "
-                                     "or below, or the plane beside it (rounds are not told apart then)",
-                                     {.forms = kMade});
+        {.example = "\"0 m\""});
+    made.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
+                                    "whether depth is measured from that plane, or from the nominal surface of a bump "
+                                    "or cylinder_bump raised by that height; of a mesh, from its highest place above "
+                                    "or below, or the plane beside it (rounds are not told apart then)");
     paths.length<&PathsSpec::length>(
         "length", "",
         "of a stroke or line from end to end, of a region along the heading, of a circle or spiral the largest "
@@ -505,6 +502,7 @@ void add_compare(std::vector<Key>& keys) {
     using enum CompareKind;
     constexpr std::uint32_t kMesh = bit(mesh), kAnalytic = bit(sphere) | bit(cylinder) | bit(plane);
     Table compare(keys, "compare", Subject::compare, kMesh | kAnalytic);
+    Table of_mesh(keys, "compare", Subject::compare, kMesh);
     compare.choice<&CompareSpec::kind>(
         "surface.kind", "\"sphere\"", kCompareKinds,
         "the shape that forces are compared with: the channels angle (deg, between the force and the shape's normal at "
@@ -524,23 +522,21 @@ void add_compare(std::vector<Key>& keys) {
     compare.choice<&CompareSpec::axis>(
         "surface.axis", "", kAxes, "along which a cylinder lies (left out: y), or to which a plane looks (left out: z)",
         {.forms = bit(cylinder) | bit(plane), .example = "\"y\""});
-    compare.add(ValueKind::file, "surface.file", "", [](Scene& s, const Value& v) { store_file(s.compare->file, v); },
+    of_mesh.add(ValueKind::file, "surface.file", "", [](Scene& s, const Value& v) { store_file(s.compare->file, v); },
                 "of a mesh its polygons (OBJ, OFF, PLY or STL), closed; relative to this TOML file or absolute",
-                {.forms = kMesh, .example = "\"fine.obj\""});
+                {.example = "\"fine.obj\""});
     compare.digest(kMesh, "surface.sha256");
-    Key& unit = compare.add(ValueKind::unit, "surface.unit", "", store<&CompareSpec::unit>,
-                            "what a coordinate of 1 means in that file; left out, as transform: like the scene's own "
-                            "mesh, if it is one, else m",
-                            {.forms = kMesh, .sign = kPositive, .example = "\"mm\""});
-    unit.dimension = Dimension::length;
-    compare.add(ValueKind::number, "surface.transform.scale", "", store<&CompareSpec::scale>,
-                "that mesh is made so many times larger, then turned, then moved",
-                {.forms = kMesh, .sign = kPositive, .example = "1"});
-    compare.quantity<&CompareSpec::rotate>(Dimension::angle, "surface.transform.rotate", "",
+    of_mesh.add(ValueKind::unit, "surface.unit", "", store<&CompareSpec::unit>,
+                "what a coordinate of 1 means in that file; left out, as transform: like the scene's own "
+                "mesh, if it is one, else m",
+                {.sign = kPositive, .example = "\"mm\""});
+    of_mesh.add(ValueKind::number, "surface.transform.scale", "", store<&CompareSpec::scale>,
+                "that mesh is made so many times larger, then turned, then moved", {.sign = kPositive, .example = "1"});
+    of_mesh.quantity<&CompareSpec::rotate>(Dimension::angle, "surface.transform.rotate", "",
                                            "turns about the fixed x axis, then y, then z, through the file's origin",
-                                           {.forms = kMesh, .example = "[\"0 deg\", \"0 deg\", \"0 deg\"]"});
-    compare.length<&CompareSpec::translate>("surface.transform.translate", "", "where that file's origin is put",
-                                            {.forms = kMesh, .example = "[\"0 m\", \"0 m\", \"0 m\"]"});
+                                           {.example = "[\"0 deg\", \"0 deg\", \"0 deg\"]"});
+    of_mesh.length<&CompareSpec::translate>("surface.transform.translate", "", "where that file's origin is put",
+                                            {.example = "[\"0 m\", \"0 m\", \"0 m\"]"});
 }
 
 void add_output(std::vector<Key>& keys) {

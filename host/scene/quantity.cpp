@@ -163,14 +163,18 @@ void multiply(std::uint64_t& product, std::uint64_t factor, std::string_view tex
         refuse("the powers in the unit \"{}\" are too high", text);
 }
 
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
+        text.replace(at, from.size(), to);
+}
+
 // The unit text with every way to write micro and the centred dot made plain ASCII.
 std::string plain_ascii(std::string_view text) {
     static constexpr std::array<std::array<std::string_view, 2>, 4> kSpellings{
         {{"\u00b5", "u"}, {"\u03bc", "u"}, {"\u00b7", "*"}, {"\u22c5", "*"}}};
     std::string result(text);
     for (const auto& [from, to] : kSpellings)
-        for (std::size_t at = result.find(from); at != std::string::npos; at = result.find(from, at))
-            result.replace(at, from.size(), to);
+        replace_all(result, from, to);
     return result;
 }
 
@@ -336,8 +340,7 @@ void refuse_other_blanks(std::string_view text) {
         if (text.find(character) != text.npos) {
             std::string plain(text);
             for (const Blank& blank : kBlanks)
-                for (std::size_t at = 0; (at = plain.find(blank.character, at)) != plain.npos;)
-                    plain.replace(at, blank.character.size(), " ");
+                replace_all(plain, blank.character, " ");
             refuse("\"{}\" contains a {}; write an ordinary space: \"{}\"", text, name, trimmed(plain));
         }
 }

@@ -89,27 +89,29 @@ std::vector<std::size_t> key_order(const Document& document) {
 
 namespace {
 
-// Appends `key = value`, under a table header wherever the table changes.
+// Appends `key = value`, under a table header wherever the table changes; in a variant `table.key = value`.
 class TomlWriter {
 public:
     void add(std::string_view table, std::string_view name, std::string_view literal) {
-        if (table != table_) {
+        if (table != table_ && !in_variant_) {
             text_ += fmt::format("{}[{}]\n", text_.empty() ? "" : "\n", table);
             table_ = table;
         }
-        text_ += fmt::format("{} = {}\n", name, literal);
+        text_ += fmt::format("{}{}{} = {}\n", in_variant_ ? table : "", in_variant_ ? "." : "", name, literal);
     }
-
-    void begin_variant() { text_ += text_.empty() ? "[[variant]]\n" : "\n[[variant]]\n"; }
-    void add_dotted(const std::string& path, std::string_view literal) {
-        text_ += fmt::format("{} = {}\n", path, literal);
+    void begin_variant() {
+        text_ += text_.empty() ? "[[variant]]\n" : "\n[[variant]]\n";
+        in_variant_ = true;
     }
+    // In a variant, a table of which no key is said.
+    void add_empty(std::string_view table) { text_ += fmt::format("{} = {{}}\n", table); }
 
     std::string text() { return std::move(text_); }
 
 private:
     std::string text_;
     std::string_view table_;
+    bool in_variant_ = false;
 };
 
 bool is_file(std::string_view key) {
@@ -125,20 +127,10 @@ using Digests = std::map<std::string, std::string>;
 
 Digests known_digests(const Study& study) {
     Digests digests;
-    const auto add = [&](const auto& file) {
-        if (!file.sha256.empty())
-            digests[file.path] = file.sha256;
-    };
-    for (const Case& one : study.cases) {
-        add(one.scene.surface.map);
-        add(one.scene.surface.mesh);
-        if (one.scene.texture)
-            add(one.scene.texture->map);
-        if (one.scene.paths)
-            add(*one.scene.paths);
-        if (one.scene.compare)
-            add(one.scene.compare->file);
-    }
+    for (const Case& one : study.cases)
+        for (const auto& [table, file] : files_of(one.scene))
+            if (!file->sha256.empty())
+                digests[file->path] = file->sha256;
     return digests;
 }
 
@@ -174,7 +166,7 @@ public:
     std::string print() {
         for (const std::size_t key : base_order())
             if (const Entry* entry = base_.entries[key]; entry && belongs_in_base(key))
-                print_base(*entry);
+                print(*entry);
         for (const Stack& stack : stacks_)
             if (stack.variant)
                 print_variant(*stack.variant, stack.forms);
@@ -241,7 +233,7 @@ private:
         });
     }
 
-    void print_base(const Entry& entry) {
+    void print(const Entry& entry) {
         const Key& key = schema_keys()[entry.key];
         writer_.add(key.table, key.name, literal(key, entry));
         if (const std::string digest = digest_literal(entry); !digest.empty())
@@ -259,18 +251,16 @@ private:
             if (key.table == "grid" && entry.key != samples_ && document_.overrides.find(samples_) && all_mesh)
                 continue;
             printed.insert(key.table);
-            writer_.add_dotted(key.path(), literal(key, entry));
-            if (const std::string digest = digest_literal(entry); !digest.empty())
-                writer_.add_dotted(fmt::format("{}.{}", key.table, digest_name(key.name)), digest);
+            print(entry);
         }
         const Entry* samples = document_.overrides.find(samples_);
         if (printed.contains("grid") && samples && grid_fits_mesh(base_) &&
             applies_to_any(schema_keys()[samples_], forms))
-            writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
+            print(*samples);
         for (const std::string_view table : {"grid", "texture", "paths", "hand", "compare"})
             if (variant.tables.contains(table) && (table != "grid" || document_.has("paths")) &&
                 !printed.contains(table))
-                writer_.add_dotted(std::string(table), "{}");
+                writer_.add_empty(table);
     }
 
     // The digests of an entry's files, if all are known; empty for other entries.
@@ -303,14 +293,9 @@ std::string resolved_toml(const Case& one) {
         writer.add(setting.table, setting.name, setting.literal);
         if (!is_file(setting.name))
             continue;
-        const SurfaceSpec& surface = one.scene.surface;
-        const std::string& sha256 = setting.table == "texture"          ? one.scene.texture->map.sha256
-                                    : setting.table == "paths"          ? one.scene.paths->sha256
-                                    : setting.table == "compare"        ? one.scene.compare->file.sha256
-                                    : surface.kind == SurfaceKind::mesh ? surface.mesh.sha256
-                                                                        : surface.map.sha256;
-        if (!sha256.empty())
-            writer.add(setting.table, digest_name(setting.name), toml_string(sha256));
+        for (const auto& [table, file] : files_of(one.scene))
+            if (table == setting.table && !file->sha256.empty())
+                writer.add(table, digest_name(setting.name), toml_string(file->sha256));
     }
     return writer.text();
 }

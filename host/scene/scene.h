@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace forceshade {
@@ -229,5 +231,20 @@ struct Scene {
     Precision precision = Precision::f32;
     friend bool operator==(const Scene&, const Scene&) = default;
 };
+
+/// The files that a scene may name, with their tables: without a name where it names none.
+inline std::vector<std::pair<std::string_view, const FileSpec*>> files_of(const Scene& scene) {
+    const SurfaceSpec& surface = scene.surface;
+    const bool mesh = surface.kind == SurfaceKind::mesh;
+    std::vector<std::pair<std::string_view, const FileSpec*>> files{
+        {"surface", mesh ? static_cast<const FileSpec*>(&surface.mesh) : &surface.map}};
+    if (scene.texture)
+        files.emplace_back("texture", &scene.texture->map);
+    if (scene.paths)
+        files.emplace_back("paths", &*scene.paths);
+    if (scene.compare)
+        files.emplace_back("compare", &scene.compare->file);
+    return files;
+}
 
 } // namespace forceshade

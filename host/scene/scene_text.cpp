@@ -1,4 +1,4 @@
-#include "host/scene/scene_text.h"
+#include "host/scene/study.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "host/scene/starter.h"
+#include "host/scene/schema.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "host/scene/schema.h"
 #include "host/scene/toml.h"
 
 namespace forceshade {

@@ -7,9 +7,8 @@
 #include <fnmatch.h>
 
 #include "host/error.h"
-#include "host/scene/case_list.h"
+#include "host/scene/cases.h"
 #include "host/scene/document.h"
-#include "host/scene/scene_text.h"
 
 namespace forceshade {
 

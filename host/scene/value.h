@@ -8,14 +8,13 @@
 #include <string_view>
 #include <vector>
 
-#include "host/scene/errors.h"
+#include "host/scene/toml.h"
 
 namespace forceshade {
 
 // One value of one key, as read: its meaning in SI units or as an index, the user's text, and where it stands.
 
 struct Key;
-struct TomlNode;
 
 struct Value {
     std::vector<double> numbers;         // a quantity's components, in SI units

@@ -13,7 +13,6 @@
 #include "host/output/json.h"
 #include "host/output/reading.h"
 #include "host/scene/schema.h"
-#include "host/scene/starter.h"
 #include "host/scene/study.h"
 #include "host/study/data/data_files.h"
 #include "tests/fuzz/fuzz.h"

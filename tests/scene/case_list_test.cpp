@@ -1,6 +1,6 @@
 // Cases that are listed and named without being built, against all of them crossed one by one; and parts of a study
 // against the whole.
-#include "host/scene/case_list.h"
+#include "host/scene/cases.h"
 
 #include <random>
 #include <set>

@@ -6,10 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/scene/scene.h"
-#include "host/scene/scene_text.h"
 #include "host/scene/schema.h"
 #include "host/scene/schema_json.h"
-#include "host/scene/starter.h"
 #include "host/scene/study.h"
 #include "host/scene/value.h"
 #include "host/spelling.h"
