@@ -14,7 +14,6 @@
 #include "host/mesh/structure.h"
 #include "host/output/files.h"
 #include "host/reference/god_object.h"
-#include "host/scene/value.h"
 #include "host/spelling.h"
 
 namespace forceshade {

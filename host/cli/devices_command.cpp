@@ -1,7 +1,4 @@
 // forceshade gpus, devices, device check: what there is to compute on and to feel with, and whether it works.
-#include <cstdio>
-#include <filesystem>
-#include <memory>
 #include <poll.h>
 #include <unistd.h>
 

@@ -16,7 +16,6 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
-#include "host/scene/value.h"
 #include "host/spelling.h"
 #include "host/threads.h"
 

@@ -11,7 +11,6 @@
 #include "host/long_run.h"
 #include "host/program.h"
 #include "host/report/report.h"
-#include "host/scene/value.h"
 #include "host/study/data/data_files.h"
 #include "host/study/energy/energy.h"
 #include "host/study/error_time/error_time.h"

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <fcntl.h>
-#include <limits>
 #include <string_view>
 #include <sys/stat.h>
 #include <unistd.h>
