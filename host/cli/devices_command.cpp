@@ -7,7 +7,7 @@
 
 #include "compute/device.h"
 #include "device/backends/devices.h"
-#include "device/session/check.h"
+#include "device/session/session.h"
 #include "host/cli/command.h"
 #include "host/cli/device_options.h"
 #include "host/error.h"

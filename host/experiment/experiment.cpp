@@ -18,7 +18,6 @@
 #include "host/output/reading.h"
 #include "host/scene/document.h"
 #include "host/scene/quantity.h"
-#include "host/scene/scene_text.h"
 #include "host/scene/schema.h"
 #include "host/scene/schema_json.h"
 
