@@ -3,6 +3,9 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace forceshade {
 
@@ -21,12 +24,18 @@ private:
 class UsageError : public Error {
 public:
     explicit UsageError(const std::string& message) : Error(ExitCode::usage, message) {}
+    template <typename First, typename... More>
+    UsageError(fmt::format_string<First, More...> text, First&& first, More&&... more)
+        : UsageError(fmt::format(text, std::forward<First>(first), std::forward<More>(more)...)) {}
 };
 
 /// Files: missing, unreadable, damaged, disk full. Exit 4.
 class IoError : public Error {
 public:
     explicit IoError(const std::string& message) : Error(ExitCode::io, message) {}
+    template <typename First, typename... More>
+    IoError(fmt::format_string<First, More...> text, First&& first, More&&... more)
+        : IoError(fmt::format(text, std::forward<First>(first), std::forward<More>(more)...)) {}
 };
 
 } // namespace forceshade

@@ -133,7 +133,7 @@ void put(std::string_view text) {
 void open_log(const std::string& file, bool only) {
     log_file = std::fopen(file.c_str(), "ae");
     if (!log_file)
-        throw IoError(fmt::format("cannot write {}: {}; name another --log-file", file, std::strerror(errno)));
+        throw IoError("cannot write {}: {}; name another --log-file", file, std::strerror(errno));
     silent = only;
 }
 

@@ -78,9 +78,8 @@ std::unique_ptr<BackEnd> open_device(const std::string& name, const PreparedCase
     if (kind == "hd")
         return open_hd(further);
     const std::array<std::string, 5> kinds{"sim", "replay", "haply", "dhd", "hd"};
-    throw UsageError(
-        fmt::format("--device {}: there are sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]{}", name,
-                    did_you_mean(kind, kinds)));
+    throw UsageError("--device {}: there are sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]{}", name,
+                     did_you_mean(kind, kinds));
 }
 
 std::vector<DeviceKind> list_devices(const std::string& service, double wait) {

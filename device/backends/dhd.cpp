@@ -176,7 +176,7 @@ int index_of(std::string_view text) {
     int index = -1;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
     if (error != std::errc{} || end != text.data() + text.size() || index < 0 || index > 127)
-        throw UsageError(fmt::format("dhd:{}: a device's index is a whole number from 0 to 127", text));
+        throw UsageError("dhd:{}: a device's index is a whole number from 0 to 127", text);
     return index;
 }
 

@@ -101,8 +101,8 @@ const HaplyDevice& choose(const HaplyFinding& finding, const std::string& id) {
     }
     if (!id.empty())
         throw DeviceAbsent("{} lists no device {}; it lists {}", place, id, fmt::join(ids, ", "));
-    throw UsageError(fmt::format("{} lists several devices: {}; choose one: --device 'haply:{}?device={}'", place,
-                                 fmt::join(ids, ", "), finding.url, ids.front()));
+    throw UsageError("{} lists several devices: {}; choose one: --device 'haply:{}?device={}'", place,
+                     fmt::join(ids, ", "), finding.url, ids.front());
 }
 
 DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {

@@ -16,8 +16,7 @@ namespace forceshade::device {
 namespace {
 
 [[noreturn]] void refuse(std::string_view url, std::string_view why) {
-    throw UsageError(
-        fmt::format("the Inverse Service's address '{}' {}: it looks like ws://localhost:10001", url, why));
+    throw UsageError("the Inverse Service's address '{}' {}: it looks like ws://localhost:10001", url, why);
 }
 
 std::string checked_port(std::string_view url, std::string_view port) {
@@ -31,13 +30,13 @@ std::string checked_port(std::string_view url, std::string_view port) {
 void set(HaplyOptions& options, std::string_view key, std::string_view value) {
     using Dialect = HaplyOptions::Dialect;
     if (value.empty())
-        throw UsageError(fmt::format("haply: '{}' has no value: ?device=04BA&dialect=values", key));
+        throw UsageError("haply: '{}' has no value: ?device=04BA&dialect=values", key);
     if (key == "device")
         options.device_id = value;
     else if (key != "dialect")
-        throw UsageError(fmt::format("haply: unknown option '{}': there are device and dialect", key));
+        throw UsageError("haply: unknown option '{}': there are device and dialect", key);
     else if (value != "vector" && value != "values")
-        throw UsageError(fmt::format("haply: the dialect is vector or values, not '{}'", value));
+        throw UsageError("haply: the dialect is vector or values, not '{}'", value);
     else
         options.dialect = value == "vector" ? Dialect::vector : Dialect::values;
 }

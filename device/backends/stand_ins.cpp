@@ -215,9 +215,9 @@ std::vector<HeldButton> parse_held_buttons(std::string_view text) {
         const auto read = std::from_chars(item.data() + begin, end, held.button);
         if (at == std::string_view::npos || dots == std::string_view::npos || dots < at || read.ec != std::errc() ||
             read.ptr != end || held.button < 1 || held.button > 32)
-            throw UsageError(fmt::format("--device sim:{}: a button from 1 to 32 and the time for which the hand holds "
-                                         "it, as in sim:1@0.5 s..3 s,2@1 s..1.2 s",
-                                         item));
+            throw UsageError("--device sim:{}: a button from 1 to 32 and the time for which the hand holds "
+                             "it, as in sim:1@0.5 s..3 s,2@1 s..1.2 s",
+                             item);
         held.from = parse_quantity(item.substr(at + 1, dots - at - 1), Dimension::time);
         held.until = parse_quantity(item.substr(dots + 2), Dimension::time);
         buttons.push_back(held);

@@ -39,7 +39,7 @@ constexpr auto kPatience = std::chrono::seconds(2);   // for a pipe's reader tha
 void make_ours(int descriptor, const std::filesystem::path& file) {
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         ::close(descriptor);
-        throw UsageError(fmt::format("--log {}: another run writes it now; choose another name", file.string()));
+        throw UsageError("--log {}: another run writes it now; choose another name", file.string());
     }
     if (::ftruncate(descriptor, 0) != 0 && errno != EINVAL) { // a pipe has no length
         const int error = errno;
@@ -63,11 +63,11 @@ int create(const std::filesystem::path& file, bool replace) {
     if (descriptor >= 0)
         return descriptor;
     if (errno == EEXIST)
-        throw UsageError(fmt::format("--log {}: is there already, and a recording is not replaced by accident; choose "
-                                     "another name, or use --overwrite, or --no-clobber to keep it and not run",
-                                     file.string()));
+        throw UsageError("--log {}: is there already, and a recording is not replaced by accident; choose "
+                         "another name, or use --overwrite, or --no-clobber to keep it and not run",
+                         file.string());
     if (errno == ENXIO && special)
-        throw IoError(fmt::format("cannot write {}: this pipe has no reader; start its reader first", file.string()));
+        throw IoError("cannot write {}: this pipe has no reader; start its reader first", file.string());
     throw file_error("write", file, errno);
 }
 
@@ -231,10 +231,9 @@ UdpAddress parse_udp_address(const std::string& text) {
     const auto [read, error] =
         std::from_chars(text.data() + (colon == std::string::npos ? 0 : colon + 1), end, address.port);
     if (!is_right || error != std::errc() || read != end || address.port == 0 || SocketAddress(address).length == 0)
-        throw UsageError(
-            fmt::format("--send {}: must be a port from 1 to 65535 of this machine, as in udp:5005, or an address "
-                        "with a port, as in udp:192.168.1.20:5005 or udp:[::1]:5005",
-                        text));
+        throw UsageError("--send {}: must be a port from 1 to 65535 of this machine, as in udp:5005, or an address "
+                         "with a port, as in udp:192.168.1.20:5005 or udp:[::1]:5005",
+                         text);
     return address;
 }
 
@@ -251,7 +250,7 @@ UdpSender::UdpSender(const UdpAddress& address, double rate) : SampleReader(kSen
         const std::string why = std::generic_category().message(errno);
         if (socket_ >= 0)
             ::close(socket_);
-        throw IoError(fmt::format("--send {}: cannot send there: {}", udp_text(address), why));
+        throw IoError("--send {}: cannot send there: {}", udp_text(address), why);
     }
     start(kSendPause, [this](std::span<const LiveSample> samples) { send(samples); });
 }

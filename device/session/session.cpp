@@ -46,7 +46,7 @@ std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimi
 double checked_rate(double rate) {
     if (rate >= kSlowestRate && rate <= kFastestRate)
         return rate;
-    throw UsageError(fmt::format("the live loop runs at 100 Hz to 10 kHz, not {:.6g} Hz; use --rate \"1 kHz\"", rate));
+    throw UsageError("the live loop runs at 100 Hz to 10 kHz, not {:.6g} Hz; use --rate \"1 kHz\"", rate);
 }
 
 // Errors that do not depend on the device, before one is opened.
@@ -57,7 +57,7 @@ const SessionOptions& checked(const SessionOptions& options) {
         return options;
     const bool sim = is_sim(options.device);
     if (!sim && !options.device.starts_with("replay:"))
-        throw UsageError(fmt::format("--fast is for sim and replay: {} runs by the clock", options.device));
+        throw UsageError("--fast is for sim and replay: {} runs by the clock", options.device);
     if (sim && !options.duration)
         throw UsageError("--fast needs --duration: a simulated hand never stops");
     if (options.view_port)
@@ -69,8 +69,8 @@ std::optional<std::uint64_t> samples_in(std::optional<double> duration, double r
     if (!duration)
         return std::nullopt;
     if (!(*duration * rate >= 0.5 && *duration <= kLongest))
-        throw UsageError(fmt::format("--duration: between a sample ({:.6g} ms) and a year ({:.6g} s), got {:.6g} s",
-                                     1000 / rate, kLongest, *duration));
+        throw UsageError("--duration: between a sample ({:.6g} ms) and a year ({:.6g} s), got {:.6g} s", 1000 / rate,
+                         kLongest, *duration);
     return static_cast<std::uint64_t>(std::llround(*duration * rate));
 }
 
@@ -140,10 +140,10 @@ SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, 
 
 void check_button(const char* flag, unsigned button, const DeviceFacts& facts) {
     if (button > facts.buttons)
-        throw UsageError(fmt::format(
-            "{} {}: {} reports {}", flag, button, facts.name,
-            facts.buttons == 0 ? "no buttons"
-                               : fmt::format("at most {} button{}", facts.buttons, facts.buttons == 1 ? "" : "s")));
+        throw UsageError("{} {}: {} reports {}", flag, button, facts.name,
+                         facts.buttons == 0
+                             ? "no buttons"
+                             : fmt::format("at most {} button{}", facts.buttons, facts.buttons == 1 ? "" : "s"));
 }
 
 class Session {
@@ -378,7 +378,7 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
     check_button("--dead-man", options.dead_man, opened.facts);
     check_button("--clutch", options.clutch, opened.facts);
     if (options.dead_man != 0 && options.dead_man == options.clutch)
-        throw UsageError(fmt::format("--dead-man and --clutch: button {} cannot be both", options.clutch));
+        throw UsageError("--dead-man and --clutch: button {} cannot be both", options.clutch);
     LoopSettings& settings = opened.settings = options;
     glm::dvec3& origin = settings.mapping.origin;
     if (options.origin_here)
@@ -403,8 +403,7 @@ SceneLimits limits_on(const OpenDevice& opened, const PreparedCase& prepared) {
 
 void refuse_unstable(const std::string& warning, const OpenDevice& opened, const SessionOptions& options) {
     if (!warning.empty() && !opened.facts.simulated && !options.unstable)
-        throw UsageError(
-            fmt::format("{}; set [hand] to what the device is, or feel it all the same with --unstable", warning));
+        throw UsageError("{}; set [hand] to what the device is, or feel it all the same with --unstable", warning);
 }
 
 std::string error_text_of(const BackEnd& device) {

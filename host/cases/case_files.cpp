@@ -45,8 +45,7 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
     AlsoFormats also;
     for (const std::string& name : names) {
         if (!also.add(name))
-            throw UsageError(
-                fmt::format("--also {}: there are vti, vtp, npy, png, svg and pdf, with commas between them", name));
+            throw UsageError("--also {}: there are vti, vtp, npy, png, svg and pdf, with commas between them", name);
     }
     return also;
 }

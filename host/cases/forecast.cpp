@@ -87,7 +87,7 @@ public:
         std::string name = (std::filesystem::temp_directory_path() / "forceshade-XXXXXX").string();
         const auto hold = hold_end();
         if (!::mkdtemp(name.data()))
-            throw IoError(fmt::format("cannot make a folder in {}", std::filesystem::temp_directory_path().string()));
+            throw IoError("cannot make a folder in {}", std::filesystem::temp_directory_path().string());
         path_ = name;
         remove_at_end(path_);
     }
@@ -192,11 +192,10 @@ double free_bytes(const std::filesystem::path& folder) {
 
 void require_space(const std::filesystem::path& folder, const Forecast& forecast) {
     if (const double free = free_bytes(folder); forecast.least_bytes > free)
-        throw IoError(fmt::format(
-            "cannot write into {}: even at the best compression the files take {} ({:.0f} bytes), "
-            "and {} ({:.0f} bytes) are free; free space there, choose another folder, or compute "
-            "fewer voxels",
-            folder.string(), bytes_text(forecast.least_bytes), forecast.least_bytes, bytes_text(free), free));
+        throw IoError("cannot write into {}: even at the best compression the files take {} ({:.0f} bytes), "
+                      "and {} ({:.0f} bytes) are free; free space there, choose another folder, or compute "
+                      "fewer voxels",
+                      folder.string(), bytes_text(forecast.least_bytes), forecast.least_bytes, bytes_text(free), free);
 }
 
 bool is_space_doubtful(const std::filesystem::path& folder, const Forecast& forecast) {

@@ -119,9 +119,9 @@ bool may_write(const std::vector<std::filesystem::path>& files, const CommonOpti
     const std::string names =
         there.front().filename().string() + (there.size() > 1 ? fmt::format(" and {} more", there.size() - 1) : "");
     if (!common.no_clobber)
-        throw UsageError(fmt::format(
+        throw UsageError(
             "{} {} there already: --overwrite replaces what is there, --no-clobber leaves it; or choose another name",
-            names, there.size() > 1 ? "are" : "is"));
+            names, there.size() > 1 ? "are" : "is");
     note(common, "{} {} there already and stay{} (--no-clobber)\n", names, there.size() > 1 ? "are" : "is",
          there.size() > 1 ? "" : "s");
     keep_files(there);
@@ -134,8 +134,7 @@ void refuse_replacing(const std::vector<std::pair<std::string, std::filesystem::
     for (const auto& [name, output] : written)
         for (const std::filesystem::path& input : read)
             if (std::filesystem::equivalent(output, input, ignored))
-                throw UsageError(
-                    fmt::format("{} would replace {}, which is read; choose another name", name, input.string()));
+                throw UsageError("{} would replace {}, which is read; choose another name", name, input.string());
 }
 
 std::string full_path(const std::filesystem::path& file) {
@@ -151,9 +150,8 @@ std::vector<std::string> split(std::string_view text, char mark) {
 
 void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names) {
     const std::string_view meant = nearest(word, names);
-    throw UsageError(fmt::format("no {} \"{}\"{}; there are {}", what, word,
-                                 meant.empty() ? "" : fmt::format(", did you mean {}?", meant),
-                                 fmt::join(names, ", ")));
+    throw UsageError("no {} \"{}\"{}; there are {}", what, word,
+                     meant.empty() ? "" : fmt::format(", did you mean {}?", meant), fmt::join(names, ", "));
 }
 
 std::string plural(std::uint64_t count, const char* noun) {
@@ -177,8 +175,8 @@ void read_size(const std::string& text, picture::Look& look) {
     const auto number = [&](std::string_view digits) {
         if (const auto value = number_in(digits, kLeast, kMost))
             return *value;
-        throw UsageError(fmt::format("--size {}: write a width in pixels, or WIDTHxHEIGHT, each from {} to {}", text,
-                                     kLeast, kMost));
+        throw UsageError("--size {}: write a width in pixels, or WIDTHxHEIGHT, each from {} to {}", text, kLeast,
+                         kMost);
     };
     look.width = number(std::string_view(text).substr(0, x));
     look.most_height = x == std::string::npos ? 0 : number(std::string_view(text).substr(x + 1));

@@ -190,7 +190,7 @@ std::string completion_script(const std::string& shell) {
         return kZsh;
     if (shell == "fish")
         return kFish;
-    throw UsageError(fmt::format("there is no completion for \"{}\", only for bash, zsh and fish", shell));
+    throw UsageError("there is no completion for \"{}\", only for bash, zsh and fish", shell);
 }
 
 std::string completions(const Grammar& grammar, const std::vector<std::string>& words, std::size_t at) {

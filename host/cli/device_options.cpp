@@ -22,7 +22,7 @@ double parsed(const std::string& flag, const std::string& text, Dimension dimens
     try {
         return parse_quantity(text, dimension);
     } catch (const UsageError& error) {
-        throw UsageError(fmt::format("{}: {}", flag, error.what()));
+        throw UsageError("{}: {}", flag, error.what());
     }
 }
 
@@ -35,14 +35,14 @@ double quantity(const std::string& flag, const std::string& text, Dimension dime
         return is_ramp ? 0 : device::kUnknown;
     const double value = parsed(flag, text, dimension);
     if (!(value > 0) && !(is_ramp && value == 0))
-        throw UsageError(fmt::format("{} must be {}, got {}", flag, is_ramp ? "zero or more" : "positive", text));
+        throw UsageError("{} must be {}, got {}", flag, is_ramp ? "zero or more" : "positive", text);
     return value;
 }
 
 void check_cpu(std::optional<int> cpu) {
     const std::vector<int> allowed = device::allowed_cpus();
     if (cpu && !allowed.empty() && std::find(allowed.begin(), allowed.end(), *cpu) == allowed.end())
-        throw UsageError(fmt::format("--cpu {}: this process may run on {}", *cpu, fmt::join(allowed, ", ")));
+        throw UsageError("--cpu {}: this process may run on {}", *cpu, fmt::join(allowed, ", "));
 }
 
 // "0 m, -0.15 m, 0.2 m" as lengths in m; `count` of them.
@@ -52,8 +52,8 @@ std::vector<double> lengths(const std::string& flag, const std::string& text, st
     for (const std::string& part : split(text, ','))
         values.push_back(parsed(flag, part, Dimension::length)); // of either sign
     if (values.size() != count)
-        throw UsageError(fmt::format("{} needs {} lengths, got {}; for example {} \"{}\"", flag, count, values.size(),
-                                     flag, example));
+        throw UsageError("{} needs {} lengths, got {}; for example {} \"{}\"", flag, count, values.size(), flag,
+                         example);
     return values;
 }
 
@@ -63,9 +63,8 @@ std::pair<glm::dvec3, glm::dvec3> workspace(const std::string& text) {
     const std::vector<double> ends = lengths("--workspace", text, 6, "-0.1 m, -0.1 m, -0.1 m, 0.1 m, 0.1 m, 0.1 m");
     for (std::size_t i = 0; i < 3; ++i)
         if (!(ends[i] < ends[i + 3]))
-            throw UsageError(
-                fmt::format("--workspace: {} m is not below {} m; first the lowest x, y and z, then the highest",
-                            ends[i], ends[i + 3]));
+            throw UsageError("--workspace: {} m is not below {} m; first the lowest x, y and z, then the highest",
+                             ends[i], ends[i + 3]);
     return {{ends[0], ends[1], ends[2]}, {ends[3], ends[4], ends[5]}};
 }
 
@@ -86,9 +85,9 @@ glm::dmat3 rotation(const std::string& text) {
                                      ? std::string_view("xyz").find(part[begin])
                                      : std::string_view::npos;
         if (axis == std::string_view::npos)
-            throw UsageError(fmt::format("--rotate \"{}\": expected an axis of the device and an angle, as in --rotate "
-                                         "\"z 90 deg\", or several between commas",
-                                         text));
+            throw UsageError("--rotate \"{}\": expected an axis of the device and an angle, as in --rotate "
+                             "\"z 90 deg\", or several between commas",
+                             text);
         turn =
             device::turn_about(static_cast<int>(axis), parsed("--rotate", part.substr(begin + 2), Dimension::angle)) *
             turn;
@@ -99,8 +98,7 @@ glm::dmat3 rotation(const std::string& text) {
 double scale(const std::string& text) {
     if (const auto value = number_in(text, 1e-3, 1e3))
         return *value;
-    throw UsageError(
-        fmt::format("--scale: metres of the scene in a metre of the device, from 0.001 to 1000, got \"{}\"", text));
+    throw UsageError("--scale: metres of the scene in a metre of the device, from 0.001 to 1000, got \"{}\"", text);
 }
 
 // Adds an option that reads a quantity.
@@ -186,13 +184,13 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
 unsigned read_button(const char* flag, const std::string& text) {
     if (const auto number = number_in(text, 1u, 32u))
         return *number;
-    throw UsageError(fmt::format("{}: a button's number from 1 to 32, got \"{}\"", flag, text));
+    throw UsageError("{}: a button's number from 1 to 32, got \"{}\"", flag, text);
 }
 
 std::uint16_t page_port(const std::optional<int>& port) {
     constexpr int kMostPort = 65535;
     if (port && (*port < 0 || *port > kMostPort))
-        throw UsageError(fmt::format("--port: 1 to {}, got {}", kMostPort, *port));
+        throw UsageError("--port: 1 to {}, got {}", kMostPort, *port);
     return static_cast<std::uint16_t>(port.value_or(0));
 }
 

@@ -31,7 +31,7 @@ struct ExperimentArguments {
 std::uint64_t session_number(const std::string& text) {
     if (const auto number = number_in<std::uint64_t>(text, 1, 9999))
         return *number;
-    throw UsageError(fmt::format("--session: a number from 1 to 9999, got \"{}\"", text));
+    throw UsageError("--session: a number from 1 to 9999, got \"{}\"", text);
 }
 
 std::vector<unsigned> answer_buttons(const std::vector<std::string>& words) {
@@ -131,8 +131,7 @@ int plan_experiment(const ExperimentArguments& arguments, const CommonOptions& c
     std::vector<std::pair<std::string, std::string>> pairs = experiment::natural_pairs(experiment);
     if (!arguments.compare.empty()) {
         if (arguments.compare.size() != 2)
-            throw UsageError(
-                fmt::format("--compare wants two conditions between a comma, got {}", arguments.compare.size()));
+            throw UsageError("--compare wants two conditions between a comma, got {}", arguments.compare.size());
         pairs = {{arguments.compare[0], arguments.compare[1]}};
     }
     if (pairs.empty())

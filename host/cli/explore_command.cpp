@@ -39,8 +39,8 @@ struct ExploreArguments {
 void check(const ExploreArguments& arguments, const std::string& recorded) {
     const std::string extension = std::filesystem::path(arguments.out).extension().string();
     if (extension != ".csv" && extension != ".exr")
-        throw UsageError(fmt::format(
-            "--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr or .csv", arguments.out));
+        throw UsageError("--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr or .csv",
+                         arguments.out);
     const std::string name = "--out " + arguments.out;
     refuse_replacing({{name, arguments.out}, {name, arguments.summary()}}, {recorded, arguments.scene});
     if (arguments.metrics_only && !arguments.also.empty())
@@ -194,8 +194,8 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
         if (name == "html")
             page = options.stem.string() + ".html";
         else if (name == "vti" || !options.also.add(name))
-            throw UsageError(fmt::format(
-                "--also {}: for paths there are vtp, npy, html, png, svg and pdf, with commas between them", name));
+            throw UsageError(
+                "--also {}: for paths there are vtp, npy, html, png, svg and pdf, with commas between them", name);
     options.look = arguments.look;
     if (!may_write(all_files(options, scene, page), common))
         return 0;
@@ -243,9 +243,8 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? paths->path : "";
     check(arguments, recorded);
     if (recorded.empty() && !paths)
-        throw UsageError(
-            fmt::format("{}: the probe has no path: add a [paths] table, or give --paths with a CSV file of positions",
-                        arguments.scene));
+        throw UsageError("{}: the probe has no path: add a [paths] table, or give --paths with a CSV file of positions",
+                         arguments.scene);
     device_options(common, false); // refuses --gpu with --engine cpu
     PreparedCase prepared = prepare_scene(preparation, std::move(one), common);
     if (arguments.paths.empty())

@@ -37,7 +37,7 @@ std::vector<std::filesystem::path> in_folder(const std::filesystem::path& volume
 picture::Quantity quantity_named(const std::string& name) {
     const auto found = std::ranges::find(picture::kQuantityNames, name);
     if (found == picture::kQuantityNames.end())
-        throw UsageError(fmt::format("--quantity {}: there are {}", name, fmt::join(picture::kQuantityNames, ", ")));
+        throw UsageError("--quantity {}: there are {}", name, fmt::join(picture::kQuantityNames, ", "));
     return static_cast<picture::Quantity>(found - picture::kQuantityNames.begin());
 }
 
@@ -45,15 +45,15 @@ picture::Quantity quantity_named(const std::string& name) {
 void read_slice(const std::string& text, const GridSpec& grid, picture::SliceChoice& slice) {
     const auto axis = std::string_view("xyz").find(text.front());
     if (axis == std::string_view::npos || (text.size() > 1 && text[1] != '='))
-        throw UsageError(fmt::format("--slice {}: write x, y or z, or as in \"y=2 mm\" where", text));
+        throw UsageError("--slice {}: write x, y or z, or as in \"y=2 mm\" where", text);
     slice.axis = axis;
     if (text.size() == 1)
         return;
     slice.at = parse_quantity(text.substr(2), Dimension::length);
     const double low = grid.origin[axis], high = low + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
     if (const double border = grid.spacing[axis] / 2; !(*slice.at >= low - border && *slice.at <= high + border))
-        throw UsageError(fmt::format("--slice {}: the grid goes from {} = {:.6g} mm to {:.6g} mm", text, text.front(),
-                                     low * 1e3, high * 1e3));
+        throw UsageError("--slice {}: the grid goes from {} = {:.6g} mm to {:.6g} mm", text, text.front(), low * 1e3,
+                         high * 1e3);
 }
 
 PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene, const picture::Endings& wanted) {
@@ -72,14 +72,14 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
     const std::filesystem::path volume = arguments.out;
     if (volume.extension() != ".exr")
-        throw UsageError(fmt::format("--out {}: a volume is an OpenEXR file, so its name ends in .exr", arguments.out));
+        throw UsageError("--out {}: a volume is an OpenEXR file, so its name ends in .exr", arguments.out);
     CaseJob job;
     CasePreparation preparation;
     job.prepared = prepare_scene(preparation, load_scene(arguments.scene, common), common);
     if (!job.prepared.one.scene.field)
-        throw UsageError(fmt::format(
+        throw UsageError(
             "{}: this scene has [paths] and no [grid], so it has no field: add a [grid], or use forceshade explore",
-            arguments.scene));
+            arguments.scene);
     job.prepared.one.scene.paths.reset(); // they are explore's
     job.volume = std::filesystem::absolute(volume);
     job.also = parse_also(arguments.also);

@@ -27,7 +27,7 @@ void limit_jobs(const std::string& text) {
     constexpr unsigned kMost = 1024;
     const auto count = number_in(text, 1u, kMost);
     if (!count)
-        throw UsageError(fmt::format("--jobs {}: expected a number of threads from 1 to {}", text, kMost));
+        throw UsageError("--jobs {}: expected a number of threads from 1 to {}", text, kMost);
     limit_threads(*count);
     ::setenv("LP_NUM_THREADS", text.c_str(), 0); // of Mesa's software device, which is not loaded yet
 }
@@ -63,7 +63,7 @@ void add_common_options(Options options, CommonOptions& common) {
 [[noreturn]] void refuse(const std::string& wrong, const CLI::App& command) {
     const std::string name = full_name(command);
     const std::size_t space = std::min(name.find(' '), name.size());
-    throw UsageError(fmt::format("{}\nsee {} help{}", wrong, name.substr(0, space), name.substr(space)));
+    throw UsageError("{}\nsee {} help{}", wrong, name.substr(0, space), name.substr(space));
 }
 
 // The deepest command that the user named.

@@ -60,20 +60,19 @@ void check_outputs(const LiveArguments& arguments, const std::filesystem::path& 
                                  std::filesystem::path(report) += ending);
     std::error_code ignored;
     if (!arguments.log.empty() && std::filesystem::is_directory(arguments.log, ignored))
-        throw UsageError(fmt::format("--log {}: is a folder; say the name of a CSV file in it", arguments.log));
+        throw UsageError("--log {}: is a folder; say the name of a CSV file in it", arguments.log);
     if (const std::string ending = std::filesystem::path(arguments.log).extension().string();
         ending == ".exr" || ending == ".npy" || ending == ".json" || ending == ".html")
-        throw UsageError(fmt::format(
-            "--log {}: a log is a CSV file, so its name ends in .csv; explore makes an EXR of it", arguments.log));
+        throw UsageError("--log {}: a log is a CSV file, so its name ends in .csv; explore makes an EXR of it",
+                         arguments.log);
     refuse_replacing(outputs, inputs);
     // Scenes that the loop reads again are kept next to the log: never in place of the one that is watched.
     const std::filesystem::path scene_file = std::filesystem::absolute(arguments.scene);
     const std::filesystem::path log = std::filesystem::absolute(arguments.log.empty() ? "." : arguments.log);
     if (scene_file.parent_path() == log.parent_path() &&
         scene_file.filename().string().starts_with(log.stem().string() + ".scene-"))
-        throw UsageError(
-            fmt::format("--log {}: {} may be one of the scenes that are kept next to it; choose another name",
-                        arguments.log, arguments.scene));
+        throw UsageError("--log {}: {} may be one of the scenes that are kept next to it; choose another name",
+                         arguments.log, arguments.scene);
     if (!report.empty() && ::access(report.parent_path().c_str(), W_OK) != 0)
         throw file_error("write", report, errno);
 }
@@ -91,8 +90,8 @@ std::vector<Override> precision_of(const std::string& scene, const CommonOptions
 int outcome_code(const device::SessionResult& result, const std::string& report) {
     const std::string also = report.empty() ? "" : "; " + report;
     if (!result.log_failure.empty())
-        throw IoError(fmt::format("{}; {} samples are in the log, {} are lost{}", result.log_failure,
-                                  result.outcome.logged, result.outcome.counts.lost, also));
+        throw IoError("{}; {} samples are in the log, {} are lost{}", result.log_failure, result.outcome.logged,
+                      result.outcome.counts.lost, also);
     if (result.end == device::LoopEnd::device_gone)
         throw device::DeviceAbsent("{} is gone{}{}", result.outcome.device, result.error_text, also);
     if (result.outcome.counts.lost > 0)

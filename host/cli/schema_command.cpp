@@ -48,7 +48,7 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
     if (common.json)
         throw UsageError("init writes TOML: leave out --json");
     if (!arguments.mesh.empty() && arguments.what != "mesh")
-        throw UsageError(fmt::format("init {} takes no file; got {}", arguments.what, arguments.mesh));
+        throw UsageError("init {} takes no file; got {}", arguments.what, arguments.mesh);
     const bool to_file = !arguments.out.empty() && arguments.out != "-";
     const std::string scene = to_file ? arguments.out : arguments.what + ".toml";
     const double across = arguments.mesh.empty() ? 0 : longest_side(arguments.mesh);
@@ -135,8 +135,8 @@ std::vector<nlohmann::ordered_json> rows_named(const std::string& word) {
     if (rows.empty()) {
         const std::vector<std::string> names(known.begin(), known.end());
         const std::string_view meant = nearest(name, names);
-        throw UsageError(fmt::format("no key or table \"{}\"{}; forceshade schema prints all", word,
-                                     meant.empty() ? "" : fmt::format(", did you mean {}?", meant)));
+        throw UsageError("no key or table \"{}\"{}; forceshade schema prints all", word,
+                         meant.empty() ? "" : fmt::format(", did you mean {}?", meant));
     }
     return rows;
 }

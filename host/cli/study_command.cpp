@@ -67,8 +67,7 @@ const KnownStudy& known_study(const std::string& name) {
 // The user's scene.
 std::optional<Case> scene_of(const KnownStudy& known, const StudyArguments& arguments, const CommonOptions& common) {
     if (*known.precision && !common.precision.empty())
-        throw UsageError(
-            fmt::format("--precision has no effect in the study {}: {}; leave it out", known.name, known.precision));
+        throw UsageError("--precision has no effect in the study {}: {}; leave it out", known.name, known.precision);
     if (arguments.scene.empty() && !common.precision.empty())
         throw UsageError("--precision needs a scene; the study's own scenes are measured in both");
     if (arguments.scene.empty() || known.many)
@@ -116,9 +115,9 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
         return show(*before, "computed before by the same program of the same scene, so it stays");
     if (const std::string lost = lost_by(before, study_run, options); !lost.empty() && !arguments.fresh) {
         if (!common.overwrite && !common.no_clobber)
-            throw UsageError(fmt::format(
+            throw UsageError(
                 "{} {}: --overwrite replaces them, --no-clobber leaves them; or name another --out to keep both",
-                options.folder.string(), lost));
+                options.folder.string(), lost);
         if (common.no_clobber)
             return show(*before, "computed before stays (--no-clobber)");
     }

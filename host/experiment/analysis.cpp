@@ -519,8 +519,8 @@ Answers read_answers(const std::vector<std::filesystem::path>& folders) {
             first = resolved_toml(answers->experiment);
         } else if (toml != first &&
                    resolved_toml(parse_experiment(toml, file.string(), folder / "materials")) != first) {
-            throw UsageError(fmt::format("{} and {} hold different experiments; analyse them apart",
-                                         folders[0].string(), folder.string()));
+            throw UsageError("{} and {} hold different experiments; analyse them apart", folders[0].string(),
+                             folder.string());
         }
         for (const std::filesystem::path& one : files)
             for (TrialRow& row : last_rows(read_rows(one, &answers->experiment))) {
@@ -529,15 +529,14 @@ Answers read_answers(const std::vector<std::filesystem::path>& folders) {
                     continue;
                 }
                 if (!ids.insert(fmt::format("{}/{}/{}", row.subject, row.session, row.number)).second)
-                    throw UsageError(
-                        fmt::format("{}: trial {} of subject {}, session {} is there twice; two folders may "
-                                    "hold the same session",
-                                    one.string(), row.number, row.subject, row.session));
+                    throw UsageError("{}: trial {} of subject {}, session {} is there twice; two folders may "
+                                     "hold the same session",
+                                     one.string(), row.number, row.subject, row.session);
                 answers->rows.push_back(std::move(row));
             }
     }
     if (!answers || answers->rows.empty())
-        throw UsageError(fmt::format("{} holds no answered trial yet", folders.empty() ? "." : folders[0].string()));
+        throw UsageError("{} holds no answered trial yet", folders.empty() ? "." : folders[0].string());
     return *answers;
 }
 

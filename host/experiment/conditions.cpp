@@ -81,9 +81,9 @@ std::size_t standard_for(const Study& study, const std::vector<std::size_t>& sta
         best = difference > 0 ? standards[i] : best;
     }
     if (tie)
-        throw UsageError(fmt::format("{} has as much in common with the standard {} as with another; name fewer "
-                                     "standards",
-                                     study.cases[stimulus].name, study.cases[best].name));
+        throw UsageError("{} has as much in common with the standard {} as with another; name fewer "
+                         "standards",
+                         study.cases[stimulus].name, study.cases[best].name);
     return best;
 }
 
@@ -106,22 +106,22 @@ std::string axis_of(const std::string& word, const std::vector<std::string>& var
         if (path == word || path.substr(path.find('.') + 1) == word)
             found.push_back(path);
     if (found.size() > 1)
-        throw UsageError(fmt::format("track = \"{}\" may be {}; say which", word, fmt::join(found, " or ")));
+        throw UsageError("track = \"{}\" may be {}; say which", word, fmt::join(found, " or "));
     if (found.empty()) {
         std::vector<std::string> names = varying;
         for (const std::string& path : varying)
             names.push_back(path.substr(path.find('.') + 1));
         const std::string near = did_you_mean(word, names);
-        throw UsageError(fmt::format("track = \"{}\": the stimuli do not differ in it{}", word,
-                                     !near.empty()     ? near
-                                     : varying.empty() ? std::string("; give a key of the study several values")
-                                                       : fmt::format("; they differ in {}", fmt::join(varying, ", "))));
+        throw UsageError("track = \"{}\": the stimuli do not differ in it{}", word,
+                         !near.empty()     ? near
+                         : varying.empty() ? std::string("; give a key of the study several values")
+                                           : fmt::format("; they differ in {}", fmt::join(varying, ", ")));
     }
     const Key& key = schema_keys()[key_index(found.front())];
     const bool numeric =
         key.kind == ValueKind::quantity || key.kind == ValueKind::number || key.kind == ValueKind::integer;
     if (!numeric || key.count > 1)
-        throw UsageError(fmt::format("track = \"{}\": its values are no single numbers, which levels are", word));
+        throw UsageError("track = \"{}\": its values are no single numbers, which levels are", word);
     return found.front();
 }
 
@@ -133,15 +133,14 @@ std::vector<Track> tracks_of(const Experiment& experiment, const std::vector<std
         const Case& stimulus = experiment.stimulus(experiment.conditions[i]);
         const auto level = axis_level(stimulus, axis);
         if (!level || !(*level > 0) || std::isinf(*level))
-            throw UsageError(
-                fmt::format("{} has no level of the track over {}, a positive number; leave it out or make "
-                            "it a standard",
-                            stimulus.name, axis));
+            throw UsageError("{} has no level of the track over {}, a positive number; leave it out or make "
+                             "it a standard",
+                             stimulus.name, axis);
         const Case& standard = experiment.study.cases[*experiment.conditions[i].standard];
         const auto reference = axis_level(standard, axis);
         if (!reference || *reference == *level)
-            throw UsageError(fmt::format("the standard {} {} in {}, so that it is open which levels are easy",
-                                         standard.name, reference ? "equals " + stimulus.name : "has nothing", axis));
+            throw UsageError("the standard {} {} in {}, so that it is open which levels are easy", standard.name,
+                             reference ? "equals " + stimulus.name : "has nothing", axis);
         std::string name;
         for (const std::string& path : varying)
             if (const std::string text = unquoted(literal_of(stimulus, path)); path != axis && !text.empty())
@@ -152,21 +151,19 @@ std::vector<Track> tracks_of(const Experiment& experiment, const std::vector<std
         if (track == tracks.end())
             track = tracks.insert(track, {name, {}, {}, *level > *reference});
         if (track->rises != (*level > *reference))
-            throw UsageError(
-                fmt::format("levels of {} lie on both sides of the standard's; a track wants them on one", axis));
+            throw UsageError("levels of {} lie on both sides of the standard's; a track wants them on one", axis);
         const auto place = std::ranges::lower_bound(track->levels, *level) - track->levels.begin();
         track->levels.insert(track->levels.begin() + place, *level);
         track->conditions.insert(track->conditions.begin() + place, i);
     }
     for (const Track& track : tracks) {
         if (const double ratio = track.levels.back() / track.levels.front(); experiment.spec.track_ratio >= ratio)
-            throw UsageError(
-                fmt::format("track_ratio = {} is no less than the ratio {:.3g} of the levels' ends, so that "
-                            "the track \"{}\" would end at once",
-                            experiment.spec.track_ratio, ratio, track.name));
+            throw UsageError("track_ratio = {} is no less than the ratio {:.3g} of the levels' ends, so that "
+                             "the track \"{}\" would end at once",
+                             experiment.spec.track_ratio, ratio, track.name);
         if (track.levels.size() < kLeastLevels)
-            throw UsageError(fmt::format("the track \"{}\" over {} has {} levels, and {} are the fewest", track.name,
-                                         axis, track.levels.size(), kLeastLevels));
+            throw UsageError("the track \"{}\" over {} has {} levels, and {} are the fewest", track.name, axis,
+                             track.levels.size(), kLeastLevels);
     }
     return tracks;
 }
@@ -238,11 +235,11 @@ void find_conditions(Experiment& experiment) {
     for (std::size_t i = 0; i < study.cases.size(); ++i)
         (compare && matches(experiment.spec.standard, study.cases[i]) ? standards : stimuli).push_back(i);
     if (compare && standards.empty())
-        throw UsageError(fmt::format("standard = \"{}\" names no case; the first is {}", experiment.spec.standard,
-                                     study.cases.front().name));
+        throw UsageError("standard = \"{}\" names no case; the first is {}", experiment.spec.standard,
+                         study.cases.front().name);
     if (stimuli.empty())
-        throw UsageError(fmt::format("standard = \"{}\" names every case, so that there is nothing to compare with it",
-                                     experiment.spec.standard));
+        throw UsageError("standard = \"{}\" names every case, so that there is nothing to compare with it",
+                         experiment.spec.standard);
     for (const std::size_t stimulus : stimuli)
         experiment.conditions.push_back(
             {stimulus, compare ? std::optional(standard_for(study, standards, stimulus)) : std::nullopt});

@@ -169,8 +169,8 @@ const Case& condition_named(const Experiment& experiment, const std::string& nam
             return one;
         names.push_back(one.name);
     }
-    throw UsageError(fmt::format("--compare: no condition \"{}\"{}; there are {}", name, did_you_mean(name, names),
-                                 fmt::join(names, ", ")));
+    throw UsageError("--compare: no condition \"{}\"{}; there are {}", name, did_you_mean(name, names),
+                     fmt::join(names, ", "));
 }
 
 Shares expected_answers(const Case& stimulus) {

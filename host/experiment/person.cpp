@@ -203,13 +203,12 @@ private:
         const device::LoopSettings& settings = opened_.settings;
         const std::size_t answers = experiment_.spec.answers.size();
         if (!buttons_.empty() && buttons_.size() != answers)
-            throw UsageError(
-                fmt::format("--answer-buttons: {} answers want as many buttons, got {}", answers, buttons_.size()));
+            throw UsageError("--answer-buttons: {} answers want as many buttons, got {}", answers, buttons_.size());
         for (const unsigned button : buttons_) {
             if (button > opened_.facts.buttons)
-                throw UsageError(fmt::format("--answer-buttons: {} has no button {}", opened_.facts.name, button));
+                throw UsageError("--answer-buttons: {} has no button {}", opened_.facts.name, button);
             if (std::ranges::count(buttons_, button) > 1 || button == settings.dead_man || button == settings.clutch)
-                throw UsageError(fmt::format("--answer-buttons: button {} cannot be two things", button));
+                throw UsageError("--answer-buttons: button {} cannot be two things", button);
         }
     }
 
@@ -226,12 +225,12 @@ private:
         if (!device.is_object() || !check_.contains("passed") || !check_["passed"].is_boolean())
             throw UsageError("--check: this is no outcome of forceshade device check");
         if (text_of(device, "name") != opened_.facts.name)
-            throw UsageError(fmt::format("--check: it is of {}, and this session's device is {}",
-                                         text_of(device, "name"), opened_.facts.name));
+            throw UsageError("--check: it is of {}, and this session's device is {}", text_of(device, "name"),
+                             opened_.facts.name);
         if (text_of(check_, "manner") != manner_)
-            throw UsageError(fmt::format("--check: it was made with another mapping or other buttons ({}); this "
-                                         "session's: {}",
-                                         text_of(check_, "manner"), manner_));
+            throw UsageError("--check: it was made with another mapping or other buttons ({}); this "
+                             "session's: {}",
+                             text_of(check_, "manner"), manner_);
         if (!check_["passed"].get<bool>())
             throw Error(ExitCode::failed, fmt::format("--check: {} did not pass its check; see what it says to do, and "
                                                       "check it again",

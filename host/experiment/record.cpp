@@ -319,8 +319,7 @@ std::vector<std::filesystem::path> data_files(const std::filesystem::path& folde
         if (entry.path().filename().string().ends_with("_data.csv"))
             files.push_back(entry.path());
     if (files.empty())
-        throw IoError(
-            fmt::format("{} holds no data of an experiment: there is no data/*_data.csv in it", folder.string()));
+        throw IoError("{} holds no data of an experiment: there is no data/*_data.csv in it", folder.string());
     std::ranges::sort(files);
     return files;
 }
@@ -329,9 +328,9 @@ SessionRecord::SessionRecord(const std::filesystem::path& folder, const Experime
     : folder_(folder), experiment_(experiment), info_(info), order_(trials_of(experiment, info.subject, info.session)),
       unanswered_(unanswered_tracks(experiment)), tracks_(unanswered_), ended_(unanswered_.size()) {
     if (!is_word(info.subject))
-        throw UsageError(fmt::format("--subject \"{}\": a subject is letters and digits, as 03; it stands in names of "
-                                     "files, and names no person",
-                                     info.subject));
+        throw UsageError("--subject \"{}\": a subject is letters and digits, as 03; it stands in names of "
+                         "files, and names no person",
+                         info.subject);
     write_materials();
     open_data();
     try {
@@ -356,9 +355,9 @@ void SessionRecord::write_materials() const {
     std::error_code error;
     const auto require_same = [&](const std::string& name, bool same) {
         if (!same)
-            throw UsageError(fmt::format("{} holds another experiment (materials/{} differs); name another folder, or "
-                                         "give the file that this folder was begun with",
-                                         folder_.string(), name));
+            throw UsageError("{} holds another experiment (materials/{} differs); name another folder, or "
+                             "give the file that this folder was begun with",
+                             folder_.string(), name);
     };
     const SetUp set_up(folder_);
     const bool is_set_up = std::filesystem::exists(experiment_file, error);
@@ -369,8 +368,7 @@ void SessionRecord::write_materials() const {
                 require_same(name, read_file(materials / name) == answer.picture.bytes);
     } else if (!set_up.was_begun()) {
         if (!std::filesystem::is_empty(folder_, error))
-            throw UsageError(
-                fmt::format("{} is not empty and holds no experiment; name a new folder", folder_.string()));
+            throw UsageError("{} is not empty and holds no experiment; name a new folder", folder_.string());
         set_up.begin();
     }
     for (const char* name : {"data", "materials", "paths"})
@@ -398,9 +396,9 @@ void SessionRecord::write_materials() const {
     if (!std::filesystem::exists(order_file, error))
         write_file_atomically(order_file, order.text());
     else if (read_file(order_file) != order.text())
-        throw UsageError(fmt::format("{} is not the order that this program draws for subject {}, session {}; it was "
-                                     "changed, or another version drew it. Name another session",
-                                     order_file.string(), info_.subject, info_.session));
+        throw UsageError("{} is not the order that this program draws for subject {}, session {}; it was "
+                         "changed, or another version drew it. Name another session",
+                         order_file.string(), info_.subject, info_.session);
     if (is_set_up)
         return;
     for (const Case& one : experiment_.study.cases)
@@ -422,8 +420,8 @@ void SessionRecord::open_data() {
         throw file_error("write", file_, errno);
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         ::close(descriptor_);
-        throw UsageError(fmt::format("{}: another run of this session is under way; end it, or name another session",
-                                     file_.string()));
+        throw UsageError("{}: another run of this session is under way; end it, or name another session",
+                         file_.string());
     }
 }
 
@@ -443,25 +441,24 @@ void SessionRecord::read_back() {
         return;
     }
     if (!has_columns(file_, columns_of(experiment_)))
-        throw UsageError(fmt::format("{}: its columns are not those that this program writes, an older one began it; "
-                                     "finish it with that, or name another session",
-                                     file_.string()));
+        throw UsageError("{}: its columns are not those that this program writes, an older one began it; "
+                         "finish it with that, or name another session",
+                         file_.string());
     rows_ = read_rows(file_, &experiment_);
     std::set<std::uint64_t> answered;
     for (const TrialRow& row : rows_) {
         if (!trial_of(row))
-            throw UsageError(fmt::format("{}: row {} is of no trial of this session's order; the file was changed",
-                                         file_.string(), row.sequence));
+            throw UsageError("{}: row {} is of no trial of this session's order; the file was changed", file_.string(),
+                             row.sequence);
         if (row.outcome.status != kAnswered)
             answered.erase(row.number);
         else if (!answered.insert(row.number).second)
-            throw UsageError(
-                fmt::format("{}: trial {} was answered twice; delete one of its rows", file_.string(), row.number));
+            throw UsageError("{}: trial {} was answered twice; delete one of its rows", file_.string(), row.number);
     }
     update_tracks();
     if (!next())
-        throw UsageError(fmt::format("session {} of subject {} is complete ({} trials); another one is --session {}",
-                                     info_.session, info_.subject, answered.size(), info_.session + 1));
+        throw UsageError("session {} of subject {} is complete ({} trials); another one is --session {}", info_.session,
+                         info_.subject, answered.size(), info_.session + 1);
 }
 
 // With the condition that the row says, if that is one of its track's; nothing: it is of no trial of this session.

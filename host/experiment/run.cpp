@@ -86,9 +86,9 @@ std::unique_ptr<Participant> make_observer(const Experiment& experiment, const O
         return std::make_unique<Observer>(parameters);
     }
     if (!experiment.has_papers_answers())
-        throw UsageError(fmt::format("--participant observer: it knows the paper's four answers only, {}; these are "
-                                     "others",
-                                     fmt::join(kPictureNames, ", ")));
+        throw UsageError("--participant observer: it knows the paper's four answers only, {}; these are "
+                         "others",
+                         fmt::join(kPictureNames, ", "));
     return std::make_unique<Observer>(parameters);
 }
 

@@ -17,7 +17,6 @@
 #include "host/output/rows.h"
 #include "host/reference/field.h"
 #include "host/reference/god_object.h"
-#include "host/reference/mesh_field.h"
 #include "host/threads.h"
 
 namespace forceshade {

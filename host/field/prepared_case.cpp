@@ -24,9 +24,8 @@ namespace forceshade {
 void require_file(const FileSpec& spec) {
     std::error_code error;
     if (!spec.path.empty() && std::filesystem::status(spec.path, error).type() == std::filesystem::file_type::not_found)
-        throw IoError(fmt::format("{}{}cannot read {}: No such file or directory{}", spec.place,
-                                  spec.place.empty() ? "" : ": ", spec.file,
-                                  missing_file_advice(spec.path, spec.file)));
+        throw IoError("{}{}cannot read {}: No such file or directory{}", spec.place, spec.place.empty() ? "" : ": ",
+                      spec.file, missing_file_advice(spec.path, spec.file));
 }
 
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
@@ -73,8 +72,8 @@ GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh) {
         grid.origin[i] = box.low[axis] + sides[axis] / 2 - half;
     }
     if (grid.size[1] * grid.size[2] > kMostRows)
-        throw UsageError(fmt::format("grid.samples = {} makes {} rows, y times z; an EXR holds up to {}", samples,
-                                     grid.size[1] * grid.size[2], kMostRows));
+        throw UsageError("grid.samples = {} makes {} rows, y times z; an EXR holds up to {}", samples,
+                         grid.size[1] * grid.size[2], kMostRows);
     return grid;
 }
 
@@ -119,9 +118,9 @@ InsideTest inside_of(const MeshFindings& found, MeshStructure& structure) {
 
 void refuse_missing_groups(const MeshSpec& spec, const PolygonSoup& polygons) {
     if (spec.normals == NormalWeights::groups && polygons.groups.empty())
-        throw UsageError(fmt::format("{}: has no smoothing groups; normals = \"groups\" is for an OBJ file with s: "
-                                     "\"crease:30 deg\" finds sharp edges by their angle",
-                                     spec.file));
+        throw UsageError("{}: has no smoothing groups; normals = \"groups\" is for an OBJ file with s: "
+                         "\"crease:30 deg\" finds sharp edges by their angle",
+                         spec.file);
 }
 
 // Earlier findings, by the SHA-256 of their file and the changes made to it.
@@ -150,9 +149,9 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const Pol
     const double weld = spec.weld / (spec.unit * spec.scale);
     const JoinedVertices joined = weld > 0 ? join_vertices(file.polygons, weld) : JoinedVertices{};
     if (joined.facets > 0 && joined.facets == file.polygons.facets())
-        throw UsageError(fmt::format("{}: weld = {} m joins the vertices of every facet, so that none is left; make it "
-                                     "smaller than the edges",
-                                     spec.file, spec.weld));
+        throw UsageError("{}: weld = {} m joins the vertices of every facet, so that none is left; make it "
+                         "smaller than the edges",
+                         spec.file, spec.weld);
     if (spec.orient == Orientation::outward)
         for (const std::string& turned : orient_outward(file.polygons))
             mesh->changes.push_back({turned});
@@ -190,9 +189,9 @@ void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
     const PolygonSoup& polygons = mesh.mesh.polygons;
     for (std::size_t facet = 0; facet < polygons.facets(); ++facet)
         if (polygons.corners_of(facet) != 3)
-            throw UsageError(fmt::format("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: "
-                                         "use \"mean_value\", which is the same on triangles",
-                                         facet, scene.surface.mesh.file, polygons.corners_of(facet)));
+            throw UsageError("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: "
+                             "use \"mean_value\", which is the same on triangles",
+                             facet, scene.surface.mesh.file, polygons.corners_of(facet));
 }
 
 // A default grid with a finer spacing alone shows only a part of the bump.
@@ -234,8 +233,8 @@ void warn_of_coarse_grid(PreparedCase& prepared) {
 
 void check_digest(const std::string& file, const std::string& expected, const std::string& found) {
     if (!expected.empty() && expected != found)
-        throw UsageError(fmt::format("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}",
-                                     file, found, expected));
+        throw UsageError("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}", file, found,
+                         expected);
 }
 
 } // namespace

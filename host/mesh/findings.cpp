@@ -259,15 +259,14 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
 
 void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {
     if (found.facets == 0)
-        throw UsageError(fmt::format("{}: no facets; a mesh needs one or more (was the file cut off?)", mesh));
+        throw UsageError("{}: no facets; a mesh needs one or more (was the file cut off?)", mesh);
     if (!std::isfinite(found.area) || !std::isfinite(found.volume))
-        throw UsageError(fmt::format(
-            "{}: coordinates up to ({}, {}, {}) are so large that areas and volumes overflow; is this the right file?",
-            mesh, found.high.x, found.high.y, found.high.z));
-    if (found.degenerate_facets == found.facets)
         throw UsageError(
-            fmt::format("{}: none of the {} facets has an area, so no force has a direction; is this the right file?",
-                        mesh, found.facets));
+            "{}: coordinates up to ({}, {}, {}) are so large that areas and volumes overflow; is this the right file?",
+            mesh, found.high.x, found.high.y, found.high.z);
+    if (found.degenerate_facets == found.facets)
+        throw UsageError("{}: none of the {} facets has an area, so no force has a direction; is this the right file?",
+                         mesh, found.facets);
 }
 
 namespace {

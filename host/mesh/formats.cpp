@@ -271,7 +271,7 @@ private:
         else if (word = count_behind(word); word.empty())
             word = take_word(line_);
         if (word == "BINARY")
-            throw UsageError(fmt::format("{}: binary OFF is not read; save it as text, or as PLY", name_));
+            throw UsageError("{}: binary OFF is not read; save it as text, or as PLY", name_);
         if (word.empty()) {
             next_line("its numbers of vertices and facets");
             word = take_word(line_);
@@ -308,8 +308,7 @@ private:
         if (!keyword)
             lines_.damaged("an OFF file begins with OFF, not with {}", in_quotes(word));
         if (keyword->prefix.find_first_of("4n") != std::string_view::npos)
-            throw UsageError(
-                fmt::format("{}: {} has vertices of other than three coordinates", name_, in_quotes(word)));
+            throw UsageError("{}: {} has vertices of other than three coordinates", name_, in_quotes(word));
         return keyword->count;
     }
 

@@ -101,7 +101,7 @@ public:
     /// Throws IoError: `bump.off:12: message`.
     template <typename... Parts>
     [[noreturn]] void damaged(fmt::format_string<Parts...> message, Parts&&... parts) const {
-        throw IoError(fmt::format("{}:{}: {}", file_, number_, fmt::format(message, std::forward<Parts>(parts)...)));
+        throw IoError("{}:{}: {}", file_, number_, fmt::format(message, std::forward<Parts>(parts)...));
     }
 
 private:

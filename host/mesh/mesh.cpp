@@ -320,8 +320,8 @@ Turns turns_of(const MeshPlacement& placement) {
 void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
     const double factor = placement.unit * placement.scale;
     if (!(factor > 0) || !std::isfinite(factor))
-        throw UsageError(fmt::format("a mesh's unit times its scale must be positive, got {} * {}", placement.unit,
-                                     placement.scale));
+        throw UsageError("a mesh's unit times its scale must be positive, got {} * {}", placement.unit,
+                         placement.scale);
     const auto is_finite = [](double value) { return std::isfinite(value); };
     if (!std::ranges::all_of(placement.rotate, is_finite) || !std::ranges::all_of(placement.translate, is_finite))
         throw UsageError("a mesh's rotation and translation must be finite");
@@ -334,9 +334,8 @@ void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
         v += shift;
         constexpr double kFarthest = 1e100; // m: volumes and squares stay finite
         if (!(std::abs(v.x) < kFarthest && std::abs(v.y) < kFarthest && std::abs(v.z) < kFarthest))
-            throw UsageError(
-                fmt::format("vertex {} (counted from 1) lies at ({}, {}, {}) m; a coordinate may not be beyond {} m",
-                            i + 1, v.x, v.y, v.z, kFarthest));
+            throw UsageError("vertex {} (counted from 1) lies at ({}, {}, {}) m; a coordinate may not be beyond {} m",
+                             i + 1, v.x, v.y, v.z, kFarthest);
     }
 }
 

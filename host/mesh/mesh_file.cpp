@@ -183,13 +183,12 @@ PolygonFile read_binary(const Source& source) {
     if (!behind) {
         const std::size_t size = source.bytes.size();
         if (size < kHeader)
-            throw IoError(
-                fmt::format("{}: {} bytes are too few for an STL file, and it is not text; it is damaged or truncated",
-                            source.name, size));
+            throw IoError("{}: {} bytes are too few for an STL file, and it is not text; it is damaged or truncated",
+                          source.name, size);
         const std::uint64_t triangles = read_bits(source.bytes.data() + 80, 4);
-        throw IoError(fmt::format("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
-                                  "{}; it is damaged or truncated",
-                                  source.name, triangles, kHeader + kTriangle * triangles, size));
+        throw IoError("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
+                      "{}; it is damaged or truncated",
+                      source.name, triangles, kHeader + kTriangle * triangles, size);
     }
     std::vector<glm::dvec3> corners;
     const std::size_t end = source.bytes.size() - *behind;
@@ -381,11 +380,10 @@ const Format& format_of(const std::string& name, const std::filesystem::path& pa
     const std::string looks =
         contents ? fmt::format("its contents look like {}", contents->name) : "its contents look like none of them";
     if (named == kFormats.end())
-        throw UsageError(
-            fmt::format("{}: a mesh is read from a file with the extension .obj, .off, .ply, .stl; {}", name, looks));
+        throw UsageError("{}: a mesh is read from a file with the extension .obj, .off, .ply, .stl; {}", name, looks);
     if (contents && contents != named)
-        throw UsageError(fmt::format("{}: the extension says {}, but {}; rename it to {}", name, named->name, looks,
-                                     contents->extension));
+        throw UsageError("{}: the extension says {}, but {}; rename it to {}", name, named->name, looks,
+                         contents->extension);
     return *named;
 }
 
@@ -393,24 +391,24 @@ void refuse_what_is_not_finite(const std::string& name, const PolygonSoup& polyg
     for (std::size_t i = 0; i < polygons.vertices.size(); ++i) {
         const glm::dvec3& vertex = polygons.vertices[i];
         if (!std::isfinite(vertex.x) || !std::isfinite(vertex.y) || !std::isfinite(vertex.z))
-            throw UsageError(fmt::format(
+            throw UsageError(
                 "{}: vertex {} of {} (counted from 1) is ({}, {}, {}); every coordinate must be a finite number", name,
-                i + 1, polygons.vertices.size(), vertex.x, vertex.y, vertex.z));
+                i + 1, polygons.vertices.size(), vertex.x, vertex.y, vertex.z);
     }
 }
 
 void require_normals(const std::string& name, const PolygonSoup& polygons) {
     if (polygons.normals.empty())
-        throw UsageError(fmt::format("{}: has no vertex normals; normals = \"file\" is for an OBJ file with vn and "
-                                     "corners such as 7//3, or a PLY file with nx, ny and nz: take \"plain\" or "
-                                     "\"angle\", which follow from the facets",
-                                     name));
+        throw UsageError("{}: has no vertex normals; normals = \"file\" is for an OBJ file with vn and "
+                         "corners such as 7//3, or a PLY file with nx, ny and nz: take \"plain\" or "
+                         "\"angle\", which follow from the facets",
+                         name);
     for (std::size_t i = 0; i < polygons.corners.size(); ++i) {
         const glm::dvec3 &normal = polygons.normals[i], &place = polygons.vertices[polygons.corners[i]];
         if (normal == glm::dvec3(0) || !std::isfinite(normal.x + normal.y + normal.z))
-            throw UsageError(fmt::format("{}: the vertex at ({}, {}, {}) has the normal ({}, {}, {}), which is not "
-                                         "a direction",
-                                         name, place.x, place.y, place.z, normal.x, normal.y, normal.z));
+            throw UsageError("{}: the vertex at ({}, {}, {}) has the normal ({}, {}, {}), which is not "
+                             "a direction",
+                             name, place.x, place.y, place.z, normal.x, normal.y, normal.z);
     }
 }
 
@@ -420,7 +418,7 @@ PolygonFile read_polygons(const std::filesystem::path& path, bool normals) {
     const Stage stage("reading " + path.filename().string());
     constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
     if (const std::uint64_t size = ReadableFile(path).size(); size > kMostBytes)
-        throw IoError(fmt::format("{}: {} bytes; a mesh is read from a file of up to 4 GiB", path.string(), size));
+        throw IoError("{}: {} bytes; a mesh is read from a file of up to 4 GiB", path.string(), size);
     return parse_polygons(path, read_file(path), normals);
 }
 
@@ -439,7 +437,7 @@ void finish(const std::string& name, bool normals, PolygonFile& file) {
 PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes, bool normals) {
     const std::string name = path.string();
     if (bytes.empty())
-        throw IoError(fmt::format("{}: the file is empty", name));
+        throw IoError("{}: the file is empty", name);
     std::future<std::string> sha256 = std::async(std::launch::async, [bytes] { return sha256_of(bytes); });
     PolygonFile file = format_of(name, path, bytes).read({name, bytes, normals});
     finish(name, normals, file);
@@ -465,9 +463,9 @@ PolygonFile polygons_of(const std::string& name, std::vector<glm::dvec3> vertice
         const std::span<const std::int64_t> outline = corners.subspan(first, counts[facet]);
         for (const std::int64_t corner : outline) {
             if (corner < 0 || static_cast<std::size_t>(corner) >= file.polygons.vertices.size())
-                throw UsageError(fmt::format("{}: facet {} has the vertex {}; vertices are counted from 0, and there "
-                                             "are {}",
-                                             name, facet, corner, file.polygons.vertices.size()));
+                throw UsageError("{}: facet {} has the vertex {}; vertices are counted from 0, and there "
+                                 "are {}",
+                                 name, facet, corner, file.polygons.vertices.size());
             if (outline.size() >= 3)
                 file.polygons.corners.push_back(static_cast<std::uint32_t>(corner));
         }

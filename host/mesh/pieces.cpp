@@ -223,9 +223,9 @@ std::vector<std::string> orient_outward(PolygonSoup& polygons) {
     MeshPieces found = find_pieces(polygons);
     for (std::size_t i = 0; i < found.pieces.size(); ++i) {
         if (found.pieces[i].one_sided)
-            throw UsageError(fmt::format("orient = \"outward\": {} has one side only, as a Moebius strip has, and so "
-                                         "no outside; leave orient out, or cut the mesh there",
-                                         name_of(i, found)));
+            throw UsageError("orient = \"outward\": {} has one side only, as a Moebius strip has, and so "
+                             "no outside; leave orient out, or cut the mesh there",
+                             name_of(i, found));
         if (found.pieces[i].opposed > 0)
             turned.push_back(fmt::format("turned {} of {}, which faced against the others",
                                          numbers::counted(found.pieces[i].opposed, "facet"), name_of(i, found)));

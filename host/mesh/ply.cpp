@@ -232,8 +232,7 @@ public:
     std::size_t place() const { return at_; }
     bool at_end(Skipped&) const { return bytes_.find_first_not_of(" \t\r\n", at_) == std::string_view::npos; }
     template <typename... Parts> [[noreturn]] void fail(fmt::format_string<Parts...> message, Parts&&... parts) const {
-        throw IoError(
-            fmt::format("{}: at byte {}: {}", name_, at_, fmt::format(message, std::forward<Parts>(parts)...)));
+        throw IoError("{}: at byte {}: {}", name_, at_, fmt::format(message, std::forward<Parts>(parts)...));
     }
 
 private:

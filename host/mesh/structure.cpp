@@ -43,8 +43,7 @@ std::vector<TreeItem> tree_items(const Mesh& mesh, const MeshTriangles& triangle
     if (items.empty())
         throw UsageError("the mesh has no facet with an area");
     if (items.size() >= kMostTriangles)
-        throw UsageError(
-            fmt::format("the mesh has {} triangles; fewer than {} are possible", items.size(), kMostTriangles));
+        throw UsageError("the mesh has {} triangles; fewer than {} are possible", items.size(), kMostTriangles);
     return items;
 }
 
@@ -270,9 +269,9 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
     const glm::vec<3, T> centre(structure.centre - origin_of(structure)), world(structure.centre);
     if (!std::isnormal(static_cast<T>(structure.scale)) || !(std::isnormal(rounded) || stiffness == 0) ||
         !std::isfinite(world.x + world.y + world.z))
-        throw UsageError(fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
-                                     "cannot hold; a normal number of newtons would be right",
-                                     stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
+        throw UsageError("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
+                         "cannot hold; a normal number of newtons would be right",
+                         stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double");
     MeshTables<T> tables{
         {}, structure.parts, reals_as<T>(structure.reals, *structure.parts), structure.winding, structure.solid, {}};
     tables.params.centre_x = centre.x;

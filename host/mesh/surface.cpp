@@ -218,9 +218,9 @@ private:
 
     void count_step() {
         if (++steps_ > most_steps_)
-            throw UsageError(fmt::format("facets without area lie on each other and cut the mesh's other facets into "
-                                         "more than {} pieces; remove the facets without area",
-                                         most_steps_));
+            throw UsageError("facets without area lie on each other and cut the mesh's other facets into "
+                             "more than {} pieces; remove the facets without area",
+                             most_steps_);
     }
 
     /// The places of the corners in ascending order.

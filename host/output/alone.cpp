@@ -97,9 +97,9 @@ std::string Sha256::finish() {
 }
 
 HeightImage read_height_exr(const ReadableFile& file) {
-    throw UsageError(fmt::format("{}: this build reads no OpenEXR images: convert the height map to PNG, or build with "
-                                 "FORCESHADE_LIBRARY_ONLY=OFF",
-                                 file.path().string()));
+    throw UsageError("{}: this build reads no OpenEXR images: convert the height map to PNG, or build with "
+                     "FORCESHADE_LIBRARY_ONLY=OFF",
+                     file.path().string());
 }
 
 } // namespace forceshade

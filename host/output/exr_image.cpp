@@ -203,7 +203,7 @@ Image::~Image() = default;
 void Image::damaged(const std::string& what) const {
     if (context_->failure)
         throw IoError(*context_->failure);
-    throw IoError(fmt::format("cannot read {}: {}", name_.string(), what));
+    throw IoError("cannot read {}: {}", name_.string(), what);
 }
 
 Layer Image::layer_of(int part) const {
@@ -340,14 +340,14 @@ std::vector<std::size_t> choose_channels(const ReadableFile& file, const exr::La
         std::string all;
         for (const exr::Channel& channel : layer.channels)
             all += (all.empty() ? "" : ", ") + channel.name;
-        throw UsageError(fmt::format(
+        throw UsageError(
             "{}: none of its channels ({}) is a height map's: it needs Y, a single channel, or R, G and B alike",
-            file.path().string(), all));
+            file.path().string(), all);
     }
     for (const std::size_t c : chosen)
         if (const exr::Channel& channel = layer.channels[c]; channel.x_sampling != 1 || channel.y_sampling != 1)
-            throw UsageError(fmt::format("{}: channel {} is sub-sampled: a height map needs every pixel",
-                                         file.path().string(), channel.name));
+            throw UsageError("{}: channel {} is sub-sampled: a height map needs every pixel", file.path().string(),
+                             channel.name);
     return chosen;
 }
 
@@ -370,12 +370,12 @@ double height_at(const ReadableFile& file, const exr::Layer& layer, const std::v
     const double first = value(chosen.front());
     for (const std::size_t c : chosen) {
         if (!std::isfinite(value(c)))
-            throw UsageError(fmt::format("{}: the pixel in row {}, column {} is {}: a height must be finite",
-                                         file.path().string(), row, column, value(c)));
+            throw UsageError("{}: the pixel in row {}, column {} is {}: a height must be finite", file.path().string(),
+                             row, column, value(c));
         if (value(c) != first)
-            throw UsageError(fmt::format(
+            throw UsageError(
                 "{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, G and B alike)",
-                file.path().string(), row, column));
+                file.path().string(), row, column);
     }
     return first;
 }
@@ -386,7 +386,7 @@ HeightImage read_height_exr(const ReadableFile& file) {
     exr::Image source(file, file.path());
     const exr::Layer& layer = source.layers().front();
     if (!layer.is_supported())
-        throw UsageError(fmt::format("{}: {}", file.path().string(), exr::kUnsupported));
+        throw UsageError("{}: {}", file.path().string(), exr::kUnsupported);
     HeightImage image;
     image.columns = exr::Layer::extent(layer.display.min.x, layer.display.max.x);
     image.rows = exr::Layer::extent(layer.display.min.y, layer.display.max.y);

@@ -57,15 +57,14 @@ std::vector<Part> parts_of(const VolumeHeader& header) {
 void require_possible(const VolumeHeader& header) {
     const auto [nx, ny, nz] = header.size;
     if (nx == 0 || ny == 0 || nz == 0)
-        throw UsageError(
-            fmt::format("a grid of {} x {} x {} samples is empty: every size must be 1 or more", nx, ny, nz));
+        throw UsageError("a grid of {} x {} x {} samples is empty: every size must be 1 or more", nx, ny, nz);
     if (ny > kMostRows / nz)
-        throw UsageError(fmt::format(
+        throw UsageError(
             "a grid of {} x {} x {} samples has more than the {} rows (y times z) that an EXR holds: make it smaller",
-            nx, ny, nz, kMostRows));
+            nx, ny, nz, kMostRows);
     if (nx > kMostColumns)
-        throw UsageError(fmt::format(
-            "a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx, kMostColumns));
+        throw UsageError("a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx,
+                         kMostColumns);
 }
 
 namespace {
@@ -146,7 +145,7 @@ struct VolumeReader::State {
             refuse(fmt::format("its part {} has another layout", name_of_channel(part.channel)));
     }
     [[noreturn]] void refuse(const std::string& why) const {
-        throw IoError(fmt::format("cannot read {}: it is not a volume of this program, {}", path.string(), why));
+        throw IoError("cannot read {}: it is not a volume of this program, {}", path.string(), why);
     }
 
     std::uint64_t rows() const { return header.size[1] * header.size[2]; }
@@ -245,7 +244,7 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
     const ReadableFile file(path);
     exr::Image image(file, path);
     const auto refuse = [&](const std::string& why) {
-        throw IoError(fmt::format("cannot read {}: it holds no paths of this program, {}", path.string(), why));
+        throw IoError("cannot read {}: it holds no paths of this program, {}", path.string(), why);
     };
     const exr::Layer& first = image.layers().front();
     const std::uint64_t columns = first.columns(), rows = first.rows();

@@ -138,9 +138,9 @@ public:
     // Throws IoError if the file does not hold the data that were written.
     void read_back() {
         if (sha256_of_file(file_.temporary_path(), *data_from_) != data_.finish())
-            throw IoError(fmt::format("cannot write {}: read back from the disk it differs from what was written; "
-                                      "check the disk and the memory",
-                                      file_.path().string()));
+            throw IoError("cannot write {}: read back from the disk it differs from what was written; "
+                          "check the disk and the memory",
+                          file_.path().string());
     }
 
     // Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if it had one, else `cannot
@@ -151,11 +151,11 @@ public:
         } catch (const Error&) {
             throw;
         } catch (const std::bad_alloc&) {
-            throw IoError(fmt::format("cannot write {}: out of memory", file_.path().string()));
+            throw IoError("cannot write {}: out of memory", file_.path().string());
         } catch (const std::exception& error) {
             if (failure_)
                 throw IoError(*failure_);
-            throw IoError(fmt::format("cannot write {}: {}", file_.path().string(), error.what()));
+            throw IoError("cannot write {}: {}", file_.path().string(), error.what());
         }
     }
 
@@ -304,9 +304,8 @@ void RowsWriter::throw_if_refused(const PlaceText& place) const {
     for (const PartRows& rows : parts_) {
         const auto& [value, at, found] = rows.watch.largest();
         if (rows.part.format == PixelFormat::half && overflows_half(static_cast<float>(value)))
-            throw UsageError(
-                fmt::format("{}: half cannot hold {:.6g} {} at {}, its largest is 65504: write pixel = \"float\"",
-                            file_.path().string(), static_cast<float>(value), rows.part.unit, place(at)));
+            throw UsageError("{}: half cannot hold {:.6g} {} at {}, its largest is 65504: write pixel = \"float\"",
+                             file_.path().string(), static_cast<float>(value), rows.part.unit, place(at));
     }
 }
 
@@ -405,12 +404,12 @@ void require_possible(const PathVolumeHeader& header) {
     if (header.steps == 0 || header.paths == 0)
         throw UsageError("there are no paths to write");
     if (header.steps > kMostColumns)
-        throw UsageError(fmt::format(
+        throw UsageError(
             "paths of {} steps are longer than the {} that an EXR holds: write a .csv file, or make them shorter",
-            header.steps, kMostColumns));
+            header.steps, kMostColumns);
     if (header.paths > kMostRows)
-        throw UsageError(fmt::format("{} paths are more than the {} that an EXR holds: write fewer to a file",
-                                     header.paths, kMostRows));
+        throw UsageError("{} paths are more than the {} that an EXR holds: write fewer to a file", header.paths,
+                         kMostRows);
 }
 
 Sheet sheet_of(const PathVolumeHeader& header) {

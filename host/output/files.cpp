@@ -138,8 +138,8 @@ int flush_folder(const std::filesystem::path& folder) {
 IoError file_error(const char* verb, const std::filesystem::path& path, int number) {
     const char* reason = ::strerrordesc_np(number);
     const bool writing = std::string_view(verb) == "write";
-    return IoError(fmt::format("cannot {} {}: {}{}", verb, path.string(), reason ? reason : "unknown error",
-                               advice(path, writing, number)));
+    return IoError("cannot {} {}: {}{}", verb, path.string(), reason ? reason : "unknown error",
+                   advice(path, writing, number));
 }
 
 TemporaryFile::TemporaryFile(std::filesystem::path final_path) : path_(std::move(final_path)) {
@@ -332,12 +332,12 @@ void make_subfolder(const std::filesystem::path& folder, const std::string& name
     const std::filesystem::path subfolder = folder / name;
     std::error_code error;
     if (std::filesystem::is_symlink(subfolder, error))
-        throw IoError(fmt::format("cannot write into {}: it is a symbolic link, and what it leads to may be another's; "
-                                  "remove the link, or choose another folder for the results",
-                                  subfolder.string()));
+        throw IoError("cannot write into {}: it is a symbolic link, and what it leads to may be another's; "
+                      "remove the link, or choose another folder for the results",
+                      subfolder.string());
     std::filesystem::create_directories(subfolder, error);
     if (error)
-        throw IoError(fmt::format("cannot make the folder {}: {}", subfolder.string(), error.message()));
+        throw IoError("cannot make the folder {}: {}", subfolder.string(), error.message());
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {

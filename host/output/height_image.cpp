@@ -19,9 +19,8 @@ namespace forceshade {
 void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows) {
     constexpr std::uint64_t kMostHeightSamples = 1ull << 28;
     if (columns == 0 || rows == 0 || columns > kMostHeightSamples / rows)
-        throw UsageError(
-            fmt::format("{}: a height map of {} x {} samples cannot be used: between 1 and {} samples are possible",
-                        file.path().string(), columns, rows, kMostHeightSamples));
+        throw UsageError("{}: a height map of {} x {} samples cannot be used: between 1 and {} samples are possible",
+                         file.path().string(), columns, rows, kMostHeightSamples);
     constexpr double kSampleBytes = 32; // measured: the sample, its gradients in both precisions, and the device's copy
     require_memory(file.path(), fmt::format("a height map of {} x {} samples", columns, rows),
                    kSampleBytes * static_cast<double>(columns * rows));
@@ -55,7 +54,7 @@ private:
     /// to be destroyed; all memory belongs to this object.
     template <typename Work> void guard(const Work& work) {
         if (setjmp(png_jmpbuf(png_)) != 0)
-            throw IoError(fmt::format("cannot read {}: no valid PNG file, {}", file_.path().string(), message_));
+            throw IoError("cannot read {}: no valid PNG file, {}", file_.path().string(), message_);
         work();
     }
     void start();
@@ -121,9 +120,9 @@ void PngDecoder::convert_row(std::span<const png_byte> row, std::size_t y, std::
         samples[x] = component(row, x * components_);
         for (std::size_t c = 1; c < components_; ++c)
             if (component(row, x * components_ + c) != samples[x])
-                throw UsageError(fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be "
-                                             "grey (red, green and blue alike)",
-                                             file_.path().string(), y, x));
+                throw UsageError("{}: the pixel in row {}, column {} is coloured: a height map must be "
+                                 "grey (red, green and blue alike)",
+                                 file_.path().string(), y, x);
     }
 }
 
@@ -133,8 +132,7 @@ HeightImage PngDecoder::decode() {
     require_height_size(file_, width, height);
     constexpr std::uint64_t kMostDeflation = 1040; // deflate shrinks by 1032 at most
     if (std::uint64_t{width} * height / 8 > file_.size() * kMostDeflation)
-        throw IoError(
-            fmt::format("cannot read {}: it is too short for {} x {} samples", file_.path().string(), width, height));
+        throw IoError("cannot read {}: it is too short for {} x {} samples", file_.path().string(), width, height);
     guard([this] { start(); });
     HeightImage image;
     image.columns = width;
@@ -163,15 +161,15 @@ HeightImage read_height_image(const std::filesystem::path& path) {
     constexpr std::array<unsigned char, 4> kExr{0x76, 0x2f, 0x31, 0x01};
     std::array<std::byte, 8> magic{};
     if (file.read_some(0, magic) == 0)
-        throw IoError(fmt::format("cannot read {}: it is empty", path.string()));
+        throw IoError("cannot read {}: it is empty", path.string());
     HeightImage image;
     if (std::memcmp(magic.data(), kPng.data(), kPng.size()) == 0)
         image = PngDecoder(file).decode();
     else if (std::memcmp(magic.data(), kExr.data(), kExr.size()) == 0)
         image = read_height_exr(file);
     else
-        throw UsageError(fmt::format("{}: neither a PNG nor an OpenEXR image: convert the height map to one of them",
-                                     path.string()));
+        throw UsageError("{}: neither a PNG nor an OpenEXR image: convert the height map to one of them",
+                         path.string());
     image.sha256 = sha256_of_file(path);
     return image;
 }

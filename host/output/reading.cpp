@@ -54,8 +54,8 @@ std::uint64_t parse_memory(const std::string& text) {
         if (error == std::errc() && (unit == name || (unit.starts_with(' ') && unit.substr(1) == name)))
             if (const double all = number * bytes; all >= 1 && all < 0x1p63)
                 return static_cast<std::uint64_t>(all);
-    throw UsageError(fmt::format(
-        "--max-memory {}: it is a number with kB, MB, GB, TB, KiB, MiB, GiB or TiB, for example \"8 GiB\"", text));
+    throw UsageError("--max-memory {}: it is a number with kB, MB, GB, TB, KiB, MiB, GiB or TiB, for example \"8 GiB\"",
+                     text);
 }
 
 void set_memory_limit(std::uint64_t bytes) {
@@ -64,10 +64,10 @@ void set_memory_limit(std::uint64_t bytes) {
 
 void require_memory(const std::filesystem::path& file, const std::string& what, double bytes) {
     if (const auto most = static_cast<double>(limit.load()); bytes > most)
-        throw UsageError(fmt::format("{}: {} needs about {} of memory, more than the {} that are allowed: make it "
-                                     "smaller, or say --max-memory \"{}\"",
-                                     file.string(), what, in_words(bytes, std::ceil), in_words(most, std::floor),
-                                     in_words(bytes, std::ceil)));
+        throw UsageError("{}: {} needs about {} of memory, more than the {} that are allowed: make it "
+                         "smaller, or say --max-memory \"{}\"",
+                         file.string(), what, in_words(bytes, std::ceil), in_words(most, std::floor),
+                         in_words(bytes, std::ceil));
 }
 
 FileStamp stamp_of(const std::filesystem::path& path) {
@@ -90,7 +90,7 @@ ReadableFile::ReadableFile(std::filesystem::path path) : path_(std::move(path)) 
     }
     if (!S_ISREG(status.st_mode)) {
         ::close(descriptor_);
-        throw IoError(fmt::format("cannot read {}: it is not a regular file", path_.string()));
+        throw IoError("cannot read {}: it is not a regular file", path_.string());
     }
     stamp_ = stamp_of(status);
 }

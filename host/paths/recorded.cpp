@@ -59,17 +59,17 @@ RecordedFile::RecordedFile(std::string source, std::vector<std::vector<glm::dvec
                            const RecordedOptions& options)
     : path_(std::move(source)), largest_coordinate_(options.largest_coordinate), scale_(options.origin) {
     if (paths.empty())
-        throw UsageError(fmt::format("{}: there is no path", path_.string()));
+        throw UsageError("{}: there is no path", path_.string());
     for (std::size_t path = 0; path < paths.size(); ++path) {
         if (paths[path].empty() || paths[path].size() > kMostSteps)
-            throw UsageError(fmt::format("{}[{}]: {} samples; a path has 1 to {}", path_.string(), path,
-                                         paths[path].size(), kMostSteps));
+            throw UsageError("{}[{}]: {} samples; a path has 1 to {}", path_.string(), path, paths[path].size(),
+                             kMostSteps);
         for (std::size_t i = 0; i < paths[path].size(); ++i) {
             const glm::dvec3& probe = paths[path][i];
             const double farthest = std::max({std::abs(probe.x), std::abs(probe.y), std::abs(probe.z)});
             if (!(farthest <= largest_coordinate_) || std::isnan(probe.x + probe.y + probe.z))
-                throw UsageError(fmt::format("{}[{}][{}]: ({}, {}, {}) m: coordinates are numbers of up to {:.3g} m",
-                                             path_.string(), path, i, probe.x, probe.y, probe.z, largest_coordinate_));
+                throw UsageError("{}[{}][{}]: ({}, {}, {}) m: coordinates are numbers of up to {:.3g} m",
+                                 path_.string(), path, i, probe.x, probe.y, probe.z, largest_coordinate_);
             i == 0 ? scale_.begin(probe) : scale_.add(probe, paths[path][i - 1]);
             kept_.push_back({path, options.period * static_cast<double>(i), probe, 0});
         }
@@ -133,7 +133,7 @@ void RecordedFile::require_unchanged() const {
 }
 
 void RecordedFile::refuse_change() const {
-    throw IoError(fmt::format("{} was changed while it was read; no file was written", path_.string()));
+    throw IoError("{} was changed while it was read; no file was written", path_.string());
 }
 
 void RecordedCursor::restart() {
@@ -250,8 +250,8 @@ void add_recorded_digest(PreparedCase& prepared) {
     require_file(*paths);
     const std::string found = sha256_of_file(paths->path);
     if (!paths->sha256.empty() && paths->sha256 != found)
-        throw UsageError(fmt::format("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}",
-                                     paths->file, found, paths->sha256));
+        throw UsageError("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}", paths->file,
+                         found, paths->sha256);
     paths->sha256 = found;
     prepared.scene = resolved_toml(prepared.one);
 }

@@ -67,9 +67,9 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     region_.centre = {region_.centre[0] - origin_.x, region_.centre[1] - origin_.y};
     region_.height -= origin_.z;
     if (prepared.images.mesh && spec_.kind != PathKind::recorded && !(farthest <= largest_coordinate<T>(prepared)))
-        throw UsageError(fmt::format("the paths reach {:.3g} m from the origin, further from the mesh than {} can "
-                                     "follow: at most {:.3g} m; are the units right?",
-                                     farthest, name_of(kPrecisionOf<T>), largest_coordinate<T>(prepared)));
+        throw UsageError("the paths reach {:.3g} m from the origin, further from the mesh than {} can "
+                         "follow: at most {:.3g} m; are the units right?",
+                         farthest, name_of(kPrecisionOf<T>), largest_coordinate<T>(prepared));
     if (spec_.kind == PathKind::recorded) {
         if (!recorded)
             recorded = read_recorded<T>(prepared, spec_.path);
@@ -357,9 +357,9 @@ namespace {
 template <typename T> T rounded(double value, const char* what) {
     const T result = static_cast<T>(value);
     if (!std::isfinite(result))
-        throw UsageError(fmt::format("{} = {} is beyond {} precision{}", what, value,
-                                     std::is_same_v<T, float> ? "single" : "double",
-                                     std::is_same_v<T, float> ? ": use precision f64" : ""));
+        throw UsageError("{} = {} is beyond {} precision{}", what, value,
+                         std::is_same_v<T, float> ? "single" : "double",
+                         std::is_same_v<T, float> ? ": use precision f64" : "");
     return result;
 }
 

@@ -112,8 +112,8 @@ template <typename T> std::span<const glm::dvec3> checked(const Points& points, 
     for (std::size_t i = 0; i < all.size(); ++i) {
         const glm::dvec3& point = all[i];
         if (!(std::abs(point.x) <= largest && std::abs(point.y) <= largest && std::abs(point.z) <= largest))
-            throw UsageError(fmt::format("points[{}] = ({}, {}, {}) m: coordinates are numbers of up to {:.3g} m", i,
-                                         point.x, point.y, point.z, largest));
+            throw UsageError("points[{}] = ({}, {}, {}) m: coordinates are numbers of up to {:.3g} m", i, point.x,
+                             point.y, point.z, largest);
     }
     return all;
 }
@@ -135,7 +135,7 @@ std::uint32_t channels_named(const std::vector<std::string>& names) {
         while (channel <= layout::kChannelUnshaded && name != name_of_channel(channel))
             channel *= 2;
         if (channel > layout::kChannelUnshaded)
-            throw UsageError(fmt::format("no channel \"{}\": there are force, depth, facet, proxy and unshaded", name));
+            throw UsageError("no channel \"{}\": there are force, depth, facet, proxy and unshaded", name);
         channels |= channel;
     }
     return channels;
@@ -339,7 +339,7 @@ std::vector<std::vector<glm::dvec3>> positions_of(const std::vector<Points>& pat
     for (std::size_t path = 0; path < paths.size(); ++path) {
         const Points& points = paths[path];
         if (points.ndim() != 2 || points.shape(1) != 3)
-            throw UsageError(fmt::format("paths[{}] is no array of shape (steps, 3), in metres", path));
+            throw UsageError("paths[{}] is no array of shape (steps, 3), in metres", path);
         const auto* first = reinterpret_cast<const glm::dvec3*>(points.data());
         result.emplace_back(first, first + points.shape(0));
     }

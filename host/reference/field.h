@@ -2,6 +2,7 @@
 // line.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 #include "shaders/shared/law.h"
@@ -19,5 +20,14 @@ struct FieldOptions {
 template <typename T>
 void evaluate_field(const layout::FieldInput<T>& input, const FieldOptions& options,
                     const std::function<void(const layout::FieldChunk<T>&)>& consume);
+
+/// The plan of a mesh's samples z in [z_first, z_first + z_count), z_first even; valid until it is asked for the next.
+using PlanLayers = std::function<layout::MeshPlan(std::size_t z_first, std::size_t z_count)>;
+
+/// L6 static, as evaluate_field() with the same bits: voxels outside of the plan are out of contact, and only a block's
+/// candidates are tested.
+template <typename T>
+void evaluate_mesh_field(const layout::FieldInput<T>& input, const FieldOptions& options, const PlanLayers& plan,
+                         const std::function<void(const layout::FieldChunk<T>&)>& consume);
 
 } // namespace forceshade::reference

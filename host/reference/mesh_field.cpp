@@ -1,4 +1,4 @@
-#include "host/reference/mesh_field.h"
+#include "host/reference/field.h"
 
 #include <algorithm>
 #include <array>

@@ -226,7 +226,7 @@ std::vector<std::string> folders_of(const std::filesystem::path& root) {
     std::error_code error;
     const std::vector<std::string> names = folders_below(root, error);
     if (error)
-        throw IoError(fmt::format("cannot read the folder {}: {}", root.string(), error.message()));
+        throw IoError("cannot read the folder {}: {}", root.string(), error.message());
     for (const std::string& name : names) {
         folders.push_back(name);
         if (has_results(root / name))

@@ -40,7 +40,7 @@ RunSamples samples_of_csv(const std::filesystem::path& file) {
         while (cells[i] < csv.size() && csv.text(cells[i]) != kColumns[i])
             ++cells[i];
         if (cells[i] == csv.size())
-            throw UsageError(fmt::format("{}: it has no column {}", file.string(), kColumns[i]));
+            throw UsageError("{}: it has no column {}", file.string(), kColumns[i]);
     }
     RunSamples samples;
     for (std::size_t row = 0; csv.next(); ++row) {

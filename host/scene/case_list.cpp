@@ -212,7 +212,7 @@ void CaseList::name(const std::vector<std::size_t>& order) {
     if (std::ranges::find(hashed_, true) != hashed_.end())
         for (std::size_t i = 0; i < items_.size(); ++i)
             if (!names.insert(lower_hash(name_of(i))).second)
-                throw UsageError(fmt::format("two cases of the study have the name {}", name_of(i)));
+                throw UsageError("two cases of the study have the name {}", name_of(i));
 }
 
 // Of the value that a choice has, in the label's list.

@@ -169,7 +169,7 @@ Scene build_scene(const Selection& selection) {
 }
 
 void refuse_pattern(const std::string& pattern, std::size_t cases, const std::string& first) {
-    throw UsageError(fmt::format("--only \"{}\" matches none of {} cases; the first is {}", pattern, cases, first));
+    throw UsageError("--only \"{}\" matches none of {} cases; the first is {}", pattern, cases, first);
 }
 
 std::vector<const Case*> cases_named(const Study& study, const std::string& pattern) {

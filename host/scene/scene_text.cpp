@@ -48,8 +48,8 @@ void refuse_foreign(const std::filesystem::path& path, std::string_view text) {
     const std::string ending = fmt::format(" {} ", lower_case(path.extension().string()));
     for (const Foreign& one : kForeign)
         if (one.endings.find(ending) != one.endings.npos || text.starts_with(one.magic))
-            throw UsageError(fmt::format("{} is {}, not a scene; {}", path.string(), one.what,
-                                         fmt::format(fmt::runtime(one.advice), path.string(), path.stem().string())));
+            throw UsageError("{} is {}, not a scene; {}", path.string(), one.what,
+                             fmt::format(fmt::runtime(one.advice), path.string(), path.stem().string()));
 }
 
 // Comments alone are no content.
@@ -78,8 +78,8 @@ bool has_content(std::string_view text) {
     constexpr std::size_t kShown = 5;
     const bool more = scenes.size() > kShown;
     scenes.resize(std::min(scenes.size(), kShown));
-    throw IoError(fmt::format("cannot read {}: it is a folder, and a TOML file is wanted{}{}{}", path.string(),
-                              scenes.empty() ? "" : "; in it: ", fmt::join(scenes, ", "), more ? ", ..." : ""));
+    throw IoError("cannot read {}: it is a folder, and a TOML file is wanted{}{}{}", path.string(),
+                  scenes.empty() ? "" : "; in it: ", fmt::join(scenes, ", "), more ? ", ..." : "");
 }
 
 // Not to the end of what has none, as /dev/zero: parse_toml says that it is too much.
@@ -98,8 +98,8 @@ std::string read_text(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::string text = read_all(file);
     if (!file.is_open() || file.bad())
-        throw IoError(fmt::format("cannot read {}: {}{}", path.string(), std::generic_category().message(errno),
-                                  errno == ENOENT ? missing_file_advice(path) : ""));
+        throw IoError("cannot read {}: {}{}", path.string(), std::generic_category().message(errno),
+                      errno == ENOENT ? missing_file_advice(path) : "");
     return text;
 }
 
@@ -119,9 +119,9 @@ SceneText read_scene_text(const std::filesystem::path& path) {
                                              : SceneText{read_text(path), path.string(), path.parent_path()};
     refuse_foreign(read.source, read.text);
     if (!has_content(read.text))
-        throw UsageError(fmt::format(
+        throw UsageError(
             "{} has no [surface], nor anything else; a scene to start from: forceshade init bump -o bump.toml",
-            read.source));
+            read.source);
     return read;
 }
 

@@ -129,8 +129,7 @@ public:
         if (!error)
             acceptor_.listen(16, error);
         if (error)
-            throw UsageError(
-                fmt::format("--port {}: cannot be had ({}); choose another, or none", port, error.message()));
+            throw UsageError("--port {}: cannot be had ({}); choose another, or none", port, error.message());
         port_ = acceptor_.local_endpoint().port();
         accepting_ = std::thread([self = shared_from_this()] { self->accept(); });
     }

@@ -36,8 +36,8 @@ std::size_t slurm_number(const char* name) {
     const char* text = std::getenv(name);
     const std::optional<std::size_t> value = text ? whole_number(text) : std::nullopt;
     if (!value)
-        throw UsageError(fmt::format("--shard slurm: {} is {}: say --shard I/N (1/1: everything)", name,
-                                     text ? fmt::format("\"{}\"", text) : "not set"));
+        throw UsageError("--shard slurm: {} is {}: say --shard I/N (1/1: everything)", name,
+                         text ? fmt::format("\"{}\"", text) : "not set");
     return *value;
 }
 
@@ -48,11 +48,11 @@ Shard array_part() {
     const std::size_t id = slurm_number("SLURM_ARRAY_TASK_ID"), count = slurm_number("SLURM_ARRAY_TASK_COUNT");
     const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN"), last = slurm_number("SLURM_ARRAY_TASK_MAX");
     if (first > 1 || last != first + count - 1 || count < 2 || id < first || id > last)
-        throw UsageError(fmt::format(
+        throw UsageError(
             "--shard slurm: this is task {} of a Slurm array of {} from {} to {}; only the arrays 1-N and 0-(N-1) "
             "define the part of the study: say --shard I/N, for example --shard "
             "$SLURM_ARRAY_TASK_ID/8",
-            id, count, first, last));
+            id, count, first, last);
     return {id - first + 1, count};
 }
 
@@ -62,9 +62,9 @@ Shard step_part() {
         return {};
     const std::size_t count = slurm_number("SLURM_STEP_NUM_TASKS"), rank = slurm_number("SLURM_PROCID");
     if (rank >= count)
-        throw UsageError(fmt::format("--shard slurm: this is task {} of {} of a step, which cannot be: say --shard I/N "
-                                     "(1/1: everything)",
-                                     rank, count));
+        throw UsageError("--shard slurm: this is task {} of {} of a step, which cannot be: say --shard I/N "
+                         "(1/1: everything)",
+                         rank, count);
     return {rank + 1, count};
 }
 
@@ -137,17 +137,17 @@ Shard parse_shard(const std::string& text) {
         if (index && total && is_shard({*index, *total}))
             return {*index, *total};
     }
-    throw UsageError(fmt::format("--shard {}: it is I/N with 1 <= I <= N, for example 3/8, or slurm", text));
+    throw UsageError("--shard {}: it is I/N with 1 <= I <= N, for example 3/8, or slurm", text);
 }
 
 void require_whole() {
     const char* const tasks = std::getenv("SLURM_STEP_NUM_TASKS");
     const bool step = tasks && std::string_view(tasks) != "1";
     if (step || std::getenv("SLURM_ARRAY_TASK_ID"))
-        throw UsageError(fmt::format(
+        throw UsageError(
             "Slurm's variables say that this is one of several tasks (of {}), or was begun by one: say --shard slurm "
             "to do the part of the study that they name, --shard I/N to do another, --shard 1/1 to do all of it",
-            step ? "an srun" : "an array"));
+            step ? "an srun" : "an array");
 }
 
 std::string ShardNote::name() const {
@@ -306,7 +306,7 @@ void require_readable(const std::filesystem::path& folder) {
 
 MergeResult merge_sweep(Study study, const MergeOptions& options) {
     if (!std::filesystem::is_directory(options.folder))
-        throw IoError(fmt::format("{}: there is no such folder to merge", options.folder.string()));
+        throw IoError("{}: there is no such folder to merge", options.folder.string());
     if (!options.replace)
         require_same_study(options.folder, study);
     make_subfolder(options.folder, "manifest.d");
@@ -354,10 +354,10 @@ MergeResult merge_sweep(Study study, const MergeOptions& options) {
             if (failure.name.empty() && shards.contains(note.shard)) // it stopped all that were left
                 result.failures.push_back(fmt::format("shard {}: {}", note.name(), failure.message));
     if (result.recorded == 0 && result.failures.empty())
-        throw UsageError(fmt::format(
+        throw UsageError(
             "{}: no case there is of this study and program {}; name the file that the shards were given, and run the "
             "same program with the same flags",
-            options.folder.string(), version()));
+            options.folder.string(), version());
     if (result.recorded > 0) {
         write_file_atomically(options.folder / "study.toml", resolved_toml(study));
         write_manifest(options.folder, study, records, nullptr);

@@ -1,6 +1,6 @@
 // How a row of the table is run: its law's tables, and kernels that are kept from row to row.
 #include "host/paths/scene_paths.h"
-#include "host/reference/mesh_field.h"
+#include "host/reference/field.h"
 #include "tests/gpu/rows.h"
 
 namespace forceshade::test {

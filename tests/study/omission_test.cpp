@@ -170,7 +170,8 @@ TEST_F(OmissionRun, OfAGridInTheAirAboveTouchingPathsSaysSo) {
 TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade-omission-test";
     std::filesystem::create_directories(folder);
-    const Measurement result = measure(*engine_, comparison("bump", "every y"), {6, 0.001, 60}, folder);
+    const Comparison one = comparison("bump", "every y");
+    const Measurement result = measure(*engine_, one, {6, 0.001, 60}, folder);
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     std::filesystem::remove_all(folder);
     EXPECT_EQ(result.with.kernel.size(), 6u);
@@ -179,6 +180,9 @@ TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {
     EXPECT_EQ(result.with.cost.received, 8 * result.without.cost.received);
     EXPECT_EQ(result.with.file, result.without.file) << "the file holds every y either way";
     EXPECT_EQ(result.agreement.differing, 0u);
+    const Agreement in_place = held(one);
+    EXPECT_EQ(result.agreement.compared, 4 * in_place.compared) << "in place, and where three rounds moved the grid";
+    EXPECT_NE(result.agreement.in_contact, 4 * in_place.in_contact);
 }
 
 // A patch has no inside: its winding number is another law.

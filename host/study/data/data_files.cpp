@@ -188,8 +188,7 @@ std::vector<std::string> remove_left_over(const std::filesystem::path& folder, c
         if (!file_is_intact(path, file.sha256))
             changed.push_back(file.name);
         else if (std::filesystem::remove(path, error); error)
-            throw IoError(
-                fmt::format("cannot remove {}, which an earlier run left: {}", path.string(), error.message()));
+            throw IoError("cannot remove {}, which an earlier run left: {}", path.string(), error.message());
     }
     return changed;
 }

@@ -8,6 +8,7 @@
 #include "host/output/exr_volume.h"
 #include "host/paths/scene_paths.h"
 #include "host/program.h"
+#include "host/random.h"
 #include "host/study/omission/omission.h"
 
 namespace forceshade::study {
@@ -32,11 +33,19 @@ void place(const layout::PathChunk<T>& chunk, const layout::PathInput<T>& input,
 template <typename T> class Side {
 public:
     /// `setup` must outlive it; `paths`: those of its scene, not its field.
-    Side(const Setup& setup, bool paths) : setup_(setup), scene_(setup.prepared.one.scene) {
-        if (paths)
-            paths_ = std::make_unique<ScenePaths<T>>(setup.prepared);
-        else
-            tables_ = make_tables<T>(scene_, setup.prepared.images, setup.extent);
+    Side(const Setup& setup, bool paths) : setup_(setup), scene_(setup.prepared.one.scene), drawn_(setup.prepared) {
+        make(paths);
+    }
+
+    /// The same scene on a grid elsewhere, or with other paths of the same kind.
+    void draw(unsigned number) {
+        Random random(number, "grids and paths of the study of omissions");
+        Scene& scene = drawn_.one.scene;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            scene.grid.origin[axis] = scene_.grid.origin[axis] + (random.uniform() - 0.5) * scene_.grid.spacing[axis];
+        if (paths_)
+            scene.paths->seed = scene_.paths->seed + number;
+        make(paths_ != nullptr);
     }
 
     /// Of the grid, or of all paths.
@@ -113,6 +122,13 @@ public:
     }
 
 private:
+    void make(bool paths) {
+        if (paths)
+            paths_ = std::make_unique<ScenePaths<T>>(drawn_);
+        else
+            tables_ = make_tables<T>(drawn_.one.scene, drawn_.images, setup_.extent);
+    }
+
     layout::PathInput<T> path_input(std::uint32_t more_channels) {
         layout::PathInput<T> input = paths_->input();
         input.features.channels = setup_.samples ? input.features.channels | more_channels : 0;
@@ -160,6 +176,7 @@ private:
 
     const Setup& setup_;
     const Scene& scene_;
+    PreparedCase drawn_;
     FieldTables<T> tables_{};
     std::unique_ptr<ScenePaths<T>> paths_{};
     MeasuredSide measured_{};
@@ -170,15 +187,21 @@ template <typename T>
 Measurement measure_in(Engine& engine, const Comparison& comparison, const Rounds& rounds,
                        const std::filesystem::path& folder) {
     constexpr double kLeastRounds = 5, kMostTimes = 64;
+    constexpr unsigned kCompared = 3; // of the draws
     Side<T> with(comparison.with, comparison.paths), without(comparison.without, comparison.paths);
     // Also compiles the kernels and warms the caches.
-    const Agreement agreement =
+    Agreement agreement =
         compare(comparison, with.capture(engine, comparison.channels), without.capture(engine, comparison.channels));
     const double taken = std::max(1e-6, with.measure(engine).whole + without.measure(engine).whole);
     const auto count = static_cast<unsigned>(std::clamp(rounds.budget / taken, kLeastRounds, double(rounds.count)));
     const auto times = static_cast<unsigned>(std::clamp(rounds.seconds / taken, 1.0, kMostTimes));
     for (unsigned round = 0; round < count; ++round) {
         check_interrupt();
+        with.draw(round + 1);
+        without.draw(round + 1);
+        if (round < kCompared)
+            agreement += compare(comparison, with.capture(engine, comparison.channels),
+                                 without.capture(engine, comparison.channels));
         for (unsigned i = 0; i < times; ++i) { // each side comes first as often
             const bool turned = ((round + i) & 1) != 0;
             (turned ? with : without).measure_in_round(engine, i == 0);

@@ -112,7 +112,8 @@ Table feature_table(const std::vector<Row>& rows) {
               [](const MeasuredSide& side) { return side.file ? Cell(side.file) : Cell(); });
     columns.insert(
         columns.end(),
-        {{"compared", "1", "samples compared, of paths that write none: paths",
+        {{"compared", "1",
+          "samples compared, of the scene as it is and in three rounds; of paths that write none: paths",
           [](const Row& r) { return r.agreement.compared; }},
          {"in_contact", "1", "samples of them with a force", [](const Row& r) { return r.agreement.in_contact; }},
          {"differing", "1", "of those compared", [](const Row& r) { return r.agreement.differing; }},
@@ -228,10 +229,10 @@ constexpr Rounds kFull{15, 0.1, 6}, kQuick{9, 0.02, 1};
 // free space.
 void require_contact(const BaseScene& base, const Touched& samples) {
     if (samples.field == 0 && samples.paths == 0)
-        throw UsageError(fmt::format("no sample of the scene's {} is in contact; move it below the surface",
-                                     !base.paths  ? "[grid]"
-                                     : base.field ? "[grid] and [paths]"
-                                                  : "[paths]"));
+        throw UsageError("no sample of the scene's {} is in contact; move it below the surface",
+                         !base.paths  ? "[grid]"
+                         : base.field ? "[grid] and [paths]"
+                                      : "[paths]");
 }
 
 // If only the grid or only the paths have samples in contact.
@@ -251,11 +252,11 @@ void add_notes(const std::vector<BaseScene>& scenes, const Rounds& rounds, Study
             base.field ? fmt::format("{}: {}, {} x {} x {} voxels.", base.name, base.about, size[0], size[1], size[2])
                        : fmt::format("{}: {}.", base.name, base.about));
     }
-    data.notes.push_back(
-        fmt::format("Each ratio is of {} paired rounds, fewer where they take long; in each both sides were evaluated "
-                    "in turn, each "
-                    "first as often, repeatedly if that takes only a moment, and the least times count.",
-                    rounds.count));
+    data.notes.push_back(fmt::format(
+        "Each ratio is of {} paired rounds, fewer where they take long. In each the grid is moved at random "
+        "by up to half its spacing, or paths are drawn anew; both sides are evaluated in turn, each first "
+        "as often, repeatedly if that takes only a moment, and the least times count.",
+        rounds.count));
     data.notes.push_back("Every y and free space are always left out where a scene permits; the study alone evaluates "
                          "them. Outputs that depend on y (proxies) are switched at every y on both sides.");
 }

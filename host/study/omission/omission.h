@@ -80,7 +80,8 @@ template <typename T> struct Captured : Field<T> {
 template <typename T> Captured<T> capture(Engine& engine, const Setup& setup, bool paths, std::uint32_t channels);
 
 struct Rounds {
-    unsigned count = 0; /* most; each evaluates both sides in turn and takes the least times */
+    unsigned count = 0; /* most; each evaluates both sides in turn, on a grid moved at random or with paths drawn anew,
+                           and takes the least times */
     double seconds = 0; /* target time of a round; it evaluates at least once */
     double budget = 0;  /* s: for all rounds; at least five */
 };
@@ -95,6 +96,13 @@ struct MeasuredSide {
 /// Comparison of both sides' results, sample by sample.
 struct Agreement {
     std::uint64_t compared = 0, in_contact = 0, differing = 0; /* samples; of paths that write none: paths */
+
+    Agreement& operator+=(const Agreement& other) {
+        compared += other.compared;
+        in_contact += other.in_contact;
+        differing += other.differing;
+        return *this;
+    }
 };
 
 template <typename T>

@@ -56,7 +56,7 @@ double height_of(const Setting& setting, double x) {
         return std::lerp(circle_height(setting.radius, left), circle_height(setting.radius, left + cell),
                          (x - left) / cell);
     }
-    if (!setting.is_plain_bump())
+    if (setting.kind != SurfaceKind::bump)
         return 0;
     const FieldTables<double> tables = make_tables<double>(own_case(setting).one.scene, {}, Extent::nothing);
     return reference::facet_at(tables.law(), x).height;
