@@ -229,7 +229,7 @@ void check_mesh(const Mesh& mesh) {
             require(corner < mesh.polygons.vertices.size(), "a triangle has no vertex {}", corner);
 }
 
-/// The triangles below a node of the tree; each child's box and slab hold those below it.
+/// The triangles below a node of the tree; each child's box holds those below it, and its slab but for rounding.
 std::vector<layout::uint> check_node(const MeshStructure& structure, layout::uint node) {
     std::vector<layout::uint> all;
     const layout::MeshNode& one = structure.parts->nodes[node];
@@ -254,7 +254,10 @@ std::vector<layout::uint> check_node(const MeshStructure& structure, layout::uin
                 const long double along = static_cast<long double>(slabs.normal_x[i]) * at[0] +
                                           static_cast<long double>(slabs.normal_y[i]) * at[1] +
                                           static_cast<long double>(slabs.normal_z[i]) * at[2];
-                require(slabs.low[i] <= along && along <= slabs.high[i], "triangle {} is not in its slab", triangle);
+                // Slabs are measured in double precision; a search allows for more than these three products' rounding.
+                const long double rounding = 4e-16L * (std::abs(at[0]) + std::abs(at[1]) + std::abs(at[2]));
+                require(slabs.low[i] - rounding <= along && along <= slabs.high[i] + rounding,
+                        "triangle {} is not in its slab", triangle);
             }
         all.insert(all.end(), below.begin(), below.end());
     }
