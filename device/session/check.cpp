@@ -195,8 +195,8 @@ private:
     }
 
     void tell(const std::string& text) const {
-        if (guide_.tell)
-            guide_.tell(text);
+        if (guide_.print)
+            guide_.print(text);
     }
 
     void add(const char* name, CheckStep step) {
@@ -204,10 +204,10 @@ private:
         check_.steps.push_back(std::move(step));
     }
 
-    bool may_push() const { return ready_ && guide_.somebody; }
+    bool may_push() const { return ready_ && guide_.held; }
     CheckStep not_pushed() const {
-        return guide_.somebody ? skipped("the device is not ready for forces", "see the steps that failed")
-                               : skipped("the probe is not held", kNotHeld);
+        return guide_.held ? skipped("the device is not ready for forces", "see the steps that failed")
+                           : skipped("the probe is not held", kNotHeld);
     }
 
     // Waits a moment and appends the loop's new samples to `seen_`.
@@ -427,7 +427,7 @@ private:
         const unsigned dead_man = opened_.settings.dead_man;
         if (opened_.facts.buttons == 0)
             return absent("the device reports no buttons");
-        if (!guide_.somebody)
+        if (!guide_.held)
             return not_pushed();
         const std::string which = dead_man != 0 ? fmt::format("the dead-man's button, {},", dead_man)
                                                 : std::string("a button of the device, or that which switches its "

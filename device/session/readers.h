@@ -29,7 +29,7 @@ public:
     SampleRing& ring() noexcept { return ring_; }
 
 protected:
-    /// With room for so many samples.
+    /// `room`: samples that the ring holds.
     explicit SampleReader(double room) : ring_(static_cast<std::size_t>(room)) {}
     ~SampleReader() = default;
 

@@ -126,8 +126,8 @@ struct DeviceCheck {
 
 /// The person at the device, and messages to them.
 struct CheckGuide {
-    bool somebody = false;                             // holds it: otherwise the check does not push
-    std::function<void(const std::string& text)> tell; // prints one line
+    bool held = false;                                  // a hand holds the device: otherwise the check does not push
+    std::function<void(const std::string& text)> print; // one line
     std::function<bool()> entered; // whether Enter was pressed since the last question; empty: no terminal
 };
 

@@ -40,7 +40,7 @@ void add_volume(double count, double bytes, Compression compression, Forecast& s
     sum.least_bytes += count * bytes / (compression == Compression::none ? 1 : kMostDeflate);
 }
 
-// Of fields or paths: so many samples with so many reals, and ids.
+// Of fields or paths: `count` samples, each of `reals` and `ids`.
 void add_files(const Scene& scene, double count, double reals, double ids, bool vti, bool npy, Forecast& sum) {
     const double pixel = scene.output.pixel == PixelType::half ? 2 : 4;
     const double real = scene.precision == Precision::f64 ? 8 : 4;

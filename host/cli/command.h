@@ -203,8 +203,8 @@ void describe_look(Options& options, picture::Look& look);
 /// \throws UsageError if options of pictures are given without --also.
 void refuse_unused(const picture::Endings& endings, bool as_by_default);
 
-/// Writes the report of a folder and tells the findings of a study in it, how it was `made` ("energy in 2:01; "), and
-/// where the report is and `what` besides. Always 0.
+/// Writes the report of a folder; prints the findings of a study in it, how it was `made` ("energy in 2:01; "), where
+/// the report is, and `what` else is there. Always 0.
 int show_findings(const study::StudyData& data, const std::filesystem::path& folder, const std::string& made,
                   const char* what, const CommonOptions& common);
 

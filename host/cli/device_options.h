@@ -32,7 +32,8 @@ std::uint16_t page_port(const std::optional<int>& port);
 /// \throws UsageError for what does not fit together.
 device::SessionOptions checked_options(const DeviceArguments& arguments);
 
-/// Who guides a check: a person at the terminal; no one for a simulated hand or if `somebody` holds the device anyway.
-device::CheckGuide check_guide(const DeviceArguments& arguments, bool somebody, const CommonOptions& common);
+/// Who guides a check: a person at the terminal; no one for a simulated hand, or where the device is `held` in any
+/// case.
+device::CheckGuide check_guide(const DeviceArguments& arguments, bool held, const CommonOptions& common);
 
 } // namespace forceshade

@@ -157,15 +157,15 @@ void add_devices_command(CommandLine& program) {
         .example("devices --json", "the same for a script");
 }
 
-device::CheckGuide check_guide(const DeviceArguments& arguments, bool somebody, const CommonOptions& common) {
+device::CheckGuide check_guide(const DeviceArguments& arguments, bool held, const CommonOptions& common) {
     const bool simulated = arguments.session.device.substr(0, arguments.session.device.find(':')) == "sim";
-    const bool terminal = !somebody && !simulated && ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
+    const bool terminal = !held && !simulated && ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
     device::CheckGuide guide;
-    guide.somebody = somebody || simulated || terminal;
+    guide.held = held || simulated || terminal;
     if (terminal)
         guide.entered = enter_pressed;
     if (terminal || !common.quiet)
-        guide.tell = [](const std::string& text) { print_note("{}\n", text); };
+        guide.print = [](const std::string& text) { print_note("{}\n", text); };
     return guide;
 }
 

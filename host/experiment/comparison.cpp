@@ -236,8 +236,8 @@ void add_track_figures(study::StudyData& data, const std::vector<Estimate>& esti
                                      false});
     study::Figure track = study::make_figure(
         "track", "Levels, trial by trial",
-        "Which level each trial had: the one whose answer was expected to tell most.", study::FigureKind::scatter,
-        "tracks", {}, {"trial", "trial of the track"}, {"level", label, true}, "label");
+        "Which level each trial had: the one whose answer was expected to say most about the threshold (QUEST+).",
+        study::FigureKind::scatter, "tracks", {}, {"trial", "trial of the track"}, {"level", label, true}, "label");
     track.joined = true;
     study::Figure thresholds = study::make_figure(
         "thresholds", "Thresholds", "Medians of the posterior with its 95 % intervals.", study::FigureKind::bars,

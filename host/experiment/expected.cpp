@@ -159,7 +159,7 @@ public:
     }
 
 private:
-    std::vector<double> below_; // the probability of at most so many
+    std::vector<double> below_; // by count: the probability of that many or fewer
 };
 
 const Case& condition_named(const Experiment& experiment, const std::string& name) {
@@ -252,8 +252,8 @@ double power_of(double first, double second, unsigned trials, unsigned subjects)
 
 Plan planned(const Experiment& experiment, const std::string& first, const std::string& second) {
     if (experiment.spec.task == Task::compare)
-        throw UsageError("plan is for task = \"name\"; how many trials a comparison wants, a run with --participant "
-                         "observer and its analysis tell");
+        throw UsageError("plan is for task = \"name\"; run a comparison with --participant observer and "
+                         "analyse that");
     make_observer(experiment); // refuses other answers
     const Shares a = expected_answers(condition_named(experiment, first)),
                  b = expected_answers(condition_named(experiment, second));

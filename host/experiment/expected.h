@@ -1,5 +1,5 @@
 // What the observer expects people to answer: to any list of scenes, how many facets feel round, and how many subjects
-// and trials tell two conditions of an experiment apart.
+// and trials separate two conditions of an experiment.
 #pragma once
 
 #include <optional>

@@ -195,8 +195,8 @@ std::vector<SpecKey> make_spec_keys() {
     add(keys, &S::interval, "interval", "that each stimulus is felt; 0 s: until a key is pressed",
         {.sign = Sign::not_negative});
     add(keys, &S::track, "track",
-        "axis of the study over which a threshold is looked for: the level of each trial is the one that "
-        "tells most (QUEST+), a track for each combination of the other settings",
+        "axis of the study over which a threshold is looked for: the level of each trial is the one whose "
+        "answer is expected to say most (QUEST+), a track for each combination of the other settings",
         {.example = "\"surface.facets\""});
     add(keys, &S::track_ratio, "track_ratio",
         "1 or more: a track ends before its trials do once the ends of the threshold's 95 % interval "
@@ -408,7 +408,7 @@ Experiment checked(ExperimentSpec given, Study study) {
 
 } // namespace
 
-// Laws go in double precision, as the live loop's, unless somebody says otherwise.
+// Laws go in double precision, as the live loop's, unless the file says otherwise.
 Experiment parse_experiment(std::string_view text, const std::string& source, const std::filesystem::path& folder,
                             std::span<const Override> overrides) {
     const auto key = key_index("run.precision");

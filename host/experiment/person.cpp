@@ -376,7 +376,7 @@ private:
         samples_.clear();
     }
 
-    // Waits until the probe has been free of contact for a while; false: somebody paused.
+    // Waits until the probe has been free of contact for a while; false: the run was paused.
     bool until_free() {
         Clock::time_point touched = Clock::now();
         while (seconds_since(touched) < kFreeOfContact) {

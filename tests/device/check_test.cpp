@@ -18,7 +18,7 @@ protected:
 
     CheckGuide held() const {
         CheckGuide guide;
-        guide.somebody = true;
+        guide.held = true;
         return guide;
     }
     DeviceCheck check(const CheckGuide& guide, const std::string& device = "dhd") {
@@ -42,10 +42,10 @@ protected:
         EXPECT_TRUE(result == CheckResult::passed || result == CheckResult::absent || !one.advice.empty())
             << name << " says what to do";
     }
-    // After somebody has been told to press, a button is, for a moment.
+    // After the words that ask for a button, it is pressed for a moment.
     CheckGuide with_a_press(long mask) {
         CheckGuide guide = held();
-        guide.tell = [this, mask](const std::string& text) {
+        guide.print = [this, mask](const std::string& text) {
             if (text.starts_with("Press"))
                 finger_ = std::jthread([this, mask] {
                     std::this_thread::sleep_for(std::chrono::milliseconds(100));
