@@ -87,18 +87,23 @@ void check_place(const std::string& message, std::string_view text) {
         return;
     for (unsigned long line = std::stoul(parts[1]); line > 1; --line)
         text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
-    for (unsigned long column = std::stoul(parts[2]); column > 1 && !text.empty(); --column)
-        do
-            text.remove_prefix(1);
-        while (!text.empty() && (static_cast<unsigned char>(text.front()) & 0xC0) == 0x80);
+    const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
+    const auto skip_rest_of_character = [&] { text = {std::ranges::find_if_not(text, continues), text.end()}; };
+    skip_rest_of_character(); // a line may begin with bytes that begin no character, and they are in no column
+    for (unsigned long column = std::stoul(parts[2]); column > 1 && !text.empty(); --column) {
+        text.remove_prefix(1);
+        skip_rest_of_character();
+    }
     std::string shown = parts[3];
-    if (text.starts_with('"') || (static_cast<unsigned char>(shown[0]) & 0xC0) == 0x80) // no character begins so
+    if (text.starts_with('"') || continues(shown[0])) // no character begins so
         return;
-    text.remove_prefix(text.starts_with('+') && !shown.starts_with('+'));   // which is none of the number
     shown.resize(shown.ends_with("...") ? shown.size() - 3 : shown.size()); // it was cut
-    require(shown.size() <= text.size() && std::ranges::equal(shown, text.substr(0, shown.size()),
-                                                              [](char a, char b) { return a == b || a == '?'; }),
-            "{}, but there stands {}", message, text.substr(0, shown.size()));
+    const auto begins = [&](std::string_view there) {
+        return std::ranges::equal(shown, there.substr(0, shown.size()),
+                                  [](char a, char b) { return a == b || a == '?'; });
+    };
+    const std::string_view number = text.substr(text.starts_with('+')); // a first plus is none of it
+    require(begins(text) || begins(number), "{}, but there stands {}", message, text.substr(0, shown.size()));
 }
 
 /// How far the samples go, and how long half of the steps between them are at most.
