@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <pthread.h>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -62,5 +64,28 @@ template <typename... Arguments> void print_note(fmt::format_string<Arguments...
 /// Replaces the line of progress at the foot of the terminal; empty: removes it. One line, shorter than the
 /// terminal.
 void draw_line(std::string_view text);
+
+// Threads that signals from outside do not interrupt.
+
+/// While it lives, the calling thread, and every thread that it starts for good, is not interrupted by what a person, a
+/// terminal or a batch system sends: those signals are the main thread's, whose handlers wait, which the live loop's
+/// thread must not.
+class QuietSignals {
+public:
+    QuietSignals() noexcept {
+        sigset_t asked;
+        sigemptyset(&asked);
+        for (const int signal :
+             {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGTTIN, SIGTTOU, SIGWINCH, SIGUSR1, SIGUSR2})
+            sigaddset(&asked, signal);
+        ::pthread_sigmask(SIG_BLOCK, &asked, &before_);
+    }
+    ~QuietSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    QuietSignals(const QuietSignals&) = delete;
+    QuietSignals& operator=(const QuietSignals&) = delete;
+
+private:
+    sigset_t before_{};
+};
 
 } // namespace forceshade

@@ -14,7 +14,7 @@
 #include "host/paths/path_reader.h"
 #include "host/paths/scene_paths.h"
 #include "host/reference/path_step.h"
-#include "host/scene/quantity.h"
+#include "host/scene/value.h"
 
 namespace forceshade::device {
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "host/quiet_signals.h"
+#include "host/program.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::device {

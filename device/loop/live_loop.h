@@ -145,7 +145,7 @@ public:
              std::vector<SampleRing*> others = {});
     ~LiveLoop(); // stops it
 
-    /// Its thread is not interrupted by signals from outside (host/quiet_signals.h).
+    /// Its thread is not interrupted by signals from outside (host/program.h).
     void start();
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
     LoopEnd end() const noexcept { return end_.load(std::memory_order_acquire); }

@@ -1,4 +1,4 @@
-#include "device/session/scene_changes.h"
+#include "device/session/session.h"
 
 #include <chrono>
 #include <exception>

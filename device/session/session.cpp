@@ -8,10 +8,8 @@
 #include <fmt/format.h>
 
 #include "device/backends/devices.h"
-#include "device/session/scene_changes.h"
 #include "host/clock.h"
 #include "host/program.h"
-#include "host/quiet_signals.h"
 
 namespace forceshade::device {
 

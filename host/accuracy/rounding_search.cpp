@@ -13,7 +13,7 @@
 #include "host/field/case_law.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/structure.h"
-#include "host/touch/angle.h"
+#include "host/touch/force_errors.h"
 #include "host/touch/places.h"
 
 namespace forceshade {

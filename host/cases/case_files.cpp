@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/cases/path_run.h"
+#include "host/cases/case_pipeline.h"
 #include "host/error.h"
 
 namespace forceshade {

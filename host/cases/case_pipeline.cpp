@@ -9,9 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "host/cases/case_files.h"
 #include "host/cases/chunk_queue.h"
-#include "host/cases/path_run.h"
-#include "host/cases/surface_file.h"
 #include "host/clock.h"
 #include "host/long_run.h"
 #include "host/numbers.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/paths/motions.h"
 #include "host/threads.h"
 

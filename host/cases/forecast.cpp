@@ -1,4 +1,4 @@
-#include "host/cases/forecast.h"
+#include "host/cases/case_pipeline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "host/cases/case_files.h"
 #include "host/cases/engine_choice.h"
-#include "host/cases/surface_file.h"
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/long_run.h"

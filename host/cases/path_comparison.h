@@ -10,7 +10,7 @@
 #include "host/field/prepared_case.h"
 #include "host/output/rows.h"
 #include "host/paths/scene_paths.h"
-#include "host/referee/contact_referee.h"
+#include "host/referee/contact_surface.h"
 #include "host/referee/oracle_check.h"
 
 namespace forceshade {

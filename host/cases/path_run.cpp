@@ -1,4 +1,4 @@
-#include "host/cases/path_run.h"
+#include "host/cases/case_pipeline.h"
 
 #include <algorithm>
 #include <cmath>

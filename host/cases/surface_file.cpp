@@ -1,4 +1,4 @@
-#include "host/cases/surface_file.h"
+#include "host/cases/case_files.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "host/cli/device_options.h"
+#include "host/cli/command.h"
 
 #include <algorithm>
 #include <cmath>

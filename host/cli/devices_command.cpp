@@ -9,7 +9,6 @@
 #include "device/backends/devices.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
-#include "host/cli/device_options.h"
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/output/files.h"

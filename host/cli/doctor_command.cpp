@@ -18,7 +18,7 @@
 #include "host/output/files.h"
 #include "host/referee/validate.h"
 #include "host/scene/cases.h"
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 #include "host/threads.h"
 
 namespace forceshade {

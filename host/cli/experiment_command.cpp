@@ -5,16 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
-#include "host/cli/device_options.h"
 #include "host/error.h"
 #include "host/experiment/analysis.h"
-#include "host/experiment/expected.h"
 #include "host/experiment/run.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 #include "host/report/report.h"
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade {
 

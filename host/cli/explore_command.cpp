@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/cases/path_run.h"
+#include "host/cases/case_pipeline.h"
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/field/comparison.h"

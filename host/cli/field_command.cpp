@@ -6,12 +6,11 @@
 
 #include "host/cases/case_files.h"
 #include "host/cases/case_pipeline.h"
-#include "host/cases/forecast.h"
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
-#include "host/scene/quantity.h"
+#include "host/scene/value.h"
 
 namespace forceshade {
 

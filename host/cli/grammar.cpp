@@ -15,7 +15,6 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 #include "host/spelling.h"
 #include "host/threads.h"
 

@@ -13,7 +13,6 @@
 #include "device/run_report/report.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
-#include "host/cli/device_options.h"
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/output/files.h"

@@ -17,7 +17,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/program.h"
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 #include "host/threads.h"
 
 namespace {

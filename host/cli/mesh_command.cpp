@@ -11,7 +11,7 @@
 #include "host/mesh/findings.h"
 #include "host/picture/picture.h"
 #include "host/program.h"
-#include "host/scene/quantity.h"
+#include "host/scene/value.h"
 
 namespace forceshade {
 namespace {

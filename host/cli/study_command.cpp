@@ -7,11 +7,11 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/experiment/expected.h"
+#include "host/experiment/analysis.h"
 #include "host/long_run.h"
 #include "host/program.h"
 #include "host/report/report.h"
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 #include "host/study/energy/energy.h"
 #include "host/study/error_time/error_time.h"
 #include "host/study/omission/omission.h"

@@ -15,7 +15,6 @@
 #include "host/output/files.h"
 #include "host/program.h"
 #include "host/report/report.h"
-#include "host/sweep/shards.h"
 #include "host/sweep/sweep.h"
 
 namespace forceshade {

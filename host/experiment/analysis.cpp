@@ -12,7 +12,7 @@
 #include "host/experiment/statistics.h"
 #include "host/experiment/stroke.h"
 #include "host/numbers.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/program.h"
 #include "host/threads.h"
 

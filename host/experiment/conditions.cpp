@@ -13,7 +13,6 @@
 
 #include "host/error.h"
 #include "host/random.h"
-#include "host/scene/quantity.h"
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
 #include "host/spelling.h"

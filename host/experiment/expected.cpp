@@ -1,4 +1,4 @@
-#include "host/experiment/expected.h"
+#include "host/experiment/analysis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "host/error.h"
-#include "host/experiment/analysis.h"
 #include "host/experiment/run.h"
 #include "host/experiment/statistics.h"
 #include "host/experiment/stroke.h"

@@ -15,11 +15,11 @@
 #include <png.h>
 
 #include "host/error.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/scene/document.h"
-#include "host/scene/quantity.h"
 #include "host/scene/schema.h"
 #include "host/scene/schema_json.h"
+#include "host/scene/value.h"
 
 namespace forceshade::experiment {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/experiment/fit.h"
+#include "host/experiment/observer.h"
 
 #include <algorithm>
 #include <cmath>

@@ -20,7 +20,6 @@
 #include "host/output/files.h"
 #include "host/output/json.h"
 #include "host/output/raw_formats.h"
-#include "host/output/reading.h"
 #include "host/paths/path_reader.h"
 #include "host/program.h"
 

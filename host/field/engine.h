@@ -14,7 +14,7 @@
 
 #include "host/long_run.h"
 #include "host/output/record.h"
-#include "host/reference/paths.h"
+#include "host/reference/field.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade {

@@ -1,4 +1,4 @@
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/field/prepared_case.h"
 #include "host/output/height_image.h"
 
 namespace forceshade {

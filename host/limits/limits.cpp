@@ -8,7 +8,7 @@
 
 #include "host/field/case_law.h"
 #include "host/reference/path_step.h"
-#include "host/touch/angle.h"
+#include "host/touch/force_errors.h"
 
 namespace forceshade {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "host/error.h"
 #include "host/limits/rest_places.h"
-#include "host/touch/angle.h"
+#include "host/touch/force_errors.h"
 #include "host/touch/places.h"
 
 namespace forceshade {

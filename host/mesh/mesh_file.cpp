@@ -15,7 +15,6 @@
 #include "host/mesh/places.h"
 #include "host/numbers.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 
 namespace forceshade::mesh_file {
 

@@ -10,7 +10,6 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/height_image.h"
-#include "host/output/reading.h"
 
 namespace forceshade {
 

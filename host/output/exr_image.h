@@ -15,7 +15,7 @@
 #include <openexr.h>
 
 #include "host/output/exr_volume.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/output/rows.h"
 
 namespace forceshade::exr {

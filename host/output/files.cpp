@@ -20,7 +20,6 @@
 #include <fmt/format.h>
 
 #include "host/long_run.h"
-#include "host/output/reading.h"
 #include "host/program.h"
 #include "host/spelling.h"
 

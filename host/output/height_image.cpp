@@ -12,7 +12,6 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 
 namespace forceshade {
 

@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "host/output/reading.h"
+#include "host/output/files.h"
 
 namespace forceshade {
 

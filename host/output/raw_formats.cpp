@@ -9,7 +9,6 @@
 
 #include "host/clock.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 #include "host/output/rows.h"
 #include "host/program.h"
 

@@ -1,4 +1,4 @@
-#include "host/output/reading.h"
+#include "host/output/files.h"
 
 #include <array>
 #include <atomic>
@@ -15,7 +15,6 @@
 #include <fmt/core.h>
 
 #include "host/error.h"
-#include "host/output/files.h"
 
 namespace forceshade {
 

@@ -13,7 +13,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/scene/value.h"
 
 namespace forceshade {

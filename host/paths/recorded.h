@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "host/field/prepared_case.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/paths/path_reader.h"
 #include "host/reference/elementary.h"
 #include "shaders/shared/law.h"

@@ -1,4 +1,4 @@
-#include "host/picture/chart.h"
+#include "host/picture/frame.h"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/picture/chart.h"
 #include "host/picture/frame.h"
 
 namespace forceshade::picture {

@@ -10,7 +10,6 @@
 
 #include "host/field/case_law.h"
 #include "host/field/prepared_case.h"
-#include "host/field/tables.h"
 #include "host/output/height_image.h"
 #include "host/picture/frame.h"
 #include "host/picture/picture.h"

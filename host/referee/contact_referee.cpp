@@ -1,4 +1,4 @@
-#include "host/referee/contact_referee.h"
+#include "host/referee/contact_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 
 #include "host/norm.h"
 #include "host/program.h"
-#include "host/referee/contact_surface.h"
 #include "host/reference/mesh_cast.h"
 
 namespace forceshade {

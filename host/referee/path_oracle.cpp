@@ -13,9 +13,9 @@
 #include "host/norm.h"
 #include "host/program.h"
 #include "host/reference/contact.h"
+#include "host/reference/field.h"
 #include "host/reference/motion.h"
 #include "host/reference/path_step.h"
-#include "host/reference/paths.h"
 
 namespace forceshade {
 

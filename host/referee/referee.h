@@ -12,7 +12,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/mesh/mesh.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"

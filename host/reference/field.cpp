@@ -2,7 +2,6 @@
 
 #include "host/reference/chunks.h"
 #include "host/reference/contact.h"
-#include "host/reference/force_rows.h"
 
 namespace forceshade::reference {
 namespace {

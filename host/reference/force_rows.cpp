@@ -1,4 +1,4 @@
-#include "host/reference/force_rows.h"
+#include "host/reference/field.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "host/reference/paths.h"
+#include "host/reference/field.h"
 
 #include "host/reference/chunks.h"
 #include "host/reference/contact.h"

@@ -7,7 +7,7 @@
 
 #include "host/error.h"
 #include "host/long_run.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/picture/canvas.h"
 #include "host/program.h"
 #include "host/report/sections.h"
@@ -164,8 +164,7 @@ std::filesystem::path file_for(const std::filesystem::path& folder, Contents& co
 
 std::string page_script(bool in_space) {
     std::string text = fmt::format("const KNOWN_SERIES = {};\n", picture::known_series_json());
-    for (const std::string_view part :
-         {assets::d3_js, assets::colours_js, assets::figures_js, assets::studies_js, assets::device_js})
+    for (const std::string_view part : {assets::d3_js, assets::colours_js, assets::figures_js, assets::studies_js})
         text += part;
     if (in_space)
         for (const std::string_view part : {assets::three_js, assets::orbit_js})

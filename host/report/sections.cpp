@@ -9,7 +9,7 @@
 #include <openssl/evp.h>
 
 #include "host/picture/canvas.h"
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/scene/quantity.h"
+#include "host/scene/value.h"
 
 #include <algorithm>
 #include <charconv>
@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/scene/value.h"
 #include "host/spelling.h"
 
 namespace forceshade {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/scene/quantity.h"
+#include "host/scene/value.h"
 
 namespace forceshade {
 

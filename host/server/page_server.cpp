@@ -24,7 +24,7 @@
 
 #include "host/clock.h"
 #include "host/error.h"
-#include "host/quiet_signals.h"
+#include "host/program.h"
 
 namespace forceshade {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 
 #include <algorithm>
 #include <fstream>
@@ -15,7 +15,6 @@
 #include "host/output/files.h"
 #include "host/output/json.h"
 #include "host/output/raw_formats.h"
-#include "host/output/reading.h"
 #include "host/output/record.h"
 #include "host/paths/path_reader.h"
 #include "host/program.h"

@@ -1,4 +1,4 @@
-#include "host/sweep/shards.h"
+#include "host/sweep/sweep.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,6 @@
 #include "host/program.h"
 #include "host/reference/chunks.h"
 #include "host/scene/cases.h"
-#include "host/sweep/manifest.h"
 
 namespace forceshade {
 

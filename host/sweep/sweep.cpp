@@ -22,7 +22,6 @@
 #include "host/paths/recorded.h"
 #include "host/program.h"
 #include "host/scene/cases.h"
-#include "host/sweep/manifest.h"
 
 namespace forceshade {
 

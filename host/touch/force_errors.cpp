@@ -7,7 +7,6 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
-#include "host/touch/angle.h"
 #include "host/touch/force_at.h"
 
 namespace forceshade {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/output/record.h"
+#include "host/reference/elementary.h"
 #include "host/touch/places.h"
 
 namespace forceshade {
@@ -75,5 +77,24 @@ ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm
 
 /// Of a case's own law where a hand touches its surface; empty where nothing is touched in its box.
 std::optional<TouchRecord> touched_error(const PreparedCase& prepared);
+
+// Angles between directions, and directions across one.
+
+constexpr double kDegree = std::numbers::pi / 180; /* rad */
+
+/// Between two vectors of any length but 0, rad; good however small it is.
+inline double angle_between(const reference::Vector<double>& u, const reference::Vector<double>& v) {
+    const reference::Vector<double> normal = reference::cross(u, v);
+    return std::atan2(reference::length(normal), reference::dot(u, v));
+}
+
+/// Two unit vectors across a unit vector, and across each other.
+inline std::pair<reference::Vector<double>, reference::Vector<double>>
+directions_across(const reference::Vector<double>& direction) {
+    using Vector = reference::Vector<double>;
+    const Vector u = reference::cross(direction, std::abs(direction.x) < 0.5 ? Vector(1, 0, 0) : Vector(0, 1, 0));
+    const Vector unit = u / reference::length(u);
+    return {unit, reference::cross(direction, unit)};
+}
 
 } // namespace forceshade

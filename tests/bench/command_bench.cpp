@@ -25,7 +25,7 @@
 #include "host/mesh/mesh_file.h"
 #include "host/output/files.h"
 #include "host/reference/mesh_nearest.h"
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 #include "tests/bench/geodesic.h"
 #include "tests/bench/measure.h"
 

@@ -8,9 +8,9 @@
 #include <benchmark/benchmark.h>
 
 #include "compute/kernels.h"
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/reference/field.h"
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 #include "tests/bench/measure.h"
 
 namespace forceshade::bench {

@@ -1,7 +1,7 @@
 // Every figure with the processor that it was taken on.
 #include <benchmark/benchmark.h>
 
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 
 int main(int argc, char** argv) {
     benchmark::AddCustomContext("processor", forceshade::cpu_name());

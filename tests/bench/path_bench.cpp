@@ -8,7 +8,7 @@
 
 #include "host/field/engine.h"
 #include "host/paths/scene_paths.h"
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 #include "tests/bench/geodesic.h"
 #include "tests/bench/measure.h"
 

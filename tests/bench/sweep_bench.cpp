@@ -9,7 +9,6 @@
 #include "host/cases/case_pipeline.h"
 #include "host/cases/chunk_queue.h"
 #include "host/cases/engine_choice.h"
-#include "host/sweep/manifest.h"
 #include "host/sweep/sweep.h"
 #include "tests/bench/measure.h"
 

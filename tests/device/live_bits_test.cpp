@@ -7,7 +7,7 @@
 #include "host/field/case_law.h"
 #include "host/paths/scene_paths.h"
 #include "host/reference/elementary.h"
-#include "host/reference/paths.h"
+#include "host/reference/field.h"
 #include "tests/device/scripted_device.h"
 
 namespace forceshade::device {

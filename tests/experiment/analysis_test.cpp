@@ -9,11 +9,10 @@
 
 #include "host/error.h"
 #include "host/experiment/analysis.h"
-#include "host/experiment/expected.h"
 #include "host/experiment/run.h"
 #include "host/experiment/statistics.h"
 #include "host/random.h"
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade::experiment {
 namespace {

@@ -20,7 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/experiment/record.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "tests/device/simulated_service.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/small_disk.h"

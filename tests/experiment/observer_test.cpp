@@ -9,8 +9,8 @@
 #include <toml++/toml.h>
 
 #include "host/error.h"
-#include "host/experiment/expected.h"
-#include "host/experiment/fit.h"
+#include "host/experiment/analysis.h"
+#include "host/experiment/observer.h"
 #include "host/experiment/stroke.h"
 #include "host/scene/study.h"
 

@@ -15,7 +15,7 @@
 
 #include "host/error.h"
 #include "host/experiment/run.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/random.h"
 #include "tests/io/folder.h"
 

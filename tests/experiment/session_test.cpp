@@ -15,7 +15,7 @@
 
 #include "host/experiment/analysis.h"
 #include "host/experiment/record.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "tests/e2e/process.h"
 #include "tests/report/browser.h"
 

@@ -1,7 +1,7 @@
 // A height map, PNG or EXR: read or refused; one that the libraries' own writers write is read pixel by pixel.
 #include "host/error.h"
+#include "host/output/files.h"
 #include "host/output/height_image.h"
-#include "host/output/reading.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/io/picture.h"
 

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/output/files.h"
 #include "host/output/json.h"
-#include "host/output/reading.h"
 #include "host/report/report.h"
 #include "host/report/sections.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,7 +1,7 @@
 // A volume of this program: read or refused as damaged, row by row the same as at once, with threads and without.
 #include "host/error.h"
 #include "host/output/exr_volume.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace forceshade {

@@ -14,7 +14,6 @@
 #include <gtest/gtest.h>
 
 #include "host/reference/field.h"
-#include "host/reference/paths.h"
 
 namespace forceshade::test {
 

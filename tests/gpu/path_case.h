@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/mesh/structure.h"
 #include "host/reference/god_object.h"
 #include "host/reference/path_step.h"

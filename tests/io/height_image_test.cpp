@@ -8,7 +8,6 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/height_image.h"
-#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/picture.h"
 #include "tests/io/short_block.h"

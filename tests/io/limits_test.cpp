@@ -8,7 +8,6 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/json.h"
-#include "host/output/reading.h"
 #include "tests/io/folder.h"
 
 namespace forceshade {

@@ -7,7 +7,6 @@
 
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
-#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
 #include "tests/io/vtk_bytes.h"

@@ -9,7 +9,6 @@
 
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
-#include "host/output/reading.h"
 #include "tests/io/folder.h"
 
 namespace forceshade {

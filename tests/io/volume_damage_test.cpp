@@ -9,7 +9,6 @@
 #include "host/error.h"
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
 #include "tests/io/short_block.h"

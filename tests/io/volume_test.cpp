@@ -12,7 +12,6 @@
 #include "host/error.h"
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 #include "host/output/rows.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"

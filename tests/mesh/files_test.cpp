@@ -14,7 +14,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh_file.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"

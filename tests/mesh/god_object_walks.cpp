@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/mesh/mesh_file.h"
 
 namespace forceshade::walks {

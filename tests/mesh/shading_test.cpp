@@ -11,7 +11,7 @@
 #include "host/mesh/structure.h"
 #include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
-#include "host/touch/angle.h"
+#include "host/touch/force_errors.h"
 #include "tests/mesh/mesh_law.h"
 
 namespace forceshade {

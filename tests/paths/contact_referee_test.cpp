@@ -1,5 +1,5 @@
 // The referee of contacts sees what no god-object may do, in the rows of a path alone, and nothing else.
-#include "host/referee/contact_referee.h"
+#include "host/referee/contact_surface.h"
 
 #include <cmath>
 #include <fstream>
@@ -11,7 +11,6 @@
 #include "host/cases/path_comparison.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/mesh_file.h"
-#include "host/referee/contact_surface.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"

@@ -8,7 +8,7 @@
 
 #include "host/paths/scene_paths.h"
 #include "host/reference/elementary.h"
-#include "host/reference/paths.h"
+#include "host/reference/field.h"
 #include "host/scene/study.h"
 
 namespace forceshade {

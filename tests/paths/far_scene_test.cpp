@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "host/cases/path_run.h"
+#include "host/cases/case_pipeline.h"
 #include "host/field/engine.h"
 #include "host/output/exr_volume.h"
 #include "host/output/rows.h"

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/cases/case_pipeline.h"
 #include "host/cases/path_comparison.h"
-#include "host/cases/path_run.h"
 #include "host/error.h"
 #include "tests/io/folder.h"
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/picture/canvas.h"
-#include "host/picture/chart.h"
+#include "host/picture/frame.h"
 #include "tests/picture/cases.h"
 
 namespace forceshade::picture {

@@ -1,8 +1,8 @@
 // A locale with a decimal comma and grouped digits changes nothing.
-#include "host/scene/quantity.h"
 #include "host/scene/schema.h"
 #include "host/scene/schema_json.h"
 #include "host/scene/study.h"
+#include "host/scene/value.h"
 
 #include "tests/scene/errors.h"
 

@@ -1,4 +1,4 @@
-#include "host/scene/quantity.h"
+#include "host/scene/value.h"
 
 #include "tests/scene/errors.h"
 

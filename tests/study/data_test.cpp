@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/output/json.h"
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade::study {
 namespace {

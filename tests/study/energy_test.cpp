@@ -12,7 +12,7 @@
 #include "host/output/files.h"
 #include "host/reference/elementary.h"
 #include "host/study/energy/energy.h"
-#include "host/touch/own_surfaces.h"
+#include "host/touch/places.h"
 
 namespace forceshade::study {
 namespace {

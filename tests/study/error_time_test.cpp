@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "host/clock.h"
-#include "host/study/error_time/runs.h"
+#include "host/study/error_time/error_time.h"
 #include "host/study/error_time/volumes.h"
-#include "host/touch/angle.h"
 #include "host/touch/force_at.h"
+#include "host/touch/force_errors.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 

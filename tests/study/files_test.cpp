@@ -6,7 +6,7 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "host/output/files.h"
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade::study {
 namespace {

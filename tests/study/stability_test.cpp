@@ -8,9 +8,9 @@
 #include "host/error.h"
 #include "host/scene/study.h"
 #include "host/study/stability/stability.h"
-#include "host/touch/angle.h"
 #include "host/touch/force_at.h"
-#include "host/touch/own_surfaces.h"
+#include "host/touch/force_errors.h"
+#include "host/touch/places.h"
 #include "tests/paths/sampled_plants.h"
 
 namespace forceshade::study {

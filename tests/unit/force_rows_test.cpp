@@ -1,14 +1,13 @@
 // Rows of forces, several samples at a time, hold the bits of the law at each sample.
-#include "host/reference/force_rows.h"
+#include "host/reference/field.h"
 
 #include <cstring>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/reference/contact.h"
-#include "host/reference/field.h"
 #include "host/scene/study.h"
 
 namespace forceshade {

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "host/field/prepared_case.h"
-#include "host/field/tables.h"
 #include "host/reference/elementary.h"
 #include "host/reference/surfaces.h"
 #include "host/scene/study.h"

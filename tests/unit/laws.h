@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/field/tables.h"
+#include "host/field/prepared_case.h"
 #include "host/norm.h"
 #include "host/output/height_image.h"
 #include "host/referee/referee.h"

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/cases/surface_file.h"
-#include "host/output/reading.h"
+#include "host/cases/case_files.h"
+#include "host/output/files.h"
 #include "host/picture/picture.h"
 #include "tests/io/folder.h"
 #include "tests/io/vtk_bytes.h"

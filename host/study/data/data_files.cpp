@@ -1,4 +1,4 @@
-#include "host/study/data/data_files.h"
+#include "host/study/data/study_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "host/output/json.h"
 #include "host/output/raw_formats.h"
-#include "host/picture/chart.h"
+#include "host/picture/frame.h"
 
 /// A struct as an object of its members, in this order; read by FORCESHADE_FROM, or NLOHMANN_JSON_FROM_WITH_DEFAULT
 /// if files of the same format may lack some.

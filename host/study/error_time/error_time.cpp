@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/runs.h"
+#include "host/study/error_time/subject.h"
 
 namespace forceshade::study {
 namespace error_time {

@@ -1,4 +1,4 @@
-#include "host/study/error_time/methods.h"
+#include "host/study/error_time/subject.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/study/error_time/runs.h"
+#include "host/study/error_time/error_time.h"
 
 #include <algorithm>
 #include <chrono>

@@ -11,7 +11,7 @@
 #include "host/mesh/mesh.h"
 #include "host/random.h"
 #include "host/reference/elementary.h"
-#include "host/touch/angle.h"
+#include "host/touch/force_errors.h"
 
 namespace forceshade::study::error_time {
 namespace {

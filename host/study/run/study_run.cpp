@@ -7,9 +7,9 @@
 
 #include "host/clock.h"
 #include "host/long_run.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/program.h"
-#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 #include "host/threads.h"
 
 namespace forceshade::study {

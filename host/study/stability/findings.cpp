@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "host/study/stability/stability.h"
-#include "host/touch/angle.h"
+#include "host/touch/force_errors.h"
 
 namespace forceshade::study {
 namespace {

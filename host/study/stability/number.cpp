@@ -9,7 +9,7 @@
 
 #include "host/reference/surfaces.h"
 #include "host/study/stability/stability.h"
-#include "host/touch/own_surfaces.h"
+#include "host/touch/places.h"
 
 namespace forceshade::study {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/touch/own_surfaces.h"
+#include "host/touch/places.h"
 
 namespace forceshade::study {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/study/stability/stability.h"
-#include "host/touch/angle.h"
+#include "host/touch/force_errors.h"
 
 namespace forceshade::study {
 namespace {
