@@ -173,10 +173,11 @@ std::vector<Row> mesh_field_rows() {
                     .grid = {{37, 35, 33}},
                     .ways = chunks,
                     .f64 = false});
-    const MeshGrid fine{{128, 128, 128}};
-    rows.push_back({"spot_at_128", on_mesh(spot, Shading::barycentric), {}, fine});
-    rows.push_back({"icosphere_of_20480_at_128", on_mesh(sphere<5>, Shading::mean_value), {}, fine});
-    rows.push_back({"polyhedra_at_128",
+    const std::size_t side = std::getenv("FORCESHADE_LONG") ? 128 : 64;
+    const MeshGrid fine{{side, side, side}};
+    rows.push_back({"spot_fine", on_mesh(spot, Shading::barycentric), {}, fine});
+    rows.push_back({"icosphere_of_20480_fine", on_mesh(sphere<5>, Shading::mean_value), {}, fine});
+    rows.push_back({"polyhedra_fine",
                     on_mesh([] { return shapes::random_polyhedra(200, 1996); }, Shading::morgenbesser),
                     {},
                     fine});

@@ -15,9 +15,9 @@ namespace {
 
 using test::Conditioning;
 
-constexpr std::uint64_t kScenes = 1000;
+constexpr std::uint64_t kScenes = 500;
 constexpr std::uint64_t kPathScenes = 40; // most of the time goes into compiling their kernels
-constexpr std::uint64_t kClosedFormScenes = 100;
+constexpr std::uint64_t kClosedFormScenes = 50;
 constexpr std::uint32_t kMostFacets = 10000; // the closed forms loop over all of them
 
 test::PathShape random_shape(std::uint64_t seed, double width) {
