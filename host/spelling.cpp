@@ -1,5 +1,7 @@
 #include "host/spelling.h"
 
+#include <boost/locale/utf.hpp>
+
 #include <algorithm>
 #include <system_error>
 #include <utility>
@@ -79,6 +81,27 @@ std::string missing_file_advice(const std::filesystem::path& file, const std::fi
     const std::string_view meant = nearest(file.filename().string(), names);
     return meant.empty() ? "; check the name, relative to where it is written"
                          : fmt::format("; did you mean \"{}\"?", (written.parent_path() / meant).string());
+}
+
+std::size_t character_length(std::string_view text) {
+    namespace utf = boost::locale::utf;
+    const char* at = text.data();
+    const utf::code_point code = utf::utf_traits<char>::decode(at, text.data() + text.size());
+    return code == utf::illegal || code == utf::incomplete ? 0 : static_cast<std::size_t>(at - text.data());
+}
+
+std::string printable(std::string_view text) {
+    std::string result;
+    while (!text.empty()) {
+        const std::size_t length = character_length(text);
+        const auto first = static_cast<unsigned char>(text.front());
+        if (length == 1 && (first < 0x20 || first == 0x7F))
+            result += ' ';
+        else
+            result += length == 0 ? "\xEF\xBF\xBD" : text.substr(0, length); // U+FFFD
+        text.remove_prefix(std::max<std::size_t>(length, 1));
+    }
+    return result;
 }
 
 } // namespace forceshade

@@ -1,4 +1,4 @@
-// The word, or the file, that was meant where one is misspelt.
+// Text that others wrote: made printable; and the word, or the file, that was meant where one is misspelt.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,12 @@
 #include <string_view>
 
 namespace forceshade {
+
+/// Length in bytes of the valid UTF-8 character that `text` begins with, or 0.
+std::size_t character_length(std::string_view text);
+
+/// Valid UTF-8 on one line: bad bytes become U+FFFD, control characters a space.
+std::string printable(std::string_view text);
 
 /// Of ASCII; other bytes stay as they are.
 std::string lower_case(std::string_view text);

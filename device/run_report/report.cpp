@@ -11,6 +11,7 @@
 #include "host/picture/canvas.h"
 #include "host/program.h"
 #include "host/report/report.h"
+#include "host/spelling.h"
 
 namespace forceshade::device {
 
@@ -109,7 +110,7 @@ Json number(double value) {
 }
 
 Json text(const std::string& value) {
-    return picture::printable(value);
+    return printable(value);
 }
 
 Json point(const glm::dvec3& at) {
@@ -160,7 +161,7 @@ Json permissions_json(const Permissions& permissions) {
 Json limits_json(const LiveOutcome& outcome) {
     Json json = Json::object();
     for (const auto& [name, value] : outcome.limits)
-        json[picture::printable(name)] = text(value);
+        json[printable(name)] = text(value);
     return json;
 }
 

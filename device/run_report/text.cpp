@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/picture/canvas.h"
+#include "host/spelling.h"
 
 namespace forceshade::device {
 
@@ -99,7 +100,7 @@ std::string_view cut_to_columns(std::string_view text, std::size_t columns) {
 }
 
 void WrappedLines::add(std::string_view label, std::string_view text) {
-    const std::string clean = picture::printable(text);
+    const std::string clean = printable(text);
     std::string_view rest = clean;
     do {
         const std::string_view line = take_line(rest, kColumns - kIndent);
@@ -168,7 +169,7 @@ std::string status_text(const LiveStatus& status) {
     if (status.lost > 0)
         text += fmt::format("  {} LOST", status.lost);
     if (!status.state.empty())
-        text += "  " + picture::printable(status.state);
+        text += "  " + printable(status.state);
     return text;
 }
 

@@ -15,6 +15,7 @@
 #include "host/paths/motions.h"
 #include "host/picture/canvas.h"
 #include "host/program.h"
+#include "host/spelling.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::device {
@@ -496,11 +497,10 @@ DeviceCheck check_device(const SessionOptions& options, const PreparedCase& scen
 }
 
 std::string check_text(const DeviceCheck& check) {
-    std::string text =
-        fmt::format("{}, {}{}\n", picture::printable(check.facts.name), picture::printable(check.facts.software),
-                    check.manner.empty() ? "" : "; " + check.manner);
+    std::string text = fmt::format("{}, {}{}\n", printable(check.facts.name), printable(check.facts.software),
+                                   check.manner.empty() ? "" : "; " + check.manner);
     for (const CheckStep& step : check.steps) {
-        text += fmt::format("{:<8} {}: {}\n", result_name(step.result), step.name, picture::printable(step.found));
+        text += fmt::format("{:<8} {}: {}\n", result_name(step.result), step.name, printable(step.found));
         if (!step.advice.empty())
             text += fmt::format("         {}\n", step.advice);
     }
@@ -508,7 +508,6 @@ std::string check_text(const DeviceCheck& check) {
 }
 
 nlohmann::ordered_json check_json(const DeviceCheck& check) {
-    using picture::printable;
     nlohmann::ordered_json json{{"version", version()},
                                 {"time", check.time},
                                 {"device",

@@ -53,7 +53,7 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
 namespace {
 
 // Of a field; force is always among the channels.
-void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormats also,
+void add_field_files(const std::string& stem, std::uint32_t channels, bool mesh, AlsoFormats also,
                      std::vector<std::string>& names) {
     names.push_back(stem + ".exr");
     if (also.vti)
@@ -64,8 +64,9 @@ void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormat
                 names.push_back(stem + npy_kind(channel));
     if (also.vtp)
         names.push_back(stem + ".vtp");
-    for (const char* kind : {".mosaic", ".arrows", ".stroke", ".shading"})
-        if (kind != std::string_view(".shading") || (channels & layout::kChannelUnshaded))
+    for (const char* kind : {".mosaic", ".arrows", ".stroke", ".turns", ".shading"})
+        if ((kind != std::string_view(".shading") || (channels & layout::kChannelUnshaded)) &&
+            (kind != std::string_view(".turns") || mesh))
             std::ranges::move(picture::names_with(stem + kind, also.pictures), std::back_inserter(names));
 }
 
@@ -80,7 +81,7 @@ void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats
 std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also) {
     std::vector<std::string> names;
     if (scene.field)
-        add_field_files(stem, written_channels(scene), also, names);
+        add_field_files(stem, written_channels(scene), scene.surface.kind == SurfaceKind::mesh, also, names);
     if (scene.paths)
         add_path_files(stem, written_channels(scene), also, names);
     return names;
@@ -89,7 +90,7 @@ std::vector<std::string> file_names(const std::string& stem, const Scene& scene,
 std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also) {
     std::vector<std::string> names;
     constexpr std::uint32_t kAll = ~0u;
-    add_field_files(stem, kAll, also, names);
+    add_field_files(stem, kAll, true, also, names);
     add_path_files(stem, kAll, also, names);
     return names;
 }

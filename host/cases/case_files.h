@@ -166,6 +166,10 @@ private:
 /// leaves the range of the run's precision.
 VolumeResult write_surface(const std::filesystem::path& path, const PreparedCase& prepared);
 
+/// deg: by how much `shading` turns the force at each corner of a mesh's facets, as `corners` of its polygons, pressed
+/// as in write_surface; in double. 0 on a facet that no probe touches. \throws Interrupted.
+std::vector<float> mesh_turns(const PreparedCase& prepared, Shading shading);
+
 /// Bytes of the arrays before they are compressed, at most; of a mesh, which need not have been read, guessed from the
 /// size of its file. 0 if there is no such file.
 double most_surface_bytes(const Scene& scene);

@@ -100,6 +100,7 @@ private:
         record.files.push_back({file.filename().string(), result.sha256, result.bytes});
     }
     void add_pictures(CaseRecord& record) const;
+    void add_turns(CaseRecord& record) const;
 
     const CaseJob& job_;
     unsigned threads_;
@@ -135,9 +136,30 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
                                       {fmt::format("probe {} below the surface, {}", depth, at_y)}, stroke.forces,
                                       output_.scene().force.shading != Shading::none),
                  record);
+    if (prepared.images.mesh)
+        add_turns(record);
     if (!unshaded.force.empty())
         output_.draw(".shading", picture::draw_shading(look(false, ": what shading changes"), unshaded, slice, lines),
                      record);
+}
+
+void FieldOutput::add_turns(CaseRecord& record) const {
+    const PreparedCase& prepared = job_.prepared;
+    std::vector<picture::TurnedMesh> shadings;
+    for (const auto& [shading, name] : shadings_of(prepared))
+        if (shading != Shading::barycentric) // on triangles mean_value is the same
+            shadings.push_back({name, mesh_turns(prepared, shading)});
+    const std::string depth = numbers::quantity_text(pressed_depth(prepared.one.scene), "m");
+    output_.draw(
+        ".turns",
+        picture::draw_turns(
+            output_.look(picture::title_of(prepared.one, false) + ": by how much shading turns the force"),
+            {fmt::format(
+                "pressed {} along each facet's normal; barycentric is mean_value on triangles; colours end where 99 "
+                "of 100 corners lie below",
+                depth)},
+            prepared.images.mesh->mesh, shadings, job_.pictures.view),
+        record);
 }
 
 constexpr std::size_t kWaitingCases = 4;

@@ -1,6 +1,7 @@
 // Cases one after the other: computed on the engine while earlier ones are encoded on other threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -20,6 +21,7 @@ namespace forceshade {
 struct PictureChoice {
     picture::Look look; /* without a title: the case in words */
     picture::SliceChoice slice;
+    std::array<double, 3> view = picture::kView; /* of a mesh: from where, a vector towards us */
 };
 
 struct CaseJob {

@@ -16,6 +16,7 @@
 #include "host/picture/values.h"
 #include "host/program.h"
 #include "host/reference/contact.h"
+#include "host/reference/motion.h"
 
 namespace forceshade {
 
@@ -23,6 +24,13 @@ namespace {
 
 constexpr std::uint32_t kMostStrips = 1024; // of a bump's facets
 constexpr std::uint64_t kMostParts = 512;   // along an axis, of what is cut
+
+// deg: by how much shading turns a force; 0 without one.
+double turn_of(const glm::dvec3& force, const glm::dvec3& unshaded) {
+    const double turn = picture::value_of(picture::Quantity::angle, {force.x, force.y, force.z},
+                                          {unshaded.x, unshaded.y, unshaded.z}, {0, 2, 1});
+    return turn == picture::kNoForce ? 0 : turn;
+}
 
 // The file, and what is to be written next.
 template <typename T> class SurfaceFile {
@@ -40,9 +48,7 @@ public:
         append(force_, contact.force);
         append(unshaded_, contact.unshaded);
         const glm::dvec3 force(contact.force), unshaded(contact.unshaded);
-        const double turn = picture::value_of(picture::Quantity::angle, {force.x, force.y, force.z},
-                                              {unshaded.x, unshaded.y, unshaded.z}, {0, 2, 1});
-        turn_.push_back(turn == picture::kNoForce ? T(0) : static_cast<T>(turn));
+        turn_.push_back(static_cast<T>(turn_of(force, unshaded)));
         if (comparison_) {
             const Deviation deviation = comparison_->at(probe, force, hint_);
             angle_.push_back(static_cast<T>(deviation.angle));
@@ -123,21 +129,17 @@ private:
     std::int64_t corners_before_ = 0;
 };
 
-template <typename T> VolumeResult write_mesh(const std::filesystem::path& path, const PreparedCase& prepared) {
+// Calls take(facet, corner, normal, contact) for every corner of every facet, pressed along the facet's normal.
+template <typename T, typename Take> void press_corners(const PreparedCase& prepared, const Take& take) {
     const Mesh& mesh = prepared.images.mesh->mesh;
     const PolygonSoup& polygons = mesh.polygons;
     const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing);
     const layout::Law<T> law = tables.law();
-    const double pressed = pressed_depth(prepared.one.scene);
-    const auto distance = static_cast<T>(pressed / prepared.images.mesh->structure.scale);
-    const std::uint64_t corners = polygons.corners.size();
-    SurfaceFile<T> file(path, prepared, corners, polygons.facets(), corners, pressed);
-    std::vector<std::int64_t> outline;
+    const auto distance = static_cast<T>(pressed_depth(prepared.one.scene) / prepared.images.mesh->structure.scale);
     for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet) {
         const reference::Vector<T> normal = reference::vector_at(law.mesh.facet_normals, facet);
         const bool touchable =
             normal != reference::Vector<T>(T(0)) && !std::ranges::binary_search(mesh.redundant_facets, facet);
-        outline.clear();
         for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner) {
             reference::Contact<T> contact{};
             if (touchable)
@@ -145,12 +147,27 @@ template <typename T> VolumeResult write_mesh(const std::filesystem::path& path,
                     law, reference::MeshTouch<T>{
                              facet, distance * normal,
                              reference::vector_at(law.mesh.vertices, law.mesh.facet_corners[corner]), distance});
-            const glm::dvec3& place = polygons.vertices[polygons.corners[corner]];
-            file.add_point(place, place - pressed * glm::dvec3(normal), contact);
-            outline.push_back(corner);
+            take(facet, corner, normal, contact);
         }
-        file.add_cell(outline, facet);
     }
+}
+
+template <typename T> VolumeResult write_mesh(const std::filesystem::path& path, const PreparedCase& prepared) {
+    const PolygonSoup& polygons = prepared.images.mesh->mesh.polygons;
+    const double pressed = pressed_depth(prepared.one.scene);
+    const std::uint64_t corners = polygons.corners.size();
+    SurfaceFile<T> file(path, prepared, corners, polygons.facets(), corners, pressed);
+    std::vector<std::int64_t> outline;
+    press_corners<T>(prepared, [&](std::uint32_t facet, std::uint32_t corner, const reference::Vector<T>& normal,
+                                   const reference::Contact<T>& contact) {
+        const glm::dvec3& place = polygons.vertices[polygons.corners[corner]];
+        file.add_point(place, place - pressed * glm::dvec3(normal), contact);
+        outline.push_back(corner);
+        if (corner + 1 == polygons.begins[facet + 1]) {
+            file.add_cell(outline, facet);
+            outline.clear();
+        }
+    });
     return file.finish();
 }
 
@@ -241,16 +258,6 @@ template <typename T> std::vector<Station<T>> stations_of(const Scene& scene, co
     return stations;
 }
 
-/// m: the nominal surface.
-template <typename T> T nominal_height(const layout::Law<T>& law, T x) {
-    const layout::LawParams<T>& params = law.params;
-    if (law.features.surface == layout::kSurfaceBump)
-        return reference::facet_at(law, x).height;
-    if (law.features.surface == layout::kSurfaceCylinderBump)
-        return reference::cylinder_height(params.half_width, params.radius, params.centre_depth, x);
-    return T(0);
-}
-
 template <typename T> VolumeResult write_section(const std::filesystem::path& path, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
     const FieldTables<T> tables = make_tables<T>(scene, prepared.images, Extent::nothing);
@@ -266,7 +273,7 @@ template <typename T> VolumeResult write_section(const std::filesystem::path& pa
     for (std::uint64_t row = 0; row <= parts; ++row) {
         const auto y = static_cast<T>(std::lerp(range.low, range.high, double(row) / double(parts)));
         for (const Station<T>& station : stations) {
-            const T height = nominal_height(law, station.inside);
+            const T height = reference::nominal_height(law, station.inside);
             const reference::Vector<T> probe(station.inside, y, height - static_cast<T>(pressed));
             file.add_point({station.x, y, height}, glm::dvec3(probe), reference::evaluate(law, probe));
         }
@@ -285,6 +292,20 @@ VolumeResult write_surface(const std::filesystem::path& path, const PreparedCase
     return in_precision(prepared.one.scene.precision, [&]<typename T>(std::type_identity<T>) {
         return prepared.images.mesh ? write_mesh<T>(path, prepared) : write_section<T>(path, prepared);
     });
+}
+
+std::vector<float> mesh_turns(const PreparedCase& prepared, Shading shading) {
+    PreparedCase shaded = prepared;
+    shaded.one.scene.force.shading = shading;
+    std::vector<float> turns;
+    turns.reserve(prepared.images.mesh->mesh.polygons.corners.size());
+    press_corners<double>(shaded, [&](std::uint32_t, std::uint32_t, const reference::Vector<double>&,
+                                      const reference::Contact<double>& contact) {
+        turns.push_back(static_cast<float>(turn_of(contact.force, contact.unshaded)));
+        if (turns.size() % 4096 == 0)
+            check_interrupt();
+    });
+    return turns;
 }
 
 double most_surface_bytes(const Scene& scene) {

@@ -11,6 +11,7 @@
 
 #include "host/error.h"
 #include "host/field/engine.h"
+#include "host/field/pipeline_cache.h"
 #include "host/mesh/structure.h"
 #include "host/output/files.h"
 #include "host/reference/god_object.h"

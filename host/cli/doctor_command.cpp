@@ -14,6 +14,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/field/engine.h"
+#include "host/field/pipeline_cache.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/referee/validate.h"

@@ -104,27 +104,9 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
     for (const FileRecord& file : record.files)
         json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
     json["engine"] = {{"kind", engine.engine}, {"device", engine.device}, {"driver", engine.driver}};
-    json["paths"] = record.paths;
-    json["steps"] = record.steps;
-    json["samples"] = record.samples;
-    json["samples_in_contact"] = record.in_contact;
+    json.update(paths_json(record));
     json["contact_share"] = share(record.in_contact, record.samples);
-    json["stretch_m"] = record.stretch;
-    json["unstable"] = record.unstable;
-    json["fell"] = record.fell;
-    json["began_inside"] = record.began_inside;
-    json["unfinished"] = record.unfinished;
-    json["largest_force_N"] = record.largest_force;
-    json["work_J"] = record.work;
-    json["effort_J"] = record.effort;
-    json["mean_depth_m"] = record.mean_depth;
-    json["depth_deviation_m"] = record.depth_deviation;
     json["steps_per_second"] = record.steps_per_second();
-    json["oracle"] = {{"paths_compared", record.error.paths},        {"samples_compared", record.error.samples},
-                      {"samples_differing", record.error.differing}, {"samples_beyond_bound", record.error.beyond},
-                      {"metrics_differing", record.error.metrics},   {"largest_error_N", record.error.largest}};
-    if (record.deviation)
-        json["compare"] = deviation_json(*record.deviation);
     return json.dump(2) + "\n";
 }
 

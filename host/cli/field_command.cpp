@@ -17,7 +17,7 @@ namespace forceshade {
 namespace {
 
 struct FieldArguments {
-    std::string scene, out, slice;
+    std::string scene, out, slice, view;
     std::vector<std::string> also;
     PictureChoice pictures;
 };
@@ -55,11 +55,31 @@ void read_slice(const std::string& text, const GridSpec& grid, picture::SliceCho
                          high * 1e3);
 }
 
+/// "1,-1,0.5". \throws UsageError for other text, and for 0.
+std::array<double, 3> read_view(const std::string& text) {
+    const std::vector<std::string> parts = split(text, ',');
+    std::array<double, 3> view{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto number = parts.size() == 3 ? number_in(parts[axis], -1e9, 1e9) : std::nullopt;
+        if (!number)
+            throw UsageError("--view {}: write a direction as x,y,z, as in 1,-1,0.5", text);
+        view[axis] = *number;
+    }
+    if (view == std::array<double, 3>{})
+        throw UsageError("--view {}: 0,0,0 is no direction", text);
+    return view;
+}
+
 PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene, const picture::Endings& wanted) {
     PictureChoice choice = arguments.pictures;
     if (!arguments.slice.empty())
         read_slice(arguments.slice, scene.grid, choice.slice);
-    refuse_unused(wanted, choice.look == picture::Look{} && arguments.slice.empty() &&
+    if (!arguments.view.empty()) {
+        choice.view = read_view(arguments.view);
+        if (scene.surface.kind != SurfaceKind::mesh)
+            throw UsageError("--view {}: is for meshes, of which *.turns shows the surface", arguments.view);
+    }
+    refuse_unused(wanted, choice.look == picture::Look{} && arguments.slice.empty() && arguments.view.empty() &&
                               choice.slice.quantity == picture::Quantity::magnitude);
     if (choice.slice.quantity == picture::Quantity::angle && !(scene.output.channels & layout::kChannelUnshaded))
         throw UsageError("--quantity turn: the scene computes no unshaded force: write channels = [\"force\", "
@@ -147,6 +167,8 @@ void describe(Options& options, FieldArguments& arguments) {
         "forces with and without shading");
     options.optional("--slice PLANE", arguments.slice,
                      "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");
+    options.optional("--view X,Y,Z", arguments.view,
+                     "of *.turns, a mesh under each shading: from where it is seen; by default 0.9,-1.3,0.8");
     options
         .example("field bump.toml --out bump.exr --also png,npy",
                  "the forces of a scene, as pictures and for NumPy, too")

@@ -61,10 +61,10 @@ Table answer_table(const Answers& data) {
     for (const Answer& answer : spec.answers) {
         table.columns.push_back({answer.name + "_percent", "%", "answers \"" + answer.label + "\""});
         table.columns.push_back({answer.name + "_from_percent", "%", "95 % interval of a share of trials (Jeffreys)"});
-        table.columns.push_back({answer.name + "_to_percent", "%", "likewise"});
+        table.columns.push_back({answer.name + "_to_percent", "%", "its upper end"});
         table.columns.push_back(
             {answer.name + "_subjects_from_percent", "%", "95 % interval over subjects (Student's t)"});
-        table.columns.push_back({answer.name + "_subjects_to_percent", "%", "likewise"});
+        table.columns.push_back({answer.name + "_subjects_to_percent", "%", "its upper end"});
     }
     std::vector<std::string> subjects = data.subjects();
     const auto add = [&](const std::string& subject, std::size_t condition) {
@@ -217,7 +217,7 @@ Table test_table(const std::vector<Tested>& tests, const std::string& answer) {
          {{"difference_points", "%", "percentage points, mean over subjects"}, &Tested::difference},
          {{"from_points", "%", "95 % interval over subjects (Student's t); nothing with one"},
           [](const Tested& one) { return cell(one.range.low); }},
-         {{"to_points", "%", "likewise"}, [](const Tested& one) { return cell(one.range.high); }},
+         {{"to_points", "%", "its upper end"}, [](const Tested& one) { return cell(one.range.high); }},
          {{"p", "1",
            "of a mean as far from 0 if each subject's sign were by chance, two sides; no less than 2^(1 - n)"},
           &Tested::p},
@@ -345,7 +345,7 @@ Table parameter_table(const std::vector<Fit>& fits) {
          {{"fitted", "1", "by maximum likelihood"},
           [](const Row& row) { return cell(row.fit->parameters.*row.parameter.member); }},
          {{"from", "1", "95 % of answers drawn anew from the fitted shares, as many as count"}, &Row::low},
-         {{"to", "1", "likewise"}, &Row::high},
+         {{"to", "1", "its upper end"}, &Row::high},
          {{"dispersion", "1", "deviance over degrees of freedom, which divides the trials"}, &Row::dispersion},
          {{"what", "", "what it is"}, [](const Row& row) { return Cell(row.parameter.meaning); }}},
         rows);

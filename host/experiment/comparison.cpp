@@ -82,10 +82,11 @@ Table comparison_table(const Answers& data) {
           [](const Row& r) { return r.counts.has_right ? Cell(100 * r.counts.share()) : Cell(); }},
          {{"right_from_percent", "%", "95 % interval of a share of trials (Jeffreys)"},
           [](const Row& r) { return cell(100 * r.trials.low); }},
-         {{"right_to_percent", "%", "likewise"}, [](const Row& r) { return cell(100 * r.trials.high); }},
+         {{"right_to_percent", "%", "its upper end"}, [](const Row& r) { return cell(100 * r.trials.high); }},
          {{"right_subjects_from_percent", "%", "95 % interval over subjects (Student's t)"},
           [](const Row& r) { return cell(100 * r.subjects.low); }},
-         {{"right_subjects_to_percent", "%", "likewise"}, [](const Row& r) { return cell(100 * r.subjects.high); }},
+         {{"right_subjects_to_percent", "%", "its upper end"},
+          [](const Row& r) { return cell(100 * r.subjects.high); }},
          {{"stimulus_percent", "%", "answers that chose the stimulus, not its standard"},
           [](const Row& r) { return Cell(100 * r.counts.stimulus / r.counts.trials); }},
          {{"first_percent", "%", "answers \"the first\": 50 without a bias"},
@@ -155,7 +156,7 @@ Table threshold_table(const std::vector<Estimate>& estimates, const std::string&
          {{"trials", "1", "with an answer"}, &E::trials},
          {{"threshold", unit, of}, [](const E& e) { return cell(e.posterior.threshold().median); }},
          {{"from", unit, "95 % credible interval"}, [](const E& e) { return cell(e.posterior.threshold().range.low); }},
-         {{"to", unit, "likewise"}, [](const E& e) { return cell(e.posterior.threshold().range.high); }},
+         {{"to", unit, "its upper end"}, [](const E& e) { return cell(e.posterior.threshold().range.high); }},
          {{"unbounded", "", "below or above: no threshold that was considered ends the interval there"},
           [](const E& e) {
               const int beyond = e.posterior.threshold().beyond;
@@ -163,7 +164,7 @@ Table threshold_table(const std::vector<Estimate>& estimates, const std::string&
           }},
          {{"lowest_level", unit, "that could be shown: a threshold beyond the levels is a guess"},
           [](const E& e) { return cell(e.levels->levels.front()); }},
-         {{"highest_level", unit, "likewise"}, [](const E& e) { return cell(e.levels->levels.back()); }}},
+         {{"highest_level", unit, "the last"}, [](const E& e) { return cell(e.levels->levels.back()); }}},
         estimates);
 }
 
@@ -175,7 +176,7 @@ Table level_table(const std::vector<Estimate>& estimates, const std::string& axi
                      {"trials", "1", "with an answer"},
                      {"right_percent", "%", "of the answers"},
                      {"from_percent", "%", "95 % interval of a share of trials (Jeffreys)"},
-                     {"to_percent", "%", "likewise"}};
+                     {"to_percent", "%", "its upper end"}};
     for (const Estimate& one : estimates)
         for (std::size_t i = 0; i < one.counts.size(); ++i)
             if (const Tally& counts = one.counts[i]; counts.trials > 0) {
@@ -213,7 +214,7 @@ Table trial_table(const std::vector<TrackTrial>& trials, const std::string& axis
          {{"answer", "", "right or wrong"}, [](const T& t) { return Cell(t.right ? "right" : "wrong"); }},
          {{"threshold", unit, "estimated after the trial"}, [](const T& t) { return cell(t.after.median); }},
          {{"from", unit, "95 % credible interval"}, [](const T& t) { return cell(t.after.range.low); }},
-         {{"to", unit, "likewise"}, [](const T& t) { return cell(t.after.range.high); }}},
+         {{"to", unit, "its upper end"}, [](const T& t) { return cell(t.after.range.high); }}},
         trials);
 }
 

@@ -94,7 +94,7 @@ AnswerPicture read_picture(const Value& given, const std::string& source) {
     try {
         picture.bytes = read_file(file);
     } catch (const Error& failure) {
-        fail(source, given.where, "{}; a picture is a PNG or SVG file beside the experiment's", failure.what());
+        fail(source, given.where, "{}; a picture is a PNG or SVG file in the experiment's folder", failure.what());
     }
     constexpr std::string_view kPng = "\x89PNG\r\n\x1a\n";
     if (picture.bytes.starts_with(kPng)) {

@@ -53,7 +53,7 @@ struct Cues {
 /// `level`: of the steepest lateral force, as level_of() gives it. \throws UsageError for fewer than 3 samples.
 Cues cues_of(const StrokeSignals& signals, double level);
 
-/// Fitted to Table 2 (fit.h); the default ones are those of `weber`, frozen in predictions.toml before any new data.
+/// Fitted to Table 2; the default ones are those of `weber`, frozen in predictions.toml before any new data.
 struct ObserverParameters {
     ObserverModel model = ObserverModel::weber;
     double edge = 0.7347;        /* 1: kappa, jump of the lateral force ratio for an expected edge */

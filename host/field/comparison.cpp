@@ -6,8 +6,11 @@
 #include <limits>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "host/reference/chunks.h"
 #include "host/reference/mesh_contact.h"
+#include "host/scene/schema.h"
 
 namespace forceshade {
 
@@ -28,8 +31,9 @@ double angle_between(const glm::dvec3& force, const glm::dvec3& normal) {
 } // namespace
 
 ShapeComparison::ShapeComparison(const PreparedCase& prepared)
-    : kind_(prepared.one.scene.compare->kind), stiffness_(prepared.one.scene.force.stiffness),
-      counted_depth_(prepared.one.scene.compare->depth), mesh_(prepared.compared_mesh) {
+    : kind_(prepared.one.scene.compare->kind), reading_(prepared.one.scene.force.depth),
+      stiffness_(prepared.one.scene.force.stiffness), counted_depth_(prepared.one.scene.compare->depth),
+      mesh_(prepared.compared_mesh) {
     const CompareSpec& spec = *prepared.one.scene.compare;
     const SurfaceSpec& own = prepared.one.scene.surface;
     axis_ = static_cast<int>(spec.axis.value_or(kind_ == CompareKind::plane ? CompareAxis::z : CompareAxis::y));
@@ -44,6 +48,14 @@ ShapeComparison::ShapeComparison(const PreparedCase& prepared)
     law_.features.surface = layout::kSurfaceMesh;
     law_.features.inside = tables_->winding ? layout::kInsideWinding : layout::kInsidePseudonormal;
     law_.mesh = tables_->view();
+}
+
+std::string ShapeComparison::text() const {
+    if (half_width_)
+        return fmt::format("the bump's own smooth shape (its normal above the probe, depth {})",
+                           reading_ == DepthReading::normal ? "along that normal" : "straight down");
+    return fmt::format("the {} of [compare] (its normal and depth at the place nearest to the probe)",
+                       kCompareKinds[static_cast<std::size_t>(kind_)]);
 }
 
 bool ShapeComparison::depends_on_y() const noexcept {
@@ -75,7 +87,8 @@ ShapeComparison::Nearest ShapeComparison::above(const glm::dvec3& place) const n
         return {{0, 0, 1}, -place.z};
     const double rise = std::sqrt((radius_ - x) * (radius_ + x));
     const double height = (half - x) * (half + x) / (rise + std::sqrt((radius_ - half) * (radius_ + half)));
-    return {{x / radius_, 0, rise / radius_}, height - place.z};
+    const glm::dvec3 normal(x / radius_, 0, rise / radius_);
+    return {normal, (height - place.z) * (reading_ == DepthReading::normal ? normal.z : 1)};
 }
 
 ShapeComparison::Nearest ShapeComparison::nearest_on_mesh(const glm::dvec3& place, layout::uint& hint) const noexcept {
@@ -124,8 +137,19 @@ void DeviationSum::add(const DeviationSum& other) {
 
 DeviationRecord DeviationSum::record() const {
     const auto rms = [](double square, double count) { return count > 0 ? std::sqrt(square / count) : 0; };
-    return {static_cast<std::uint64_t>(angles_), rms(angle_square_, angles_), largest_angle_,
-            static_cast<std::uint64_t>(errors_), rms(error_square_, errors_), largest_error_};
+    return {{},
+            static_cast<std::uint64_t>(angles_),
+            rms(angle_square_, angles_),
+            largest_angle_,
+            static_cast<std::uint64_t>(errors_),
+            rms(error_square_, errors_),
+            largest_error_};
+}
+
+DeviationRecord Compared::record() const {
+    DeviationRecord record = sum_.record();
+    record.from = comparison_.text();
+    return record;
 }
 
 Compared::Compared(const PreparedCase& prepared, unsigned threads)

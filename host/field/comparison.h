@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -22,7 +23,8 @@ inline std::uint32_t written_channels(const Scene& scene) {
 }
 
 /// Difference of a force from the shape's force at the same probe: K times the depth below its nearest place, along
-/// the normal there. Of a bump's own smooth shape the place is the one above the probe (L4).
+/// the normal there. Of a bump's own smooth shape the place is the one above the probe (L4), and the depth is read as
+/// the scene reads its own: straight down, or along that normal.
 struct Deviation {
     double angle;           /* deg: between the force and that normal; NaN where one of them is missing */
     double magnitude_error; /* N: |F| - K depth; NaN out of contact with both */
@@ -38,6 +40,9 @@ public:
     /// At a place, m, where the force is `force`, N. `hint`: the triangle nearest to the last place, 0 at first.
     Deviation at(const glm::dvec3& place, const glm::dvec3& force, layout::uint& hint) const noexcept;
 
+    /// "the bump's own smooth shape (its normal above the probe, depth straight down)": what a force is compared with.
+    std::string text() const;
+
     /// Whether the shape differs from one y to another.
     bool depends_on_y() const noexcept;
 
@@ -51,6 +56,7 @@ private:
     Nearest nearest_on_mesh(const glm::dvec3& place, layout::uint& hint) const noexcept;
 
     CompareKind kind_;
+    DepthReading reading_;
     double stiffness_;                   /* N/m */
     double counted_depth_;               /* m */
     double radius_ = 0;                  /* m */
@@ -89,7 +95,7 @@ public:
     /// Rows of paths with these channels, whose spans live until the next call.
     template <typename T> PathRows<T> paths(PathRows<T> rows);
 
-    DeviationRecord record() const { return sum_.record(); }
+    DeviationRecord record() const;
 
 private:
     template <typename T> struct Buffers {

@@ -20,6 +20,31 @@
 namespace forceshade {
 
 struct PreparedCase;
+class Engine;
+
+// A whole field at once.
+
+/// Every sample of a grid: x fastest, then y, then z. Channels that the case does not ask for are empty.
+template <typename T> struct Field {
+    std::vector<T> force;    /* N, 3 a sample */
+    std::vector<T> depth;    /* m */
+    std::vector<T> proxy;    /* m, 3 a sample, from scene_origin() */
+    std::vector<T> unshaded; /* N, 3 a sample */
+    std::vector<layout::uint> facet;
+    EngineTimes times;
+
+    /// The next chunk; where one y stands for all, it stands `repeats` times.
+    void append(const layout::FieldChunk<T>& chunk, std::size_t repeats);
+};
+
+/// The field of a case's grid, in T whatever the case's own precision. \throws UsageError if a value leaves the range
+/// of T, and what Engine::run throws.
+template <typename T> Field<T> evaluate(const PreparedCase& prepared, Engine& engine);
+
+/// Of tables that are there already; `repeats` as for append().
+template <typename T> Field<T> evaluate(const layout::FieldInput<T>& input, std::size_t repeats, Engine& engine);
+
+// Chunk by chunk.
 
 /// A law to evaluate at every sample of a grid, and what takes consecutive chunks of rows in order (z, then y). A
 /// mesh's blocks are planned slab by slab, unless the input has a plan (of the whole grid): that one is followed then.
@@ -81,41 +106,5 @@ struct EngineOptions {
 /// \throws compute::DeviceError if the device is not there or refused. There is no silent fallback from one engine to
 /// the other.
 std::unique_ptr<Engine> make_engine(const EngineOptions& options);
-
-/// Every sample of a grid: x fastest, then y, then z. Channels that the case does not ask for are empty.
-template <typename T> struct Field {
-    std::vector<T> force;    /* N, 3 a sample */
-    std::vector<T> depth;    /* m */
-    std::vector<T> proxy;    /* m, 3 a sample, from scene_origin() */
-    std::vector<T> unshaded; /* N, 3 a sample */
-    std::vector<layout::uint> facet;
-    EngineTimes times;
-
-    /// The next chunk; where one y stands for all, it stands `repeats` times.
-    void append(const layout::FieldChunk<T>& chunk, std::size_t repeats);
-};
-
-/// The field of a case's grid, in T whatever the case's own precision. \throws UsageError if a value leaves the range
-/// of T, and what Engine::run throws.
-template <typename T> Field<T> evaluate(const PreparedCase& prepared, Engine& engine);
-
-/// Of tables that are there already; `repeats` as for append().
-template <typename T> Field<T> evaluate(const layout::FieldInput<T>& input, std::size_t repeats, Engine& engine);
-
-// Compiled kernels kept on disk between runs, one file a device: a damaged or foreign file is ignored.
-
-/// The bytes kept for a device, or none without an intact file. `device` identifies device and driver. Never
-/// throws for the file's sake.
-std::vector<std::byte> read_pipeline_cache(const std::filesystem::path& folder, const std::string& device);
-
-/// Keeps the bytes; a folder that cannot be written is not an error.
-void write_pipeline_cache(const std::filesystem::path& folder, const std::string& device,
-                          std::span<const std::byte> bytes);
-
-/// Where they are kept.
-std::filesystem::path pipeline_cache_path(const std::filesystem::path& folder, const std::string& device);
-
-/// $XDG_CACHE_HOME/forceshade or ~/.cache/forceshade; empty if neither is known.
-std::filesystem::path default_cache_folder();
 
 } // namespace forceshade

@@ -21,6 +21,16 @@
 
 namespace forceshade {
 
+std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding) {
+    auto mesh = std::make_shared<SceneMesh>();
+    mesh->findings = inspect(polygons);
+    mesh->mesh = prepare_mesh(std::move(polygons), {}, VertexNormals::plain);
+    mesh->structure = build_structure(mesh->mesh, {.winding = winding});
+    if (is_solid(mesh->findings))
+        assume_solid(mesh->structure);
+    return mesh;
+}
+
 void require_file(const FileSpec& spec) {
     std::error_code error;
     if (!spec.path.empty() && std::filesystem::status(spec.path, error).type() == std::filesystem::file_type::not_found)

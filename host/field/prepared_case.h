@@ -40,6 +40,9 @@ struct SceneMesh {
     std::vector<MeshFault> changes;               /* parts of the file that were skipped, facets that orient turned */
 };
 
+/// Polygons in the scene's frame, m, as they are. `winding`: with the tree's winding numbers.
+std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding = false);
+
 /// A file that a scene names and that is there. \throws IoError `bump.toml:14:8: cannot read ...; did you mean ...?`
 void require_file(const FileSpec& spec);
 

@@ -39,8 +39,8 @@ struct MeshObstacles {
 };
 
 /// The mesh in its own frame: (world - centre) / scale, centre the middle of the bounding box, scale the least power of
-/// two that leaves no coordinate beyond 1. Triangles are those of surface.h, in the tree's order; vertices are numbered
-/// by first use, facets as in the file.
+/// two that leaves no coordinate beyond 1. Triangles are those of make_surface, in the tree's order; vertices are
+/// numbered by first use, facets as in the file.
 ///
 /// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 34 (192 each, between 5
 /// and 6 triangles below), corners 12, facets 4, neighbours 12, vertices 12, their normals 12 and pseudonormals 12,

@@ -62,6 +62,7 @@ void list_times(const Field& field, Engine& engine, Volume& volume) {
 }
 
 template <typename Field, typename Deviation> void list_deviation(const Field& field, Deviation& deviation) {
+    field("from", deviation.from);
     field("angles", deviation.angles);
     field("rms_angle_deg", deviation.rms_angle);
     field("largest_angle_deg", deviation.largest_angle);
@@ -148,14 +149,11 @@ Json to_json(const CaseRecord& record) {
     list_case(JsonWriter{json}, record);
     json["oracle"]["relative_error"] = record.error.relative();
     if (record.deviation)
-        json["compare"] = deviation_json(*record.deviation);
+        list_deviation(JsonWriter{json["compare"]}, *record.deviation);
     if (record.touch)
         list_touch(JsonWriter{json["touch"]}, *record.touch);
-    if (record.paths) {
-        list_paths(JsonWriter{json["paths"]}, *record.paths);
-        if (record.paths->deviation)
-            json["paths"]["compare"] = deviation_json(*record.paths->deviation);
-    }
+    if (record.paths)
+        json["paths"] = paths_json(*record.paths);
     return json;
 }
 
@@ -190,20 +188,22 @@ CaseRecord from_json(const Json& json) {
 
 } // namespace
 
-nlohmann::ordered_json deviation_json(const DeviationRecord& deviation) {
+nlohmann::ordered_json paths_json(const PathRecord& paths) {
     Json json;
-    list_deviation(JsonWriter{json}, deviation);
+    list_paths(JsonWriter{json}, paths);
+    if (paths.deviation)
+        list_deviation(JsonWriter{json["compare"]}, *paths.deviation);
     return json;
 }
 
 std::string deviation_text(const DeviationRecord& deviation) {
     if (deviation.magnitudes == 0)
         return "compared with the shape of [compare]: contact is nowhere as little deep as compare.depth says\n";
-    return fmt::format("compared with the shape of [compare], where contact is at most compare.depth deep: direction "
+    return fmt::format("compared with {}, where contact is at most compare.depth deep: direction "
                        "{:.3g} deg (RMS), {:.3g} at most, at {} places; magnitude {:.3g} N (RMS), {:.3g} at most, at "
                        "{}, including where the shape alone has contact\n",
-                       deviation.rms_angle, deviation.largest_angle, deviation.angles, deviation.rms_magnitude_error,
-                       deviation.largest_magnitude_error, deviation.magnitudes);
+                       deviation.from, deviation.rms_angle, deviation.largest_angle, deviation.angles,
+                       deviation.rms_magnitude_error, deviation.largest_magnitude_error, deviation.magnitudes);
 }
 
 std::string error_text(const CaseRecord& record) {

@@ -72,14 +72,14 @@ struct PathError {
 /// Of the forces of a field or of paths from those of the shape of [compare], where contact is at most compare.depth
 /// deep: root mean squares and largest sizes.
 struct DeviationRecord {
-    std::uint64_t angles = 0;                                    /* samples with a force */
+    std::string from;         /* "the cylinder's normal at its nearest place, ...": which normal and depth are meant */
+    std::uint64_t angles = 0; /* samples with a force */
     double rms_angle = 0, largest_angle = 0;                     /* deg: between force and normal */
     std::uint64_t magnitudes = 0;                                /* samples in contact with surface or shape */
     double rms_magnitude_error = 0, largest_magnitude_error = 0; /* N */
 };
 
-/// As an object, and as a line for people.
-nlohmann::ordered_json deviation_json(const DeviationRecord& deviation);
+/// As a line for people.
 std::string deviation_text(const DeviationRecord& deviation);
 
 /// How far the forces of a case are from those of the shape that its surface stands for, where a hand touches it.
@@ -115,6 +115,9 @@ struct PathRecord {
 
     double steps_per_second() const; /* of the engine */
 };
+
+/// As an object, without its files.
+nlohmann::ordered_json paths_json(const PathRecord& paths);
 
 /// What is wrong with a run whose paths are further from the oracle than rounding allows, or hold samples whose proxy
 /// never rested; else empty.

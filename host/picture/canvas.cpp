@@ -1,7 +1,6 @@
 #include "host/picture/canvas.h"
 
 #include <algorithm>
-#include <boost/locale/utf.hpp>
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <cairo.h>
@@ -249,27 +248,6 @@ std::size_t line_length(std::string_view text, const TextStyle& style, double wi
 }
 
 } // namespace
-
-std::size_t character_length(std::string_view text) {
-    namespace utf = boost::locale::utf;
-    const char* at = text.data();
-    const utf::code_point code = utf::utf_traits<char>::decode(at, text.data() + text.size());
-    return code == utf::illegal || code == utf::incomplete ? 0 : static_cast<std::size_t>(at - text.data());
-}
-
-std::string printable(std::string_view text) {
-    std::string result;
-    while (!text.empty()) {
-        const std::size_t length = character_length(text);
-        const auto first = static_cast<unsigned char>(text.front());
-        if (length == 1 && (first < 0x20 || first == 0x7F))
-            result += ' ';
-        else
-            result += length == 0 ? "\xEF\xBF\xBD" : text.substr(0, length); // U+FFFD
-        text.remove_prefix(std::max<std::size_t>(length, 1));
-    }
-    return result;
-}
 
 std::vector<std::string> wrap(std::string_view text, const TextStyle& style, double width) {
     const std::string clean = printable(text);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "host/picture/picture.h"
+#include "host/spelling.h"
 
 #include <cstdint>
 #include <memory>
@@ -49,12 +50,6 @@ struct Extent {
 
 /// The space that `text` takes: advance width, line height; of the turned box if upwards.
 Extent measure(std::string_view text, const TextStyle& style);
-
-/// Length in bytes of the valid UTF-8 character that `text` begins with, or 0.
-std::size_t character_length(std::string_view text);
-
-/// Valid UTF-8 on one line: bad bytes become U+FFFD, control characters a space.
-std::string printable(std::string_view text);
 
 /// `text` in lines no wider than `width` (pixels), broken after a space, '_', '-' or '/', or anywhere if it must be.
 std::vector<std::string> wrap(std::string_view text, const TextStyle& style, double width);

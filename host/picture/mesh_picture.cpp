@@ -32,8 +32,12 @@ struct ViewPoint {
     glm::dvec3 from, right, up;
 
     explicit ViewPoint(const glm::dvec3& towards_us)
-        : from(glm::normalize(towards_us)), right(glm::normalize(glm::cross(glm::dvec3(0, 0, 1), from))),
-          up(glm::cross(from, right)) {}
+        : from(glm::normalize(towards_us)), right(right_of(from)), up(glm::cross(from, right)) {}
+    // Where we look along z, x is right.
+    static glm::dvec3 right_of(const glm::dvec3& from) {
+        const glm::dvec3 across = glm::cross(glm::dvec3(0, 0, 1), from);
+        return glm::length(across) > 1e-9 ? glm::normalize(across) : glm::dvec3(1, 0, 0);
+    }
     glm::dvec3 seen(const glm::dvec3& place) const {
         return {glm::dot(right, place), glm::dot(up, place), glm::dot(from, place)};
     }
@@ -54,12 +58,17 @@ public:
     }
 
     void triangle(const std::array<glm::dvec3, 3>& corners, const glm::dvec3& normal, Rgb8 front, Rgb8 back) {
+        const double facing = glm::dot(normal, point_.from);
+        const Rgb8 colour = mixed({30, 34, 40}, facing < 0 ? back : front, 0.35 + 0.65 * std::abs(facing));
+        triangle(corners, [&](double, double) { return colour; });
+    }
+
+    /// `colour_at`: of the shares of the second and the third corner.
+    template <typename ColourAt> void triangle(const std::array<glm::dvec3, 3>& corners, const ColourAt& colour_at) {
         const glm::dvec3 a = at(corners[0]), b = at(corners[1]), c = at(corners[2]);
         const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         if (twice == 0)
             return;
-        const double facing = glm::dot(normal, point_.from);
-        const Rgb8 colour = mixed({30, 34, 40}, facing < 0 ? back : front, 0.35 + 0.65 * std::abs(facing));
         const auto [left, right] = std::minmax({a.x, b.x, c.x});
         const auto [top, bottom] = std::minmax({a.y, b.y, c.y});
         for (int y = first_of(top); y <= last_of(bottom); ++y)
@@ -73,7 +82,7 @@ public:
                 if (z <= depth_[index(x, y)])
                     continue;
                 depth_[index(x, y)] = z;
-                colour_[index(x, y)] = colour;
+                colour_[index(x, y)] = colour_at(v, w);
             }
     }
 
@@ -184,20 +193,111 @@ LegendItem scale_item(double pixels_a_unit, double pixels, const std::string& un
                      {kInk, 3, {}, false}, length * pixels_a_unit);
 }
 
-} // namespace
-
-Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh, const MeshMarks& marks,
-                  const std::string& unit) {
-    const std::array<ViewPoint, 2> points{ViewPoint({0.9, -1.3, 0.8}), ViewPoint({-0.9, 1.3, -0.8})};
-    const MeshBox box = bounding_box(mesh.polygons);
-    const glm::dvec3 middle = box.low + 0.5 * (box.high - box.low);
-    double half = 0; // of the picture's side
+/// Half the side of a square about `middle` that holds the mesh as seen from all points, m.
+double half_width_of(const Mesh& mesh, const glm::dvec3& middle, std::span<const ViewPoint> points) {
+    double half = 0;
     for (const ViewPoint& point : points)
         for (const std::uint32_t corner : mesh.polygons.corners) {
             const glm::dvec3 seen = point.seen(mesh.polygons.vertices[corner] - middle);
             half = std::max({half, std::abs(seen.x), std::abs(seen.y)});
         }
-    half *= 1.06;
+    return 1.06 * half;
+}
+
+glm::dvec3 middle_of(const Mesh& mesh) {
+    const MeshBox box = bounding_box(mesh.polygons);
+    return box.low + 0.5 * (box.high - box.low);
+}
+
+/// deg: that 99 of 100 corners do not exceed.
+double usual_turn(std::vector<float> turns) {
+    if (turns.empty())
+        return 0;
+    const auto at = turns.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(turns.size() - 1));
+    std::ranges::nth_element(turns, at);
+    return *at;
+}
+
+void draw_turned(View& view, const ViewPoint& point, const Mesh& mesh, const std::vector<float>& turns,
+                 const ColourScale& scale) {
+    const PolygonSoup& polygons = mesh.polygons;
+    const bool nowhere = std::ranges::all_of(turns, [](float turn) { return turn == 0; });
+    for (std::size_t triangle = 0; triangle < mesh.triangles.corners.size(); ++triangle) {
+        const std::uint32_t facet = mesh.triangles.facets[triangle];
+        std::array<glm::dvec3, 3> places{};
+        std::array<double, 3> turned{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t vertex = mesh.triangles.corners[triangle][i];
+            std::uint32_t corner = polygons.begins[facet];
+            while (corner + 1 < polygons.begins[facet + 1] && polygons.corners[corner] != vertex)
+                ++corner;
+            places[i] = polygons.vertices[vertex];
+            turned[i] = turns[corner];
+        }
+        const double lit = 0.6 + 0.4 * std::abs(glm::dot(mesh.triangles.normals[triangle], point.from));
+        const auto colour_of = [&](double turn) {
+            return nowhere ? kFront : scale.of(std::min(turn, scale.high)); // grey shows the facets better
+        };
+        view.triangle(places, [&](double v, double w) {
+            const double turn = turned[0] + v * (turned[1] - turned[0]) + w * (turned[2] - turned[0]);
+            return mixed({30, 34, 40}, colour_of(turn), lit);
+        });
+    }
+}
+
+} // namespace
+
+Picture draw_turns(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh,
+                   std::span<const TurnedMesh> shadings, const std::array<double, 3>& view) {
+    const ViewPoint point({view[0], view[1], view[2]});
+    const glm::dvec3 middle = middle_of(mesh);
+    const double half = half_width_of(mesh, middle, std::span(&point, 1));
+    double usual = 0;
+    for (const TurnedMesh& shaded : shadings)
+        usual = std::max(usual, usual_turn(shaded.turns));
+    const ColourScale scale = scale_for(Quantity::angle, usual, {0, 2, 1});
+    const Heading heading = plan_heading(look, notes);
+    const std::size_t columns = std::min<std::size_t>(shadings.size(), 2), rows = (shadings.size() + 1) / 2;
+    const double bar = colour_bar_width(scale, 400) + kBarGap;
+    std::vector<LegendItem> items{scale_item(1, 1, "m")}; // for its height
+    const double below = legend_height(items, look.width) + kMargin;
+    int side = static_cast<int>((look.width - bar - kMargin) / static_cast<double>(columns) - kMargin);
+    const double beside = heading.height + below + 3 * kMargin;
+    if (look.most_height > 0)
+        side = std::clamp(static_cast<int>((look.most_height - beside) / static_cast<double>(rows) - kMargin), 120,
+                          std::max(side, 120));
+    const int top = static_cast<int>(kMargin + heading.height + 10), step = side + static_cast<int>(kMargin);
+    Canvas canvas(look.width, top + static_cast<int>(rows) * step + static_cast<int>(below));
+    draw_heading(canvas, heading);
+    for (std::size_t i = 0; i < shadings.size(); ++i) {
+        View pane(point, middle, half, side);
+        draw_turned(pane, point, mesh, shadings[i].turns, scale);
+        const int left = static_cast<int>(kMargin) + static_cast<int>(i % 2) * step,
+                  upper = top + static_cast<int>(i / 2) * step;
+        canvas.image(left, upper, side, side, pane.pixels());
+        canvas.outline({left + 0.5, upper + 0.5, side - 1.0, side - 1.0}, {kGridInk, 1, {}, false});
+        const double most = shadings[i].turns.empty() ? 0 : *std::ranges::max_element(shadings[i].turns);
+        canvas.text(fmt::format("{}: {}", shadings[i].shading,
+                                most > 0 ? fmt::format("up to {:.3g}°", most) : "the facets' own directions"),
+                    {left + 10.0, upper + 18.0}, {kSmallTextSize}, kQuietInk);
+        if (i == 0)
+            draw_axes_of(canvas, point, {left + 58.0, upper + side - 58.0});
+    }
+    if (scale.shows())
+        draw_colour_bar(canvas, {kMargin + static_cast<double>(columns) * step - kMargin + kBarGap, double(top)},
+                        std::max(colour_bar_least_height(scale), std::min(400.0, double(side))), scale);
+    items.front() = scale_item(side / (2 * half), side, "m");
+    draw_legend(canvas, items, {kMargin, top + static_cast<double>(rows) * step - kMargin / 2},
+                look.width - 2 * kMargin);
+    return canvas.finish();
+}
+
+Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh, const MeshMarks& marks,
+                  const std::string& unit) {
+    const glm::dvec3 front(kView[0], kView[1], kView[2]);
+    const std::array<ViewPoint, 2> points{ViewPoint(front), ViewPoint(-front)};
+    const glm::dvec3 middle = middle_of(mesh);
+    const double half = half_width_of(mesh, middle, points);
     const Heading heading = plan_heading(look, notes);
     const double width = look.width - 2 * kMargin;
     std::vector<LegendItem> items = legend(marks);

@@ -128,6 +128,20 @@ Breadth drawn_breadth(const std::vector<DrawnPath>& paths);
 Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh, const MeshMarks& marks,
                   const std::string& unit = "m");
 
+/// A mesh under one shading.
+struct TurnedMesh {
+    std::string shading;      // its name
+    std::vector<float> turns; /* deg: of the force at each corner of the facets */
+};
+
+/// Where meshes are seen from unless the user says: from the right, in front and above.
+inline constexpr std::array<double, 3> kView{0.9, -1.3, 0.8};
+
+/// A mesh under several shadings, at most two side by side, from `view` (a vector towards us, not 0), coloured by how
+/// far each turns the force; one scale for all, up to what 99 of 100 corners stay below in each.
+Picture draw_turns(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh,
+                   std::span<const TurnedMesh> shadings, const std::array<double, 3>& view = kView);
+
 /// Which files of a picture to write.
 struct Endings {
     bool png = false, svg = false, pdf = false;

@@ -6,6 +6,7 @@
 #include "compute/device.h"
 #include "host/error.h"
 #include "host/field/engine.h"
+#include "host/field/pipeline_cache.h"
 #include "host/program.h"
 #include "host/python/arrays.h"
 

@@ -473,7 +473,7 @@ void finish_updates(const layout::MeshView<T>& mesh, std::span<layout::MeshUpdat
     SPECIFIER template layout::ProxyStart<T> proxy_start(const layout::Law<T>&, Neighbourhood<T>&,                     \
                                                          const Vector<T>&) noexcept;                                   \
     SPECIFIER template void finish_updates(const layout::MeshView<T>&, std::span<layout::MeshUpdate<T>>, unsigned);
-#ifndef FORCESHADE_HEADER_ONLY // compiled once, in god_object.cpp
+#ifndef FORCESHADE_HEADER_ONLY // compiled once, in paths.cpp
 FORCESHADE_GOD_OBJECT(extern, float)
 FORCESHADE_GOD_OBJECT(extern, double)
 #endif

@@ -166,4 +166,7 @@ template void evaluate_paths<float>(const layout::PathInput<float>&, const PathO
 template void evaluate_paths<double>(const layout::PathInput<double>&, const PathOptions&, const TakePaths<double>&,
                                      const TakeMetrics<double>&);
 
+FORCESHADE_GOD_OBJECT(, float)
+FORCESHADE_GOD_OBJECT(, double)
+
 } // namespace forceshade::reference

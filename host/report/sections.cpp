@@ -1,6 +1,7 @@
 // Markup, and a study: its findings next to the figure that shows them; how it was measured, its tables and files.
 // Figures and tables are drawn by the page, out of the study's data.
 #include "host/report/sections.h"
+#include "host/spelling.h"
 
 #include <algorithm>
 
@@ -63,7 +64,7 @@ std::string plain_id(const std::string& name) {
 std::string escaped(std::string_view text) {
     std::string result;
     while (!text.empty()) {
-        const std::size_t length = picture::character_length(text);
+        const std::size_t length = character_length(text);
         const std::string_view sequence = text.substr(0, length ? length : 1);
         const auto* const found = std::ranges::find(kEntities, sequence[0], [](const auto& one) { return one.first; });
         if (length == 0 || is_no_character(sequence))

@@ -104,6 +104,8 @@ std::string verdict_section(const Contents& contents);
 /// Cases of a sweep: errors, times, what was left out, files.
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep);
 
+/// What [compare] says, over what the sweep varies most: a table and two figures, if something varies.
+void add_compare_figures(const Sweep& sweep, study::StudyData& data);
 /// Errors where a hand touches, over what the sweep varies most: a table and two figures, if something varies.
 void add_touch_figures(const Sweep& sweep, study::StudyData& data);
 /// The findings of a sweep, a sentence each, computed from the cases alone; may be empty.

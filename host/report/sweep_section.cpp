@@ -33,6 +33,9 @@ Rows with_field(const Sweep& sweep) {
 Rows with_touch(const Sweep& sweep) {
     return cases_with(sweep, [](const CaseRecord& record) { return record.touch.has_value(); });
 }
+Rows with_compare(const Sweep& sweep) {
+    return cases_with(sweep, [](const CaseRecord& record) { return record.deviation && record.deviation->angles > 0; });
+}
 Rows with_paths(const Sweep& sweep) {
     return cases_with(sweep, [](const CaseRecord& record) { return record.paths.has_value(); });
 }
@@ -124,41 +127,93 @@ study::Figure figure_of(const std::string& name, const std::string& title, const
 
 // The least and the largest of some numbers, of one alone that.
 std::string range_text(std::vector<double> values, double factor) {
-    constexpr double kNothing = 1e-9; // deg or 1: rounding
+    constexpr double kNothing = 1e-5; // deg, 1 or N: rounding
     const auto [least, most] = std::ranges::minmax(values);
     const auto text = [&](double value) { return number_text(value < kNothing ? 0 : factor * value, 2); };
     const std::string low = text(least), high = text(most);
     return low == high ? low : low + " to " + high;
 }
 
+// The range of a number over the cases: "2 to 12 deg without shading and 0 deg with it" where both are among them.
+template <typename Number>
+std::string by_shading(const Rows& cases, const Number& number, double factor, const char* unit) {
+    std::vector<double> all, plain, shaded;
+    for (const CaseRecord* record : cases) {
+        const double value = number(*record);
+        all.push_back(value);
+        if (const std::string shading = parameter(*record, "shading"); !shading.empty())
+            (shading == "none" ? plain : shaded).push_back(value);
+    }
+    if (plain.empty() || shaded.empty())
+        return fmt::format("{} {}", range_text(all, factor), unit);
+    return fmt::format("{} {} without shading and {} {} with it", range_text(plain, factor), unit,
+                       range_text(shaded, factor), unit);
+}
+
 // Errors where a hand touches, in a sentence; empty without such errors.
 std::string touch_finding(const Sweep& sweep) {
     const Rows cases = with_touch(sweep);
-    std::vector<double> plain_angles, shaded_angles, plain_errors, shaded_errors, angles, errors;
-    for (const CaseRecord* record : cases) {
-        const std::string shading = parameter(*record, "shading");
-        angles.push_back(record->touch->direction_rms);
-        errors.push_back(record->touch->median_error);
-        if (shading.empty())
-            continue;
-        (shading == "none" ? plain_angles : shaded_angles).push_back(record->touch->direction_rms);
-        (shading == "none" ? plain_errors : shaded_errors).push_back(record->touch->median_error);
-    }
     if (cases.empty())
         return "";
-    const std::string against = cases.front()->touch->against;
-    if (plain_angles.empty() || shaded_angles.empty())
-        return fmt::format("Where a hand touches, the force's direction is {} deg (RMS) from that of {}, and the force "
-                           "{} % (median).",
-                           range_text(angles, 1), against, range_text(errors, 100));
     return fmt::format(
-        "Where a hand touches, the force's direction is {} deg from that of {} without shading and {} deg "
-        "with it (RMS, by case); the whole force errs by {} % and by {} % (median).",
-        range_text(plain_angles, 1), against, range_text(shaded_angles, 1), range_text(plain_errors, 100),
-        range_text(shaded_errors, 100));
+        "Where a hand touches, the force's direction is {} (RMS) from that of {}; the whole force errs by {} (median).",
+        by_shading(
+            cases, [](const CaseRecord& one) { return one.touch->direction_rms; }, 1, "deg"),
+        cases.front()->touch->against,
+        by_shading(
+            cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"));
+}
+
+// Of the comparison that the scenes ask for, in a sentence; empty without one.
+std::string compare_finding(const Sweep& sweep) {
+    const Rows cases = with_compare(sweep);
+    if (cases.empty())
+        return "";
+    return fmt::format("Compared with {}, the force's direction is {} off, its magnitude {} (RMS, contact at most "
+                       "compare.depth deep).",
+                       cases.front()->deviation->from,
+                       by_shading(
+                           cases, [](const CaseRecord& one) { return one.deviation->rms_angle; }, 1, "deg"),
+                       by_shading(
+                           cases, [](const CaseRecord& one) { return one.deviation->rms_magnitude_error; }, 1, "N"));
 }
 
 } // namespace
+
+void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
+    const Rows cases = with_compare(sweep);
+    const std::string axis = axis_of(cases);
+    if (axis.empty())
+        return;
+    const std::vector<Touched> rows = touched_of(cases, axis);
+    using Row = Touched;
+    data.tables.push_back(study::table_of<Row>(
+        "compare", "Forces compared with the shape of [compare]",
+        {{"case", "", "", [](const Row& r) { return r.record->name; }},
+         {axis, "1", "", &Row::x},
+         {"series", "", "the other parameters", &Row::series},
+         {"angle_deg", "deg", "between the force and the shape's normal, root mean square",
+          [](const Row& r) { return r.record->deviation->rms_angle; }},
+         {"largest_angle_deg", "deg", "", [](const Row& r) { return r.record->deviation->largest_angle; }},
+         {"magnitude_N", "N", "|F| less K times the depth below the shape, root mean square",
+          [](const Row& r) { return r.record->deviation->rms_magnitude_error; }},
+         {"largest_magnitude_N", "N", "", [](const Row& r) { return r.record->deviation->largest_magnitude_error; }},
+         {"samples", "1", "with a force", [](const Row& r) { return r.record->deviation->angles; }}},
+        rows));
+    const auto [least, most] = std::ranges::minmax(rows, {}, &Row::x);
+    const study::FigureAxis x{axis, unit_of(cases, axis), least.x > 0 && most.x / least.x > 16};
+    const auto add = [&](const char* name, const char* what, const study::FigureAxis& y) {
+        study::Figure figure = study::make_figure(
+            name, fmt::format("{} over {}", what, axis),
+            fmt::format("Compared with {}, at the samples whose contact is at most compare.depth deep.",
+                        cases.front()->deviation->from),
+            study::FigureKind::scatter, "compare", {}, x, y, "series");
+        figure.joined = true;
+        data.figures.push_back(std::move(figure));
+    };
+    add("compare-angle", "Angle to the shape's normal", {"angle_deg", "RMS angle / deg"});
+    add("compare-magnitude", "Error of the magnitude", {"magnitude_N", "RMS error of |F| / N"});
+}
 
 void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
     const Rows cases = with_touch(sweep);
@@ -338,6 +393,7 @@ study::StudyData tables_of(const Sweep& sweep) {
     for (Rows* const rows : {&fields, &paths})
         rows->resize(std::min(rows->size(), kMostCases));
     study::StudyData data;
+    add_compare_figures(sweep, data);
     add_touch_figures(sweep, data);
     if (!fields.empty()) {
         data.tables.push_back(cases_table(sweep, fields));
@@ -380,6 +436,7 @@ std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
         if (!text.empty())
             findings.push_back({name, text});
     };
+    add("compare", compare_finding(sweep));
     add("touch", touch_finding(sweep));
     if (const Rows cases = with_field(sweep); !cases.empty()) {
         add("agreement", agreement(cases));

@@ -215,7 +215,7 @@ private:
         if (file == entries.end() && doubtful_.contains(key.table))
             return; // it was refused
         if (file == entries.end())
-            fail(source_, digest.where, "\"sha256\" needs \"file\" beside it");
+            fail(source_, digest.where, "\"sha256\" needs a \"file\"");
         if (file->values.size() != digest.values.size())
             fail(source_, digest.where, "\"sha256\" needs one digest for each file: {} for {}", digest.values.size(),
                  file->values.size());

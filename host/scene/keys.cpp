@@ -205,13 +205,13 @@ void Table::spread(Dimension dimension, Text name, Text default_text, Text doc, 
         quantity(dimension, part_names.back(), "", set, meaning, traits).spread_part = true;
     };
     add_part(".mean", 1, sign, store_in_spread<member, normal, &Spread::value>,
-             "the mean of a normal distribution, beside sd");
+             "the mean of a normal distribution, with sd");
     add_part(".sd", 1, kNotNegative, store_in_spread<member, normal, &Spread::sd>,
-             "the standard deviation of a normal distribution, beside mean");
+             "the standard deviation of a normal distribution, with mean");
     add_part(".min", 2, sign, store_in_spread<member, uniform, &Spread::low>,
-             "the lower end of a uniform distribution, beside max");
+             "the lower end of a uniform distribution, with max");
     add_part(".max", 2, sign, store_in_spread<member, uniform, &Spread::high>,
-             "the upper end of a uniform distribution, beside min");
+             "the upper end of a uniform distribution, with min");
 }
 
 // What [surface] and [texture] have in common; `function` and `height` are defaults, `file` says what the file is.
@@ -424,7 +424,7 @@ void add_paths(std::vector<Key>& keys) {
     made.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
                                     "whether depth is measured from that plane, or from the nominal surface of a bump "
                                     "or cylinder_bump raised by that height; of a mesh, from its highest place above "
-                                    "or below, or the plane beside it (rounds are not told apart then)");
+                                    "or below, or the plane next to it (rounds are not told apart then)");
     paths.length<&PathsSpec::length>(
         "length", "",
         "of a stroke or line from end to end, of a region along the heading, of a circle or spiral the largest "
@@ -474,7 +474,8 @@ void add_hand(std::vector<Key>& keys) {
         "that is measured at fingertips (Hajian & Howe 1997)",
         {.sign = kNotNegative});
     hand.quantity<&HandSpec::grip_damping>(Dimension::damping, "grip_damping", "\"2 N s/m\"",
-                                           "of the grip, against its path's speed: likewise", {.sign = kNotNegative});
+                                           "of the grip, against its path's speed; a round value, too",
+                                           {.sign = kNotNegative});
     hand.integer<&HandSpec::delay_samples>("delay_samples", "0", 1, "from a position measured to its force displayed",
                                            {.smallest = 0});
     hand.length<&HandSpec::quantisation>(

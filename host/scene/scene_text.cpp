@@ -78,7 +78,7 @@ bool has_content(std::string_view text) {
     constexpr std::size_t kShown = 5;
     const bool more = scenes.size() > kShown;
     scenes.resize(std::min(scenes.size(), kShown));
-    throw IoError("cannot read {}: it is a folder, and a TOML file is wanted{}{}{}", path.string(),
+    throw IoError("cannot read {}: it is a folder, not a TOML file{}{}{}", path.string(),
                   scenes.empty() ? "" : "; in it: ", fmt::join(scenes, ", "), more ? ", ..." : "");
 }
 

@@ -150,13 +150,13 @@ private:
             for (const Entry* axis : axes(stack))
                 errors_.attempt([&] {
                     fail(source(), axis->where,
-                         "\"{}\" is a sweep axis of {} values; one scene is wanted here: leave one value, or use sweep",
+                         "\"{}\" is a sweep axis of {} values; this takes one scene: leave one value, or use sweep",
                          schema_keys()[axis->key].path(), axis->values.size());
                 });
         if (stacks_.size() > 1)
             errors_.attempt([&] {
                 fail(source(), stacks_[1].variant->where,
-                     "a second [[variant]]; one scene is wanted here: leave one, or use sweep");
+                     "a second [[variant]]; this takes one scene: leave one, or use sweep");
             });
     }
 

@@ -218,13 +218,7 @@ std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec
     add_walls(block, lattice, along(lattice.columns), across(lattice.rows), -kFloor * a);
     for (glm::dvec3& vertex : block.vertices)
         vertex += shift;
-    auto mesh = std::make_shared<SceneMesh>();
-    mesh->findings = inspect(block);
-    mesh->mesh = prepare_mesh(std::move(block), MeshPlacement{}, VertexNormals::plain);
-    mesh->structure = build_structure(mesh->mesh);
-    if (is_solid(mesh->findings))
-        assume_solid(mesh->structure);
-    return mesh;
+    return made_mesh(std::move(block));
 }
 
 PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift) {

@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "host/field/engine.h"
+#include "host/field/pipeline_cache.h"
 #include "tests/gpu/software_device.h"
 #include "tests/io/folder.h"
 

@@ -7,6 +7,8 @@
 #include <map>
 #include <png.h>
 
+#include "host/mesh/mesh.h"
+
 namespace forceshade::picture {
 namespace {
 
@@ -28,6 +30,26 @@ void expect_sound(const Picture& picture, int width = 1400) {
 const test::Case& case_named(const std::string& file) {
     static const std::vector<test::Case> all = test::cases();
     return *std::find_if(all.begin(), all.end(), [&](const test::Case& one) { return one.file == file; });
+}
+
+TEST(Picture, OfAMeshUnderShadingsIsClearFromAnywhere) {
+    PolygonSoup tetrahedron;
+    tetrahedron.vertices = {{0, 0, 0}, {0.02, 0, 0}, {0, 0.03, 0}, {0, 0, 0.01}};
+    tetrahedron.corners = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    tetrahedron.begins = {0, 3, 6, 9, 12};
+    const Mesh mesh = prepare_mesh(tetrahedron, {}, VertexNormals::plain);
+    std::vector<TurnedMesh> shadings{{"none", std::vector<float>(12)}};
+    for (const float most : {3.0F, 70.0F, 20.0F}) {
+        shadings.push_back({"mean_value", std::vector<float>(12, most)});
+        for (const int width : {1400, 700})
+            for (const std::array<double, 3> view : {kView, {0, 0, 1}, {0, 0, -1}, {1e-300, 5, 0}}) {
+                const Picture picture = draw_turns({"A tetrahedron", width}, {}, mesh, shadings, view);
+                EXPECT_EQ(picture.width, width);
+                test::expect_clear_texts(picture);
+            }
+    }
+    EXPECT_LT(draw_turns({"Low", 1400, 700}, {}, mesh, shadings).height, 720);
+    test::expect_clear_texts(draw_turns({"Still"}, {}, mesh, std::span(shadings).first(1)));
 }
 
 TEST(Picture, OfEveryCaseHasNoTextThatIsCutOrDrawnOver) {

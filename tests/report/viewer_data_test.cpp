@@ -200,8 +200,12 @@ TEST(SweepFindings, FollowTheData) {
     sweep.cases[1].parameters = {{"facets", "2"}, {"shading", "reference"}};
     sweep.cases[0].touch = {"the smooth shape", 200, 2e-3, 7.9, 0.47, 1};
     sweep.cases[1].touch = {"the smooth shape", 200, 2e-3, 1e-15, 0.049, 1};
-    expect("touch", "7.9 deg from that of the smooth shape without shading and 0 deg with it");
-    expect("touch", "the whole force errs by 47 % and by 4.9 %");
+    expect("touch", "7.9 deg without shading and 0 deg with it (RMS) from that of the smooth shape");
+    expect("touch", "the whole force errs by 47 % without shading and 4.9 % with it");
+    for (CaseRecord& one : sweep.cases)
+        one.deviation = {
+            .from = "the sphere", .angles = 10, .rms_angle = 3, .magnitudes = 10, .rms_magnitude_error = 0.5};
+    expect("compare", "Compared with the sphere, the force's direction is 3 deg without shading and 3 deg with it off");
     study::StudyData data;
     add_touch_figures(sweep, data);
     EXPECT_TRUE(data.figures.empty()) << "no number varies";
@@ -210,6 +214,8 @@ TEST(SweepFindings, FollowTheData) {
     ASSERT_EQ(data.figures.size(), 2u);
     EXPECT_EQ(data.figures[0].x.column, "facets");
     EXPECT_EQ(data.table("touch").rows.size(), 2u);
+    add_compare_figures(sweep, data);
+    EXPECT_EQ(data.table("compare").needed(1, "angle_deg"), 3);
     sweep.cases[0].error.differing = sweep.cases[0].error.beyond = 0;
     for (CaseRecord& one : sweep.cases)
         one.engine.engine = "cpu";

@@ -114,8 +114,7 @@ TEST_F(SceneTextFile, AFolderNamesTheScenesInIt) {
         read_study(folder_);
         FAIL();
     } catch (const IoError& error) {
-        EXPECT_TRUE(std::string(error.what()).ends_with("a TOML file is wanted; in it: a.toml, b.toml"))
-            << error.what();
+        EXPECT_TRUE(std::string(error.what()).ends_with("not a TOML file; in it: a.toml, b.toml")) << error.what();
     }
 }
 

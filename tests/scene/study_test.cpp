@@ -115,10 +115,10 @@ TEST(Study, DigestsStandBesideTheirFiles) {
 TEST(Study, OneSceneRefusesASweep) {
     const auto error = [](std::string_view text) { return usage_error([&] { parse_scene(text, "f.toml"); }); };
     EXPECT_EQ(error("[surface]\nradius = [\"600 mil\", \"1 in\"]\n"),
-              "f.toml:2:1: \"surface.radius\" is a sweep axis of 2 values; one scene is wanted here: leave one value, "
+              "f.toml:2:1: \"surface.radius\" is a sweep axis of 2 values; this takes one scene: leave one value, "
               "or use sweep");
     EXPECT_EQ(error("[[variant]]\n[[variant]]\n"),
-              "f.toml:2:1: a second [[variant]]; one scene is wanted here: leave one, or use sweep");
+              "f.toml:2:1: a second [[variant]]; this takes one scene: leave one, or use sweep");
     EXPECT_EQ(error("[surface]\nradius = [\"600 mil\"]\n[[variant]]\nsurface.facets = 2\n"), "(no error)");
     const std::vector<Override> radius{{"surface.radius", "1 in"}};
     EXPECT_EQ(parse_scene("[surface]\nradius = [\"600 mil\", \"1 in\"]\n", "f.toml", {}, radius).scene.surface.radius,

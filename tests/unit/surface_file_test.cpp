@@ -1,4 +1,5 @@
 // The surface with the forces on it, read by hand and held against closed forms and against the law.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -7,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "host/cases/case_files.h"
+#include "host/field/case_law.h"
+#include "host/field/comparison.h"
 #include "host/output/files.h"
 #include "host/picture/picture.h"
 #include "tests/io/folder.h"
@@ -150,6 +153,44 @@ TEST_F(SurfaceFile, OfAShadedMeshTurnsFromVertexToVertex) {
             EXPECT_LT(distance(surface.unshaded[point], surface.unshaded[cell[0]]), 1e-12) << "one for a facet";
             EXPECT_NEAR(surface.turn[point], turn, 1e-4);
         }
+}
+
+TEST_F(SurfaceFile, TurnsOfAMeshUnderAnyShadingAreThoseOfTheSceneWithIt) {
+    folder_.write("house.off", kHouse);
+    const PreparedCase plain = prepare(mesh("house.off", ""));
+    for (const auto& [shading, name] : {std::pair(Shading::none, "none"),
+                                        {Shading::morgenbesser, "morgenbesser"},
+                                        {Shading::mean_value, "mean_value"},
+                                        {Shading::two_pass, "two_pass"}}) {
+        PreparedCase shaded = prepare(mesh("house.off", fmt::format("[force]\nshading = \"{}\"\n", name)));
+        shaded.one.scene.precision = Precision::f64;
+        const ReadSurface surface = written(shaded);
+        const std::vector<float> turns = mesh_turns(plain, shading);
+        ASSERT_EQ(turns.size(), surface.turn.size());
+        for (std::size_t point = 0; point < turns.size(); ++point)
+            EXPECT_EQ(turns[point], float(surface.turn[point])) << name;
+        EXPECT_EQ(*std::ranges::max_element(turns) > 10, shading != Shading::none) << name;
+    }
+}
+
+// Facets this fine are the cylinder: nothing is left between them, however depth is read.
+TEST(Comparison, OfABumpWithItsOwnSmoothShapeReadsDepthAsTheSceneDoes) {
+    for (const std::string depth : {"vertical", "normal"}) {
+        const PreparedCase prepared =
+            CasePreparation().prepare(parse_scene("[surface]\nfacets = 20000\n[force]\ndepth = \"" + depth +
+                                                      "\"\n[compare]\nsurface = {kind = \"cylinder\"}\n",
+                                                  "scene"));
+        const CaseLaw<double> law(prepared);
+        const ShapeComparison comparison(prepared);
+        layout::uint hint = 0;
+        for (const glm::dvec3 place :
+             {glm::dvec3(0, 0, 1e-3), glm::dvec3(8e-3, 0, 1e-3), glm::dvec3(-0.02, 0, -1e-3)}) {
+            const glm::dvec3 force(law.at(place).force);
+            EXPECT_GT(std::hypot(force.x, force.z), 0.5);
+            EXPECT_NEAR(comparison.at(place, force, hint).magnitude_error, 0, 1e-4) << depth << ' ' << place.x;
+        }
+        EXPECT_NE(comparison.text().find(depth == "normal" ? "along that normal" : "straight down"), std::string::npos);
+    }
 }
 
 TEST_F(SurfaceFile, OfAMeshHasNoForceWhereNoProbeTouchesIt) {

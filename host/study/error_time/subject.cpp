@@ -157,10 +157,7 @@ std::shared_ptr<const SceneMesh> cylinder_mesh(const SmoothCylinder& own, const 
                 polygons.end_facet();
             }
         }
-    auto mesh = std::make_shared<SceneMesh>();
-    mesh->mesh = prepare_mesh(std::move(polygons), MeshPlacement{}, VertexNormals::plain);
-    mesh->structure = build_structure(mesh->mesh);
-    return mesh;
+    return made_mesh(std::move(polygons));
 }
 
 Subject own_bump(const PreparedCase& own, const Extents& extents) {

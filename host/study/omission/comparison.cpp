@@ -45,24 +45,11 @@ PolygonSoup torus(std::uint32_t around, std::uint32_t across, double radius, dou
     return ring;
 }
 
-// The winding number is one of the features of a mesh that is switched.
-std::shared_ptr<const SceneMesh> with_winding(SceneMesh mesh) {
-    StructureOptions options;
-    options.winding = true;
-    mesh.structure = build_structure(mesh.mesh, options);
-    if (is_solid(mesh.findings))
-        assume_solid(mesh.structure);
-    return std::make_shared<SceneMesh>(std::move(mesh));
-}
-
 PreparedCase ring_case(bool quick) {
     constexpr double kRadius = 0.01, kThickness = 0.005; /* m */
-    SceneMesh mesh;
-    PolygonSoup polygons = torus(quick ? 24 : 48, quick ? 12 : 24, kRadius, kThickness);
-    mesh.findings = inspect(polygons);
-    mesh.mesh = prepare_mesh(std::move(polygons), {}, VertexNormals::plain);
     PreparedCase made;
-    made.images.mesh = with_winding(std::move(mesh));
+    // The winding number is one of the features of a mesh that is switched.
+    made.images.mesh = made_mesh(torus(quick ? 24 : 48, quick ? 12 : 24, kRadius, kThickness), true);
     Scene& scene = made.one.scene;
     scene.surface.kind = SurfaceKind::mesh;
     scene.force.shading = Shading::mean_value;
@@ -257,8 +244,11 @@ BaseScene user_scene(const PreparedCase& prepared, bool quick) {
         scene.paths->count = std::min(scene.paths->count, quick ? kQuickPaths : kPaths);
         scene.paths->steps = std::min(scene.paths->steps, quick ? kQuickSteps : kSteps);
     }
-    if (const auto& mesh = base.prepared.images.mesh; mesh && !mesh->structure.winding)
-        base.prepared.images.mesh = with_winding(*mesh);
+    if (const auto& mesh = base.prepared.images.mesh; mesh && !mesh->structure.winding) {
+        const auto with_winding = std::make_shared<SceneMesh>(*mesh);
+        with_winding->structure.winding = make_winding(with_winding->structure);
+        base.prepared.images.mesh = with_winding;
+    }
     return base;
 }
 
