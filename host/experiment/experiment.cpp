@@ -20,6 +20,7 @@
 #include "host/scene/schema.h"
 #include "host/scene/schema_json.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 
 namespace forceshade::experiment {
 namespace {
