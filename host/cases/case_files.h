@@ -145,19 +145,19 @@ private:
 // The surface of a scene with the forces on it, as polygons for ParaView (.vtp).
 //
 // The force of a point is what a probe feels that touches the surface there and is pressed 1 mm deep, against a mesh's
-// facet along its normal, elsewhere straight down; by the law in the run's precision, and beside it without shading.
+// facet along its normal, elsewhere straight down; by the law in the run's precision, and once more without shading.
 //
 // Forces stand on points, and each facet has points of its own at its corners, where the law is that of this facet. So
 // an unshaded force is the same all over a facet and jumps at its edges, and a shaded one turns within the facet, as it
-// is felt. Numbers on cells would be one for a facet: of the paper's bump of one facet, at whose middle shading changes
-// nothing, they would show nothing.
+// is displayed. A cell has one number for a whole facet: of the paper's bump of one facet, at whose middle shading
+// changes nothing, it would show nothing.
 
 /// Polygons in m, in the world's frame; points have `force` (N, the active vector), `unshaded` (N), `turn` (deg,
 /// between the two: by how much shading turns the force) and with [compare] `angle` (deg) and `magnitude_error` (N);
 /// cells have `facet`, and the whole has `pressed_m`.
 /// - A mesh: its facets with all their corners; cell i is facet i. A facet that no probe touches (it has no area, or
 ///   repeats another) has no force.
-/// - A bump: its facets, and the plane beside it as far as the grid reaches along x, as strips as long as the grid
+/// - A bump: its facets, and the plane on both sides as far as the grid reaches along x, as strips as long as the grid
 ///   along y. A facet that has shading or texture is cut into several strips. Of more than 1024 facets each polygon
 ///   stands for several and has the number of the first.
 /// - A cylinder bump (facet 0; the plane is 1) and a height map (the plane, on which its forces are felt): sampled at
@@ -167,7 +167,8 @@ private:
 VolumeResult write_surface(const std::filesystem::path& path, const PreparedCase& prepared);
 
 /// deg: by how much `shading` turns the force at each corner of a mesh's facets, as `corners` of its polygons, pressed
-/// as in write_surface; in double. 0 on a facet that no probe touches. \throws Interrupted.
+/// as in write_surface; in double. 0 on a facet that no probe touches; of a facet with more than 256 corners evenly
+/// chosen ones stand for the others. \throws Interrupted.
 std::vector<float> mesh_turns(const PreparedCase& prepared, Shading shading);
 
 /// Bytes of the arrays before they are compressed, at most; of a mesh, which need not have been read, guessed from the

@@ -150,16 +150,15 @@ void FieldOutput::add_turns(CaseRecord& record) const {
         if (shading != Shading::barycentric) // on triangles mean_value is the same
             shadings.push_back({name, mesh_turns(prepared, shading)});
     const std::string depth = numbers::quantity_text(pressed_depth(prepared.one.scene), "m");
-    output_.draw(
-        ".turns",
-        picture::draw_turns(
-            output_.look(picture::title_of(prepared.one, false) + ": by how much shading turns the force"),
-            {fmt::format(
-                "pressed {} along each facet's normal; barycentric is mean_value on triangles; colours end where 99 "
-                "of 100 corners lie below",
-                depth)},
-            prepared.images.mesh->mesh, shadings, job_.pictures.view),
-        record);
+    output_.draw(".turns",
+                 picture::draw_turns(
+                     output_.look(picture::title_of(prepared.one, false) + ": by how much shading turns the force"),
+                     {fmt::format("pressed {} along each facet's normal; on triangles barycentric equals mean_value; "
+                                  "the colours end at the "
+                                  "angle that 99 % of the corners do not exceed",
+                                  depth)},
+                     prepared.images.mesh->mesh, shadings, job_.pictures.view),
+                 record);
 }
 
 constexpr std::size_t kWaitingCases = 4;

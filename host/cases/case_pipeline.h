@@ -80,7 +80,7 @@ PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats als
 /// compute::DeviceError, Error (exit 1) for forces that are no finite numbers.
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options);
 
-// What cases will take, told before they are computed: voxels, bytes on the disk, time.
+// What cases will take, before they are computed: voxels, bytes on the disk, time.
 
 struct Forecast {
     Forecast& operator+=(const Forecast& other); /* of what is not measured */
@@ -91,7 +91,7 @@ struct Forecast {
     double surface_bytes = 0;      /* of them, those of surfaces, which hardly grow with the grid */
     double least_bytes = 0;        /* everything is compressed as far as its format can */
     std::optional<double> bytes;   /* as small copies of the cases came out */
-    std::optional<double> seconds; /* likewise, and with pictures */
+    std::optional<double> seconds; /* as small copies of the cases took, with pictures */
 };
 
 /// Of a scene whose grid is known: a mesh's is when it was read.

@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::uint32_t kMostStrips = 1024; // of a bump's facets
 constexpr std::uint64_t kMostParts = 512;   // along an axis, of what is cut
+constexpr std::size_t kMostCorners = 256;   // of a facet, that a picture presses
 
 // deg: by how much shading turns a force; 0 without one.
 double turn_of(const glm::dvec3& force, const glm::dvec3& unshaded) {
@@ -129,8 +130,11 @@ private:
     std::int64_t corners_before_ = 0;
 };
 
-// Calls take(facet, corner, normal, contact) for every corner of every facet, pressed along the facet's normal.
-template <typename T, typename Take> void press_corners(const PreparedCase& prepared, const Take& take) {
+// Calls take(facet, corner, normal, contact) for every corner of every facet, pressed along the facet's normal. Of a
+// facet with more corners than `most` only that many are pressed, and each stands for those up to the next: shading
+// takes time linear in the corners, and so all of them quadratic time.
+template <typename T, typename Take>
+void press_corners(const PreparedCase& prepared, const Take& take, std::size_t most = ~std::size_t(0)) {
     const Mesh& mesh = prepared.images.mesh->mesh;
     const PolygonSoup& polygons = mesh.polygons;
     const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing);
@@ -140,9 +144,10 @@ template <typename T, typename Take> void press_corners(const PreparedCase& prep
         const reference::Vector<T> normal = reference::vector_at(law.mesh.facet_normals, facet);
         const bool touchable =
             normal != reference::Vector<T>(T(0)) && !std::ranges::binary_search(mesh.redundant_facets, facet);
+        const std::size_t corners = polygons.corners_of(facet), step = (corners - 1) / most + 1;
+        reference::Contact<T> contact{};
         for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner) {
-            reference::Contact<T> contact{};
-            if (touchable)
+            if (touchable && (corner - polygons.begins[facet]) % step == 0)
                 contact = reference::touching_contact(
                     law, reference::MeshTouch<T>{
                              facet, distance * normal,
@@ -299,12 +304,13 @@ std::vector<float> mesh_turns(const PreparedCase& prepared, Shading shading) {
     shaded.one.scene.force.shading = shading;
     std::vector<float> turns;
     turns.reserve(prepared.images.mesh->mesh.polygons.corners.size());
-    press_corners<double>(shaded, [&](std::uint32_t, std::uint32_t, const reference::Vector<double>&,
-                                      const reference::Contact<double>& contact) {
+    const auto add = [&](std::uint32_t, std::uint32_t, const reference::Vector<double>&,
+                         const reference::Contact<double>& contact) {
         turns.push_back(static_cast<float>(turn_of(contact.force, contact.unshaded)));
         if (turns.size() % 4096 == 0)
             check_interrupt();
-    });
+    };
+    press_corners<double>(shaded, add, kMostCorners);
     return turns;
 }
 

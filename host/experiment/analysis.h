@@ -51,7 +51,7 @@ std::optional<unsigned> facets_within(double points, double radius, double width
                                       const ObserverParameters& observer = {});
 
 /// The study "perception": of the user's cases, or the paper's and those of more facets. A case that is stroked without
-/// a whole pass (it is no bump) is left out, and told of.
+/// a whole pass (it is no bump) is left out, and a note says so.
 study::StudyData study_perception(study::StudyRun& run);
 
 /// How far subjects differ: the correlation of two answers of a subject to one condition. From Table 2, whose rows of 5

@@ -89,7 +89,7 @@ Shares shares_of(const StrokeSignals& signals, const ObserverParameters& observe
 struct ConditionAnswers {
     std::string name;      /* "two_poly_shaded" */
     std::string group;     /* "600 mil" */
-    StrokeSignals signals; /* what is felt */
+    StrokeSignals signals; /* what the stroke displays */
     Shares answered;       /* of 1 */
     double trials = 0;     /* 1 */
 };

@@ -62,7 +62,6 @@ void list_times(const Field& field, Engine& engine, Volume& volume) {
 }
 
 template <typename Field, typename Deviation> void list_deviation(const Field& field, Deviation& deviation) {
-    field("from", deviation.from);
     field("angles", deviation.angles);
     field("rms_angle_deg", deviation.rms_angle);
     field("largest_angle_deg", deviation.largest_angle);
@@ -131,6 +130,12 @@ template <typename Field, typename Engine> void list_engine(const Field& field, 
     field("driver", engine.driver);
 }
 
+Json deviation_json(const DeviationRecord& deviation) {
+    Json json{{"from", deviation.from}};
+    list_deviation(JsonWriter{json}, deviation);
+    return json;
+}
+
 Json to_json(const CaseRecord& record) {
     Json json;
     json["case"] = record.name;
@@ -149,7 +154,7 @@ Json to_json(const CaseRecord& record) {
     list_case(JsonWriter{json}, record);
     json["oracle"]["relative_error"] = record.error.relative();
     if (record.deviation)
-        list_deviation(JsonWriter{json["compare"]}, *record.deviation);
+        json["compare"] = deviation_json(*record.deviation);
     if (record.touch)
         list_touch(JsonWriter{json["touch"]}, *record.touch);
     if (record.paths)
@@ -173,8 +178,10 @@ CaseRecord from_json(const Json& json) {
     }
     list_case(JsonReader{json}, record);
     const auto read_deviation = [](const Json& from, std::optional<DeviationRecord>& deviation) {
-        if (from.contains("compare"))
-            list_deviation(JsonReader{from.at("compare")}, deviation.emplace());
+        if (!from.contains("compare"))
+            return;
+        list_deviation(JsonReader{from.at("compare")}, deviation.emplace());
+        deviation->from = from.at("compare").value("from", deviation->from); // older records do not say
     };
     read_deviation(json, record.deviation);
     if (json.contains("touch"))
@@ -192,7 +199,7 @@ nlohmann::ordered_json paths_json(const PathRecord& paths) {
     Json json;
     list_paths(JsonWriter{json}, paths);
     if (paths.deviation)
-        list_deviation(JsonWriter{json["compare"]}, *paths.deviation);
+        json["compare"] = deviation_json(*paths.deviation);
     return json;
 }
 

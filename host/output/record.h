@@ -72,8 +72,8 @@ struct PathError {
 /// Of the forces of a field or of paths from those of the shape of [compare], where contact is at most compare.depth
 /// deep: root mean squares and largest sizes.
 struct DeviationRecord {
-    std::string from;         /* "the cylinder's normal at its nearest place, ...": which normal and depth are meant */
-    std::uint64_t angles = 0; /* samples with a force */
+    std::string from = "the shape of [compare]";                 /* and which normal and depth of it are meant */
+    std::uint64_t angles = 0;                                    /* samples with a force */
     double rms_angle = 0, largest_angle = 0;                     /* deg: between force and normal */
     std::uint64_t magnitudes = 0;                                /* samples in contact with surface or shape */
     double rms_magnitude_error = 0, largest_magnitude_error = 0; /* N */

@@ -209,30 +209,33 @@ glm::dvec3 middle_of(const Mesh& mesh) {
     return box.low + 0.5 * (box.high - box.low);
 }
 
-/// deg: that 99 of 100 corners do not exceed.
+/// deg: that 99 % of the corners do not exceed; the largest where these are not turned at all.
 double usual_turn(std::vector<float> turns) {
     if (turns.empty())
         return 0;
     const auto at = turns.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(turns.size() - 1));
     std::ranges::nth_element(turns, at);
-    return *at;
+    return *at > 0 ? *at : *std::ranges::max_element(turns);
 }
 
 void draw_turned(View& view, const ViewPoint& point, const Mesh& mesh, const std::vector<float>& turns,
                  const ColourScale& scale) {
     const PolygonSoup& polygons = mesh.polygons;
     const bool nowhere = std::ranges::all_of(turns, [](float turn) { return turn == 0; });
+    std::vector<float> of_vertex(polygons.vertices.size()); // in the facet of the triangle
+    std::uint32_t known = ~0u;
     for (std::size_t triangle = 0; triangle < mesh.triangles.corners.size(); ++triangle) {
         const std::uint32_t facet = mesh.triangles.facets[triangle];
+        if (facet != known)
+            for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner)
+                of_vertex[polygons.corners[corner]] = turns[corner];
+        known = facet;
         std::array<glm::dvec3, 3> places{};
         std::array<double, 3> turned{};
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint32_t vertex = mesh.triangles.corners[triangle][i];
-            std::uint32_t corner = polygons.begins[facet];
-            while (corner + 1 < polygons.begins[facet + 1] && polygons.corners[corner] != vertex)
-                ++corner;
             places[i] = polygons.vertices[vertex];
-            turned[i] = turns[corner];
+            turned[i] = of_vertex[vertex];
         }
         const double lit = 0.6 + 0.4 * std::abs(glm::dot(mesh.triangles.normals[triangle], point.from));
         const auto colour_of = [&](double turn) {
@@ -262,9 +265,9 @@ Picture draw_turns(const Look& look, const std::vector<std::string>& notes, cons
     std::vector<LegendItem> items{scale_item(1, 1, "m")}; // for its height
     const double below = legend_height(items, look.width) + kMargin;
     int side = static_cast<int>((look.width - bar - kMargin) / static_cast<double>(columns) - kMargin);
-    const double beside = heading.height + below + 3 * kMargin;
+    const double around = heading.height + below + 3 * kMargin;
     if (look.most_height > 0)
-        side = std::clamp(static_cast<int>((look.most_height - beside) / static_cast<double>(rows) - kMargin), 120,
+        side = std::clamp(static_cast<int>((look.most_height - around) / static_cast<double>(rows) - kMargin), 120,
                           std::max(side, 120));
     const int top = static_cast<int>(kMargin + heading.height + 10), step = side + static_cast<int>(kMargin);
     Canvas canvas(look.width, top + static_cast<int>(rows) * step + static_cast<int>(below));

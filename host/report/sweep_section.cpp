@@ -114,15 +114,44 @@ std::string unit_of(const Rows& cases, const std::string& axis) {
     return space == std::string::npos ? axis : axis + " / " + text.substr(space + 1);
 }
 
-study::Figure figure_of(const std::string& name, const std::string& title, const study::FigureAxis& x,
-                        const study::FigureAxis& y, const CaseRecord& first) {
-    study::Figure figure = study::make_figure(
-        name, title,
-        fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform.",
-                    first.touch->against, first.touch->places, 10 * first.touch->deepest, 1e3 * first.touch->deepest),
-        study::FigureKind::scatter, "touch", {}, x, y, "series");
-    figure.joined = true;
-    return figure;
+// What errors are drawn over: what the sweep varies most, and the other parameters as series.
+struct OverAxis {
+    std::string axis;
+    std::vector<Touched> rows;
+    study::FigureAxis x;
+};
+
+// Nothing if no number varies.
+std::optional<OverAxis> over_axis(const Rows& cases) {
+    const std::string axis = axis_of(cases);
+    if (axis.empty())
+        return std::nullopt;
+    std::vector<Touched> rows = touched_of(cases, axis);
+    const auto [least, most] = std::ranges::minmax(rows, {}, &Touched::x);
+    return OverAxis{axis, std::move(rows), {axis, unit_of(cases, axis), least.x > 0 && most.x / least.x > 16}};
+}
+
+// A figure for a column of errors.
+struct DrawnError {
+    const char *figure, *title;
+    study::FigureAxis y;
+};
+
+// A table with the errors of each case, and figures of it.
+void add_errors(study::StudyData& data, const OverAxis& over, const char* table, const char* title,
+                std::vector<study::ColumnOf<Touched>> errors, const std::string& caption,
+                const std::vector<DrawnError>& figures) {
+    std::vector<study::ColumnOf<Touched>> columns{{{"case", "", ""}, [](const Touched& r) { return r.record->name; }},
+                                                  {{over.axis, "1", ""}, &Touched::x},
+                                                  {{"series", "", "the other parameters"}, &Touched::series}};
+    study::append(columns, std::move(errors));
+    data.tables.push_back(study::table_of<Touched>(table, title, columns, over.rows));
+    for (const DrawnError& one : figures) {
+        study::Figure figure = study::make_figure(one.figure, fmt::format("{} over {}", one.title, over.axis), caption,
+                                                  study::FigureKind::scatter, table, {}, over.x, one.y, "series");
+        figure.joined = true;
+        data.figures.push_back(std::move(figure));
+    }
 }
 
 // The least and the largest of some numbers, of one alone that.
@@ -164,6 +193,13 @@ std::string touch_finding(const Sweep& sweep) {
             cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"));
 }
 
+// What the cases are compared with, if they agree.
+std::string compared_with(const Rows& cases) {
+    const std::string& from = cases.front()->deviation->from;
+    const bool same = std::ranges::all_of(cases, [&](const CaseRecord* one) { return one->deviation->from == from; });
+    return same ? from : "each case's own shape of [compare]";
+}
+
 // Of the comparison that the scenes ask for, in a sentence; empty without one.
 std::string compare_finding(const Sweep& sweep) {
     const Rows cases = with_compare(sweep);
@@ -171,7 +207,7 @@ std::string compare_finding(const Sweep& sweep) {
         return "";
     return fmt::format("Compared with {}, the force's direction is {} off, its magnitude {} (RMS, contact at most "
                        "compare.depth deep).",
-                       cases.front()->deviation->from,
+                       compared_with(cases),
                        by_shading(
                            cases, [](const CaseRecord& one) { return one.deviation->rms_angle; }, 1, "deg"),
                        by_shading(
@@ -182,65 +218,43 @@ std::string compare_finding(const Sweep& sweep) {
 
 void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
     const Rows cases = with_compare(sweep);
-    const std::string axis = axis_of(cases);
-    if (axis.empty())
+    const auto over = over_axis(cases);
+    if (!over)
         return;
-    const std::vector<Touched> rows = touched_of(cases, axis);
-    using Row = Touched;
-    data.tables.push_back(study::table_of<Row>(
-        "compare", "Forces compared with the shape of [compare]",
-        {{"case", "", "", [](const Row& r) { return r.record->name; }},
-         {axis, "1", "", &Row::x},
-         {"series", "", "the other parameters", &Row::series},
-         {"angle_deg", "deg", "between the force and the shape's normal, root mean square",
-          [](const Row& r) { return r.record->deviation->rms_angle; }},
-         {"largest_angle_deg", "deg", "", [](const Row& r) { return r.record->deviation->largest_angle; }},
-         {"magnitude_N", "N", "|F| less K times the depth below the shape, root mean square",
-          [](const Row& r) { return r.record->deviation->rms_magnitude_error; }},
-         {"largest_magnitude_N", "N", "", [](const Row& r) { return r.record->deviation->largest_magnitude_error; }},
-         {"samples", "1", "with a force", [](const Row& r) { return r.record->deviation->angles; }}},
-        rows));
-    const auto [least, most] = std::ranges::minmax(rows, {}, &Row::x);
-    const study::FigureAxis x{axis, unit_of(cases, axis), least.x > 0 && most.x / least.x > 16};
-    const auto add = [&](const char* name, const char* what, const study::FigureAxis& y) {
-        study::Figure figure = study::make_figure(
-            name, fmt::format("{} over {}", what, axis),
-            fmt::format("Compared with {}, at the samples whose contact is at most compare.depth deep.",
-                        cases.front()->deviation->from),
-            study::FigureKind::scatter, "compare", {}, x, y, "series");
-        figure.joined = true;
-        data.figures.push_back(std::move(figure));
-    };
-    add("compare-angle", "Angle to the shape's normal", {"angle_deg", "RMS angle / deg"});
-    add("compare-magnitude", "Error of the magnitude", {"magnitude_N", "RMS error of |F| / N"});
+    using Row = const Touched&;
+    add_errors(data, *over, "compare", "Forces compared with the shape of [compare]",
+               {{{"angle_deg", "deg", "between the force and the shape's normal, root mean square"},
+                 [](Row r) { return r.record->deviation->rms_angle; }},
+                {{"largest_angle_deg", "deg", ""}, [](Row r) { return r.record->deviation->largest_angle; }},
+                {{"magnitude_N", "N", "|F| less K times the depth below the shape, root mean square"},
+                 [](Row r) { return r.record->deviation->rms_magnitude_error; }},
+                {{"largest_magnitude_N", "N", ""}, [](Row r) { return r.record->deviation->largest_magnitude_error; }},
+                {{"samples", "1", "with a force"}, [](Row r) { return r.record->deviation->angles; }}},
+               fmt::format("Compared with {}, at the samples whose contact is at most compare.depth deep.",
+                           compared_with(cases)),
+               {{"compare-angle", "Angle to the shape's normal", {"angle_deg", "RMS angle / deg"}},
+                {"compare-magnitude", "Error of the magnitude", {"magnitude_N", "RMS error of |F| / N"}}});
 }
 
 void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
     const Rows cases = with_touch(sweep);
-    const std::string axis = axis_of(cases);
-    if (axis.empty())
+    const auto over = over_axis(cases);
+    if (!over)
         return;
-    const std::vector<Touched> rows = touched_of(cases, axis);
-    using Row = Touched;
-    data.tables.push_back(
-        study::table_of<Row>("touch", "Errors where a hand touches",
-                             {{"case", "", "", [](const Row& r) { return r.record->name; }},
-                              {axis, "1", "", &Row::x},
-                              {"series", "", "the other parameters", &Row::series},
-                              {"direction_deg", "deg", "angle to the force that should be there, root mean square",
-                               [](const Row& r) { return r.record->touch->direction_rms; }},
-                              {"force_percent", "%", "|F - F_true| / |F_true|, median",
-                               [](const Row& r) { return 100 * r.record->touch->median_error; }},
-                              {"force_p95_percent", "%", "the same, 95th percentile",
-                               [](const Row& r) { return 100 * r.record->touch->p95_error; }}},
-                             rows));
-    const auto [least, most] = std::ranges::minmax(rows, {}, &Row::x);
-    const study::FigureAxis x{axis, unit_of(cases, axis), least.x > 0 && most.x / least.x > 16};
-    data.figures.push_back(figure_of("touch-direction", "Error of the force's direction over " + axis, x,
-                                     {"direction_deg", "RMS error of the direction / deg"}, *cases.front()));
-    data.figures.push_back(figure_of("touch-force", "Error of the force over " + axis, x,
-                                     {"force_percent", "median error of the force / % of the force there"},
-                                     *cases.front()));
+    using Row = const Touched&;
+    const TouchRecord& touch = *cases.front()->touch;
+    add_errors(
+        data, *over, "touch", "Errors where a hand touches",
+        {{{"direction_deg", "deg", "angle to the force that should be there, root mean square"},
+          [](Row r) { return r.record->touch->direction_rms; }},
+         {{"force_percent", "%", "|F - F_true| / |F_true|, median"},
+          [](Row r) { return 100 * r.record->touch->median_error; }},
+         {{"force_p95_percent", "%", "the same, 95th percentile"},
+          [](Row r) { return 100 * r.record->touch->p95_error; }}},
+        fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform.",
+                    touch.against, touch.places, 10 * touch.deepest, 1e3 * touch.deepest),
+        {{"touch-direction", "Error of the force's direction", {"direction_deg", "RMS error of the direction / deg"}},
+         {"touch-force", "Error of the force", {"force_percent", "median error of the force / % of the force there"}}});
 }
 
 namespace {

@@ -424,7 +424,7 @@ void add_paths(std::vector<Key>& keys) {
     made.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
                                     "whether depth is measured from that plane, or from the nominal surface of a bump "
                                     "or cylinder_bump raised by that height; of a mesh, from its highest place above "
-                                    "or below, or the plane next to it (rounds are not told apart then)");
+                                    "or below, or the plane next to it (rounds then count as one)");
     paths.length<&PathsSpec::length>(
         "length", "",
         "of a stroke or line from end to end, of a region along the heading, of a circle or spiral the largest "
@@ -509,7 +509,7 @@ void add_compare(std::vector<Key>& keys) {
         "the shape that forces are compared with: the channels angle (deg, between the force and the shape's normal at "
         "the probe) and magnitude_error (N, the force's magnitude less K times the depth below the shape)");
     compare.length<&CompareSpec::depth>("depth", "\"2 mm\"",
-                                        "root mean squares and largest sizes of the two are told of places where the "
+                                        "root mean squares and largest sizes of the two are those of places where the "
                                         "contact is at most so deep, as a hand presses",
                                         {.sign = kPositive});
     compare.length<&CompareSpec::radius>(
