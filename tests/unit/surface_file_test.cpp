@@ -173,6 +173,27 @@ TEST_F(SurfaceFile, TurnsOfAMeshUnderAnyShadingAreThoseOfTheSceneWithIt) {
     }
 }
 
+TEST_F(SurfaceFile, TurnsOfAFacetOfManyCornersStandForTheirNeighbours) {
+    constexpr int kCorners = 1000;
+    std::string off = fmt::format("OFF\n{} {} 0\n", 2 * kCorners, kCorners + 2), below, above, sides;
+    for (const int z : {0, 1})
+        for (int i = 0; i < kCorners; ++i)
+            off += fmt::format("{} {} {}\n", std::cos(2 * std::numbers::pi * i / kCorners),
+                               std::sin(2 * std::numbers::pi * i / kCorners), z);
+    for (int i = 0; i < kCorners; ++i) {
+        const int next = (i + 1) % kCorners;
+        below += fmt::format(" {}", kCorners - 1 - i);
+        above += fmt::format(" {}", kCorners + i);
+        sides += fmt::format("4 {} {} {} {}\n", i, next, kCorners + next, kCorners + i);
+    }
+    folder_.write("prism.off", fmt::format("{}{}{}\n{}{}\n{}", off, kCorners, below, kCorners, above, sides));
+    const std::vector<float> turns = mesh_turns(prepare(mesh("prism.off", "")), Shading::mean_value);
+    ASSERT_EQ(turns.size(), 6u * kCorners);
+    EXPECT_GT(turns[0], 10);
+    for (int i = 1; i < 2 * kCorners; ++i) // every corner of a cap is like the others
+        EXPECT_NEAR(turns[std::size_t(i)], turns[0], 0.5) << i;
+}
+
 // Facets this fine are the cylinder: nothing is left between them, however depth is read.
 TEST(Comparison, OfABumpWithItsOwnSmoothShapeReadsDepthAsTheSceneDoes) {
     for (const std::string depth : {"vertical", "normal"}) {
