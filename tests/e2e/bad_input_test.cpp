@@ -25,7 +25,7 @@ protected:
     }
 };
 
-TEST_F(BadInput, a_missing_or_unreadable_scene_is_an_io_error_with_its_name) {
+TEST_F(BadInput, AMissingOrUnreadableSceneIsAnIoErrorWithItsName) {
     std::filesystem::create_directory(path("folder"));
     write("file", "");
     for (const auto& [scene, why] : {std::pair<std::string, std::string>("missing.toml", "No such file"),
@@ -42,7 +42,7 @@ TEST_F(BadInput, a_missing_or_unreadable_scene_is_an_io_error_with_its_name) {
     EXPECT_FALSE(std::filesystem::exists(path("result.exr")));
 }
 
-TEST_F(BadInput, a_scene_without_permission_is_an_io_error) {
+TEST_F(BadInput, ASceneWithoutPermissionIsAnIoError) {
     write("scene.toml", kOneCase);
     std::filesystem::permissions(path("scene.toml"), std::filesystem::perms::none);
     Launch launch = this->launch({"validate", "scene.toml"});
@@ -51,7 +51,7 @@ TEST_F(BadInput, a_scene_without_permission_is_an_io_error) {
     expect_failure(4, launch, {"scene.toml", "Permission denied"});
 }
 
-TEST_F(BadInput, a_misspelt_file_gets_the_nearest_name) {
+TEST_F(BadInput, AMisspeltFileGetsTheNearestName) {
     write("bump.toml", "[surface]\nfacets = 2\n");
     write("one.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
     write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"oen.obj\"\n[grid]\nsamples = 8\n");
@@ -65,7 +65,7 @@ TEST_F(BadInput, a_misspelt_file_gets_the_nearest_name) {
     EXPECT_NE(scene.find("unit = \"mm\""), std::string::npos) << "100 mm is what a hand can hold";
 }
 
-TEST_F(BadInput, a_missing_or_broken_height_map_is_an_error_with_its_name) {
+TEST_F(BadInput, AMissingOrBrokenHeightMapIsAnErrorWithItsName) {
     const std::string scene = "[surface]\nkind = \"height_map\"\nfile = \"map.{}\"\nsize = [\"2 mm\", \"2 mm\"]\n"
                               "height = \"1 mm\"\n";
     for (const std::string kind : {"png", "exr", "bmp"}) {
@@ -92,7 +92,7 @@ TEST_F(BadInput, a_missing_or_broken_height_map_is_an_error_with_its_name) {
 }
 
 // What is wrong with each is for tests/scene.
-TEST_F(BadInput, a_scene_that_is_wrong_is_refused_with_its_place_by_every_command) {
+TEST_F(BadInput, ASceneThatIsWrongIsRefusedWithItsPlaceByEveryCommand) {
     expect_refused("[surface]\nradius = 600\n", {"scene.toml:2:10", "unit", "600"});
     expect_refused("[[variant]]\nsurface.facet = 2\n", {"scene.toml:2:", "facets"});
     expect_refused("[output]\nchannels = []\n", {"scene.toml:2:12", "empty"});
@@ -106,7 +106,7 @@ TEST_F(BadInput, a_scene_that_is_wrong_is_refused_with_its_place_by_every_comman
     expect_failure(2, {"sweep", "axis.toml", "--out", "out"}, {"axis.toml:2:22", "radius"});
 }
 
-TEST_F(BadInput, a_field_takes_no_sweep_axis) {
+TEST_F(BadInput, AFieldTakesNoSweepAxis) {
     write("axis.toml", kThreeCases);
     expect_failure(2, {"field", "axis.toml", "--out", "field.exr"}, {"axis.toml:2:", "surface.radius", "sweep"});
     write("variants.toml", "[[variant]]\nsurface.facets = 2\n[[variant]]\nsurface.facets = 3\n");
@@ -114,7 +114,7 @@ TEST_F(BadInput, a_field_takes_no_sweep_axis) {
     EXPECT_FALSE(std::filesystem::exists(path("field.exr")));
 }
 
-TEST_F(BadInput, a_force_that_half_cannot_hold_is_refused_and_the_largest_is_named) {
+TEST_F(BadInput, AForceThatHalfCannotHoldIsRefusedAndTheLargestIsNamed) {
     std::string scene = kOneCase;
     scene.replace(scene.find("shading"), 0, "stiffness = \"1e8 N/m\"\n");
     write("float.toml", scene);
@@ -129,7 +129,7 @@ TEST_F(BadInput, a_force_that_half_cannot_hold_is_refused_and_the_largest_is_nam
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
-TEST_F(BadInput, a_case_that_fails_does_not_stop_the_others) {
+TEST_F(BadInput, ACaseThatFailsDoesNotStopTheOthers) {
     std::string study = kThreeCases;
     study.replace(study.find("shading"), 0, "stiffness = [\"1 N/mm\", \"1e8 N/m\"]\n");
     write("study.toml", study + "[output]\npixel = \"half\"\n");
@@ -146,7 +146,7 @@ TEST_F(BadInput, a_case_that_fails_does_not_stop_the_others) {
     EXPECT_EQ(read_json("out/manifest.json")["cases"].size(), 3u);
 }
 
-TEST_F(BadInput, a_scene_may_come_from_a_pipe_but_not_without_end) {
+TEST_F(BadInput, ASceneMayComeFromAPipeButNotWithoutEnd) {
     ASSERT_EQ(::mkfifo(path("pipe.toml").c_str(), 0600), 0);
     const std::jthread writer([&] { write("pipe.toml", kOneCase); });
     expect_success({"field", "pipe.toml", "--out", "field.exr", "--quiet"});
@@ -156,7 +156,7 @@ TEST_F(BadInput, a_scene_may_come_from_a_pipe_but_not_without_end) {
     EXPECT_LT(outcome.peak_memory, std::uint64_t{256} << 20);
 }
 
-TEST_F(BadInput, a_height_map_that_needs_more_memory_than_allowed_is_refused) {
+TEST_F(BadInput, AHeightMapThatNeedsMoreMemoryThanAllowedIsRefused) {
     write_exr(path("map.exr"), {{"Y", {Imf::FLOAT, [](int, int) { return 0.5; }}}},
               {.display = {{0, 0}, {16383, 16383}}, .data = {{0, 0}, {0, 0}}});
     write("scene.toml", "[surface]\nkind = \"height_map\"\nfile = \"map.exr\"\nsize = [\"9 mm\", \"9 mm\"]\n"
@@ -177,7 +177,7 @@ TEST_F(BadInput, a_height_map_that_needs_more_memory_than_allowed_is_refused) {
 }
 
 // libpng would allocate what a text says it is, and only then find that the file has ended.
-TEST_F(BadInput, a_height_map_with_a_chunk_longer_than_the_file_takes_no_memory) {
+TEST_F(BadInput, AHeightMapWithAChunkLongerThanTheFileTakesNoMemory) {
     write_png(path("map.png"), 2, {{9, 51}});
     std::string bytes = read_text(path("map.png"));
     bytes.insert(33, std::string("\x40\0\0\0tEXt", 8)); // behind the header: 1 GiB
@@ -189,7 +189,7 @@ TEST_F(BadInput, a_height_map_with_a_chunk_longer_than_the_file_takes_no_memory)
     EXPECT_LT(outcome.peak_memory, std::uint64_t{256} << 20);
 }
 
-TEST_F(BadInput, nothing_is_written_through_a_link_in_the_results) {
+TEST_F(BadInput, NothingIsWrittenThroughALinkInTheResults) {
     std::filesystem::create_directories(path("others"));
     write("others/" + TemporaryFile(path("others/a")).temporary_path().filename().string(),
           "as if left by a run that was killed");
@@ -220,7 +220,7 @@ protected:
     }
 };
 
-TEST_F(SceneFile, every_one_that_init_writes_works_as_it_stands) {
+TEST_F(SceneFile, EveryOneThatInitWritesWorksAsItStands) {
     write("spot.obj", read_text(FORCESHADE_SOURCE "/tests/data/spot.obj"));
     std::filesystem::create_directory(path("scenes"));
     for (const std::string kind : {"bump", "paths", "live", "experiment"})
@@ -238,7 +238,7 @@ TEST_F(SceneFile, every_one_that_init_writes_works_as_it_stands) {
     }
 }
 
-TEST_F(SceneFile, init_says_what_it_cannot_write_and_replaces_no_file) {
+TEST_F(SceneFile, InitSaysWhatItCannotWriteAndReplacesNoFile) {
     write("scene.toml", "mine");
     expect_failure(2, {"init", "bump", "-o", "scene.toml"}, {"scene.toml is there already"});
     EXPECT_EQ(read_text(path("scene.toml")), "mine");
@@ -248,7 +248,7 @@ TEST_F(SceneFile, init_says_what_it_cannot_write_and_replaces_no_file) {
     EXPECT_NE(expect_success({"init", "mesh"}).out.find("file = \"mesh.obj\""), std::string::npos);
 }
 
-TEST_F(SceneFile, a_dash_is_standard_input) {
+TEST_F(SceneFile, ADashIsStandardInput) {
     EXPECT_EQ(shell("\"$0\" init bump | \"$0\" field - --out piped.exr --quiet").code, 0);
     EXPECT_TRUE(std::filesystem::exists(path("piped.exr")));
     for (const std::string command : {"field - --out x.exr", "sweep - --out x", "validate -", "explore - --out x.csv",
@@ -266,7 +266,7 @@ TEST_F(SceneFile, a_dash_is_standard_input) {
     EXPECT_NE(shell("\"$0\" field - --out x.exr </dev/null").error.find("<stdin> has no [surface]"), std::string::npos);
 }
 
-TEST_F(SceneFile, errors_of_an_experiment_are_told_with_those_of_its_stimuli) {
+TEST_F(SceneFile, ErrorsOfAnExperimentAreToldWithThoseOfItsStimuli) {
     write("e.toml", "[experiment]\ntrails = 3\nblocks = 0\n[surface]\nradius = 600\n"
                     "[[experiment.answer]]\nlabel = 1\n[[experiment.answer]]\nname = \"A B\"\n");
     expect_failure(2, {"experiment", "plan", "e.toml"},
@@ -274,7 +274,7 @@ TEST_F(SceneFile, errors_of_an_experiment_are_told_with_those_of_its_stimuli) {
                     "e.toml:9:8", "5 errors in e.toml"});
 }
 
-TEST_F(SceneFile, a_mesh_given_as_a_scene_is_told_how_to_become_one) {
+TEST_F(SceneFile, AMeshGivenAsASceneIsToldHowToBecomeOne) {
     write("bunny.obj", "v 0 0 0\n");
     for (const std::string command : {"field", "sweep", "explore"})
         expect_failure(2, {command, "bunny.obj", "--out", "x.exr"}, {"forceshade init mesh bunny.obj -o bunny.toml"});

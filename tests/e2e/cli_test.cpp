@@ -49,7 +49,7 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
     return arguments;
 }
 
-TEST_F(CommandLine, tells_release_and_commit) {
+TEST_F(CommandLine, TellsReleaseAndCommit) {
     const Outcome outcome = expect_success({"--version"});
     EXPECT_TRUE(std::regex_match(
         outcome.out, std::regex("forceshade \\d+\\.\\d+\\.\\d+(\\+[0-9a-f]{12})?(\\.sources-[0-9a-f]{12})?\n")))
@@ -57,7 +57,7 @@ TEST_F(CommandLine, tells_release_and_commit) {
 }
 
 // What is wrong with the line itself is told in grammar_test.
-TEST_F(CommandLine, refuses_values_that_are_none_and_options_that_do_not_go_together) {
+TEST_F(CommandLine, RefusesValuesThatAreNoneAndOptionsThatDoNotGoTogether) {
     const std::string field = "field scene.toml --out a.exr ", drawn = field + "--also png ";
     for (const std::string& line : std::vector<std::string>{
              "sweep three.toml scene.toml --out out", "sweep three.toml --out out --also bmp",
@@ -74,7 +74,7 @@ TEST_F(CommandLine, refuses_values_that_are_none_and_options_that_do_not_go_toge
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"paths.csv", "scene.toml", "three.toml", "triangle.off"}));
 }
 
-TEST_F(CommandLine, prints_json_and_nothing_else_if_asked) {
+TEST_F(CommandLine, PrintsJsonAndNothingElseIfAsked) {
     for (const auto& command : commands_) {
         const Outcome outcome = expect_success(with(command, {"--json"}));
         EXPECT_TRUE(json::accept(outcome.out)) << command[0] << ": " << outcome.out;
@@ -92,7 +92,7 @@ TEST_F(CommandLine, prints_json_and_nothing_else_if_asked) {
     expect_failure(2, {"schema", "--default-study", "--json"}, {"--json"});
 }
 
-TEST_F(CommandLine, is_quiet_if_asked_and_tells_how_it_went_if_not) {
+TEST_F(CommandLine, IsQuietIfAskedAndTellsHowItWentIfNot) {
     for (const auto& command : commands_)
         EXPECT_EQ(expect_success(with(command, {"--quiet"})).error, "") << command[0];
     for (const auto& command : commands_) {
@@ -106,14 +106,14 @@ TEST_F(CommandLine, is_quiet_if_asked_and_tells_how_it_went_if_not) {
     expect_failure(4, {"validate", "nosuch.toml", "--quiet"}, {"nosuch.toml"});
 }
 
-TEST_F(CommandLine, draws_nothing_where_there_is_no_terminal) {
+TEST_F(CommandLine, DrawsNothingWhereThereIsNoTerminal) {
     const Outcome outcome = expect_success(commands_[0]);
     expect_words(outcome.error, {"3 cases: 3 computed", "engine: cpu (", "out/report.html"});
     EXPECT_EQ(outcome.error.find('\r'), std::string::npos);
     EXPECT_EQ(outcome.error.find('\033'), std::string::npos);
 }
 
-TEST_F(CommandLine, tells_of_devices_and_refuses_those_that_are_not_there) {
+TEST_F(CommandLine, TellsOfDevicesAndRefusesThoseThatAreNotThere) {
     const json devices = json::parse(expect_success({"gpus", "--json"}).out);
     ASSERT_GE(devices.size(), 1u);
     const std::string name = devices[0]["name"];
@@ -136,7 +136,7 @@ TEST_F(CommandLine, tells_of_devices_and_refuses_those_that_are_not_there) {
     }
 }
 
-TEST_F(CommandLine, falls_back_to_nothing_where_there_is_no_device) {
+TEST_F(CommandLine, FallsBackToNothingWhereThereIsNoDevice) {
     const auto without_device = [&](std::vector<std::string> arguments) {
         Launch launch = this->launch(std::move(arguments));
         for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"})
@@ -157,7 +157,7 @@ TEST_F(CommandLine, falls_back_to_nothing_where_there_is_no_device) {
     EXPECT_EQ(run(without_device({"schema"})).code, 0);
 }
 
-TEST_F(CommandLine, does_not_take_silence_for_a_full_or_closed_stdout) {
+TEST_F(CommandLine, DoesNotTakeSilenceForAFullOrClosedStdout) {
     for (const auto& command :
          std::vector<std::vector<std::string>>{{"schema"},
                                                {"gpus"},
@@ -179,7 +179,7 @@ TEST_F(CommandLine, does_not_take_silence_for_a_full_or_closed_stdout) {
     EXPECT_EQ(json::parse(expect_success({"sweep", "three.toml", "--out", "out", "--json"}).out)["kept"], 3);
 }
 
-TEST_F(CommandLine, works_on_where_nobody_listens) {
+TEST_F(CommandLine, WorksOnWhereNobodyListens) {
     for (const bool closed : {false, true}) {
         Launch launch = this->launch({"sweep", "three.toml", "--out", "out", "--fresh", "--json"});
         launch.error = closed ? "" : "/dev/full";
@@ -192,7 +192,7 @@ TEST_F(CommandLine, works_on_where_nobody_listens) {
     }
 }
 
-TEST_F(CommandLine, works_from_any_place_with_any_name) {
+TEST_F(CommandLine, WorksFromAnyPlaceWithAnyName) {
     expect_success({"field", "scene.toml", "--out", "plain.exr"});
     const std::string expected = read_text(path("plain.exr"));
     const std::string odd = "a b/ü ' \" $(x) %s {}";
@@ -215,7 +215,7 @@ TEST_F(CommandLine, works_from_any_place_with_any_name) {
     EXPECT_EQ(run(launch).code, 0);
 }
 
-TEST_F(CommandLine, does_not_touch_what_it_did_not_write) {
+TEST_F(CommandLine, DoesNotTouchWhatItDidNotWrite) {
     std::filesystem::create_directory(path("out"));
     for (const char* name : {"notes.txt", ".hidden", ".a.tmp", "a.exr", "report.html"})
         write(std::string("out/") + name, "mine");
@@ -224,7 +224,7 @@ TEST_F(CommandLine, does_not_touch_what_it_did_not_write) {
         EXPECT_EQ(read_text(path("out") / name), "mine") << name;
 }
 
-TEST_F(CommandLine, prints_a_schema_that_is_a_scene) {
+TEST_F(CommandLine, PrintsASchemaThatIsAScene) {
     write("default.toml", expect_success({"schema"}).out);
     write("study.toml", expect_success({"schema", "--default-study"}).out);
     expect_success({"field", "default.toml", "--out", "default.exr"});
@@ -233,7 +233,7 @@ TEST_F(CommandLine, prints_a_schema_that_is_a_scene) {
     EXPECT_NE(keys.dump().find("\"experiment.track\""), std::string::npos);
 }
 
-TEST_F(CommandLine, replaces_no_file_unasked) {
+TEST_F(CommandLine, ReplacesNoFileUnasked) {
     write("scene.toml", kOneCase);
     const auto outcome = [&](std::vector<std::string> further) {
         Launch launch = this->launch({});
@@ -268,7 +268,7 @@ TEST_F(CommandLine, replaces_no_file_unasked) {
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
-TEST_F(CommandLine, keeps_a_log_of_what_it_says) {
+TEST_F(CommandLine, KeepsALogOfWhatItSays) {
     write("scene.toml", kOneCase);
     const std::vector<std::string> quiet{"field", "scene.toml", "--out", "a.exr", "--quiet", "--log-file", "log.txt"};
     EXPECT_EQ(expect_success(quiet).error, "");
@@ -300,12 +300,12 @@ protected:
     std::map<std::string, std::string> german_;
 };
 
-TEST_F(Locale, is_there) {
+TEST_F(Locale, IsThere) {
     Launch launch{.arguments = {"%.2f", "1,5"}, .environment = german_, .program = "/usr/bin/printf"};
     EXPECT_EQ(run(launch).out, "1,50") << "else these tests test nothing";
 }
 
-TEST_F(Locale, german_changes_no_byte_of_a_sweep) {
+TEST_F(Locale, GermanChangesNoByteOfASweep) {
     const std::vector<std::string> arguments{"sweep",  "study.toml",      "--only", "*1000mil*",
                                              "--also", "npy,vti,vtp,png", "--out"};
     auto here = arguments, there = arguments;
@@ -321,7 +321,7 @@ TEST_F(Locale, german_changes_no_byte_of_a_sweep) {
     EXPECT_EQ(speak_german(there).error.find("17 cases: 0 computed"), 0u);
 }
 
-TEST_F(Locale, german_changes_no_word_of_the_output) {
+TEST_F(Locale, GermanChangesNoWordOfTheOutput) {
     for (const std::vector<std::string>& arguments :
          std::vector<std::vector<std::string>>{{"schema"},
                                                {"schema", "--json"},

@@ -31,7 +31,7 @@ protected:
     }
 };
 
-TEST_F(Devices, are_found_by_the_library_that_the_environment_names_or_where_the_linker_looks) {
+TEST_F(Devices, AreFoundByTheLibraryThatTheEnvironmentNamesOrWhereTheLinkerLooks) {
     const json dhd = kind({{"FORCESHADE_DHD_LIBRARY", DHD_STUB}}, "dhd[:INDEX]");
     EXPECT_EQ(dhd["devices"], json::array({"dhd:0"}));
     EXPECT_EQ(dhd["software"], "DHD SDK 3.17.6.1");
@@ -43,7 +43,7 @@ TEST_F(Devices, are_found_by_the_library_that_the_environment_names_or_where_the
     EXPECT_EQ(kind(environment, "hd[:NAME]")["place"], path("lib/libHD.so").string());
 }
 
-TEST_F(Devices, that_fail_or_are_not_there_are_told_in_the_librarys_words) {
+TEST_F(Devices, ThatFailOrAreNotThereAreToldInTheLibrarysWords) {
     EXPECT_EQ(kind({}, "sim")["devices"], json::array({"sim"}));
     EXPECT_EQ(kind({}, "dhd[:INDEX]")["devices"], json::array());
     EXPECT_NE(kind({{"FORCESHADE_DHD_LIBRARY", DHD_STUB}, {"STUB_FAIL", "dhdGetDeviceCount"}}, "dhd[:INDEX]")["problem"]
@@ -100,13 +100,13 @@ protected:
     }
 };
 
-TEST_F(LiveVendor, leaves_no_force_when_its_time_is_over) {
+TEST_F(LiveVendor, LeavesNoForceWhenItsTimeIsOver) {
     const Outcome outcome = run(live({"--duration", "0.3 s"}));
     EXPECT_EQ(outcome.code, 0) << outcome.error;
     expect_no_force_left();
 }
 
-TEST_F(LiveVendor, leaves_no_force_whatever_signal_ends_it) {
+TEST_F(LiveVendor, LeavesNoForceWhateverSignalEndsIt) {
     for (const int signal : {SIGINT, SIGTERM, SIGABRT, SIGSEGV, SIGQUIT}) {
         std::filesystem::remove(path("forces"));
         Process process(live({}));
@@ -118,7 +118,7 @@ TEST_F(LiveVendor, leaves_no_force_whatever_signal_ends_it) {
     }
 }
 
-TEST_F(LiveVendor, has_no_force_while_positions_fail_and_ends_when_they_do_not_come_back) {
+TEST_F(LiveVendor, HasNoForceWhilePositionsFailAndEndsWhenTheyDoNotComeBack) {
     Launch launch = live({"--patience", "0.5 s", "--duration", "60 s"});
     launch.environment["STUB_FAIL"] = "position@300";
     const Outcome outcome = run(launch);
@@ -127,7 +127,7 @@ TEST_F(LiveVendor, has_no_force_while_positions_fail_and_ends_when_they_do_not_c
     expect_no_force_left();
 }
 
-TEST_F(LiveVendor, is_not_begun_without_device_or_library) {
+TEST_F(LiveVendor, IsNotBegunWithoutDeviceOrLibrary) {
     Launch launch = live({});
     launch.environment["STUB_DEVICES"] = "0";
     expect_failure(3, launch, {HD_STUB});
@@ -135,14 +135,14 @@ TEST_F(LiveVendor, is_not_begun_without_device_or_library) {
     expect_failure(3, launch, {"none.so", "FORCESHADE_HD_LIBRARY"});
 }
 
-TEST_F(LiveVendor, feels_a_stiffness_that_the_hand_cannot_hold_only_if_it_is_told_to) {
+TEST_F(LiveVendor, FeelsAStiffnessThatTheHandCannotHoldOnlyIfItIsToldTo) {
     write("scene.toml", "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n");
     expect_failure(2, live({"--duration", "0.2 s"}), {"20000 N/m", "comes to rest below", "--unstable"});
     EXPECT_EQ(run(live({"--duration", "0.2 s", "--unstable"})).code, 0);
 }
 
 // The check before a session: its outcome, and an exit code that a script can go by.
-TEST_F(LiveDevice, is_checked_before_it_is_felt) {
+TEST_F(LiveDevice, IsCheckedBeforeItIsFelt) {
     const auto checked = [&](std::vector<std::string> further, const char* hand) {
         std::vector<std::string> all{"device", "check", "plane.toml", "--quiet",    "--watchdog",
                                      "100 ms", "--out", "check.json", "--overwrite"};

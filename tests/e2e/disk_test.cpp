@@ -30,7 +30,7 @@ protected:
     }
 };
 
-TEST_F(Disk, that_is_full_is_an_io_error_and_the_sweep_goes_on_once_there_is_room) {
+TEST_F(Disk, ThatIsFullIsAnIoErrorAndTheSweepGoesOnOnceThereIsRoom) {
     const SmallDisk disk(path("disk"), "size=256k");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted here";
@@ -47,7 +47,7 @@ TEST_F(Disk, that_is_full_is_an_io_error_and_the_sweep_goes_on_once_there_is_roo
     EXPECT_EQ(differences(results_in(path("disk/out")), expected), std::set<std::string>{});
 }
 
-TEST_F(Disk, that_is_too_small_is_told_before_anything_is_computed) {
+TEST_F(Disk, ThatIsTooSmallIsToldBeforeAnythingIsComputed) {
     const SmallDisk disk(path("disk"), "size=256k");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted here";
@@ -55,7 +55,7 @@ TEST_F(Disk, that_is_too_small_is_told_before_anything_is_computed) {
     EXPECT_EQ(tree_of(path("disk")), Tree{});
 }
 
-TEST_F(Disk, that_is_full_keeps_an_earlier_field) {
+TEST_F(Disk, ThatIsFullKeepsAnEarlierField) {
     const SmallDisk disk(path("disk"), "size=64k");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted here";
@@ -72,7 +72,7 @@ TEST_F(Disk, that_is_full_keeps_an_earlier_field) {
     EXPECT_EQ(differences(before, tree_of(path("disk"))), std::set<std::string>{});
 }
 
-TEST_F(Disk, with_a_limit_on_file_sizes_is_an_io_error_too) {
+TEST_F(Disk, WithALimitOnFileSizesIsAnIoErrorToo) {
     const Tree expected = whole();
     for (const std::uint64_t most : {0, 1000, 8192, 40000}) {
         Launch launch = this->launch(sweep("out"));
@@ -85,7 +85,7 @@ TEST_F(Disk, with_a_limit_on_file_sizes_is_an_io_error_too) {
     EXPECT_EQ(differences(results_in(path("out")), expected), std::set<std::string>{});
 }
 
-TEST_F(Disk, that_is_read_only_is_an_io_error) {
+TEST_F(Disk, ThatIsReadOnlyIsAnIoError) {
     const SmallDisk disk(path("disk"), "size=16m");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted here";
@@ -96,7 +96,7 @@ TEST_F(Disk, that_is_read_only_is_an_io_error) {
     expect_failure(4, {"field", "scene.toml", "--out", "disk/field.exr"}, {"field.exr", "Read-only file system"});
 }
 
-TEST_F(Disk, folders_of_others_are_an_io_error) {
+TEST_F(Disk, FoldersOfOthersAreAnIoError) {
     Launch out = launch({"sweep", "paper.toml", "--out", "out", "--quiet"});
     Launch field = launch({"field", "scene.toml", "--out", "field.exr", "--quiet"});
     if (is_root())
@@ -108,7 +108,7 @@ TEST_F(Disk, folders_of_others_are_an_io_error) {
     std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
 }
 
-TEST_F(Disk, places_that_are_no_folder_are_an_io_error) {
+TEST_F(Disk, PlacesThatAreNoFolderAreAnIoError) {
     write("file", "kept");
     expect_failure(4, sweep("file"), {"file", "Not a directory"});
     expect_failure(4, sweep("file/below"), {"file/below", "Not a directory"});
@@ -124,7 +124,7 @@ TEST_F(Disk, places_that_are_no_folder_are_an_io_error) {
     expect_success(sweep("out"));
 }
 
-TEST_F(Disk, kernels_kept_from_before_may_be_damaged_or_unwritable) {
+TEST_F(Disk, KernelsKeptFromBeforeMayBeDamagedOrUnwritable) {
     Launch launch = this->launch({"field", "scene.toml", "--out", "field.exr", "--engine", "gpu"});
     const std::filesystem::path cache = path("cache");
     launch.environment["XDG_CACHE_HOME"] = cache.string();

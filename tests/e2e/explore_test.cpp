@@ -42,7 +42,7 @@ protected:
     }
 };
 
-TEST_F(Explore, writes_what_was_felt_and_says_so) {
+TEST_F(Explore, WritesWhatWasFeltAndSaysSo) {
     const Outcome outcome = expect_success(arguments());
     EXPECT_EQ(outcome.out, "") << "data only goes to stdout";
     for (const char* word :
@@ -59,7 +59,7 @@ TEST_F(Explore, writes_what_was_felt_and_says_so) {
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
-TEST_F(Explore, writes_a_page_of_what_was_felt) {
+TEST_F(Explore, WritesAPageOfWhatWasFelt) {
     for (const char* name : {"out.csv", "out.exr"}) {
         expect_success(
             {"explore", "scene.toml", "--paths", "in.csv", "--out", name, "--engine", "cpu", "--also", "html"});
@@ -69,7 +69,7 @@ TEST_F(Explore, writes_a_page_of_what_was_felt) {
     }
 }
 
-TEST_F(Explore, takes_the_precision_that_is_asked_for) {
+TEST_F(Explore, TakesThePrecisionThatIsAskedFor) {
     expect_success(arguments({"--precision", "f32"}));
     const std::string single = read_text(path("out.csv"));
     expect_success(arguments());
@@ -78,7 +78,7 @@ TEST_F(Explore, takes_the_precision_that_is_asked_for) {
     EXPECT_GT(read_text(path("out.csv")).size(), single.size() + 20) << "doubles have more digits";
 }
 
-TEST_F(Explore, takes_double_precision_for_a_thin_mesh) {
+TEST_F(Explore, TakesDoublePrecisionForAThinMesh) {
     std::ofstream(folder_ / "thin.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.001\nv 1 0 0.001\nv 0 1 0.001\n"
                                            "f 1 3 2\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n";
     std::ofstream(folder_ / "thin.csv") << "path,t,x,y,z\n0,0,0.2,0.2,0.1\n0,0.001,0.2,0.2,0.0009\n";
@@ -92,7 +92,7 @@ TEST_F(Explore, takes_double_precision_for_a_thin_mesh) {
     }
 }
 
-TEST_F(Explore, does_not_fall_back_from_one_engine_to_the_other) {
+TEST_F(Explore, DoesNotFallBackFromOneEngineToTheOther) {
     auto plain = arguments();
     plain.resize(plain.size() - 2);
     plain.insert(plain.end(), {"--gpu", "No such device"});
@@ -100,7 +100,7 @@ TEST_F(Explore, does_not_fall_back_from_one_engine_to_the_other) {
     expect_refused(arguments({"--gpu", "0"}), {"--gpu"});
 }
 
-TEST_F(Explore, refuses_names_that_it_cannot_write) {
+TEST_F(Explore, RefusesNamesThatItCannotWrite) {
     auto to = [](const std::string& out) {
         auto all = arguments();
         all[5] = out;
@@ -121,7 +121,7 @@ TEST_F(Explore, refuses_names_that_it_cannot_write) {
     expect_refused(to("folder.csv"), {"folder.csv"}, 4);
 }
 
-TEST_F(Explore, refuses_paths_that_are_none) {
+TEST_F(Explore, RefusesPathsThatAreNone) {
     auto all = arguments();
     for (const auto& [paths, words, code] :
          {std::tuple{"nosuch.csv", "nosuch.csv", 4}, {"scene.toml", "scene.toml:1:1: the header lacks", 2}}) {
@@ -131,7 +131,7 @@ TEST_F(Explore, refuses_paths_that_are_none) {
     expect_refused({"explore", "scene.toml", "--out", "out.csv", "--engine", "cpu"}, {"[paths]", "--paths"});
 }
 
-TEST_F(Explore, refuses_times_that_do_not_increase_whatever_the_route) {
+TEST_F(Explore, RefusesTimesThatDoNotIncreaseWhateverTheRoute) {
     const std::string head = "path,t,x,y,z\n3,0,0,0,0\n5,9,0,0,0\n3,0.5,0,0,0\n";
     for (const auto& [row, words] : {std::pair{"3,0.5,0,0,0\n", "t: 0.5 s comes after 0.5 s on path 3"},
                                      {"5,8,0,0,0\n", "t: 8 s comes after 9 s on path 5"}}) {
@@ -144,14 +144,14 @@ TEST_F(Explore, refuses_times_that_do_not_increase_whatever_the_route) {
     }
 }
 
-TEST_F(Explore, warns_of_a_file_that_may_be_cut_off) {
+TEST_F(Explore, WarnsOfAFileThatMayBeCutOff) {
     write("in.csv", "path,t,x,y,z\n0,0,0,0,-0.001");
     EXPECT_NE(expect_success(arguments()).error.find("warning: in.csv:2:15: the last line has no line feed"),
               std::string::npos);
     EXPECT_EQ(expect_success(arguments({"--quiet"})).error, "");
 }
 
-TEST_F(Explore, of_a_million_samples_takes_no_more_memory_than_of_a_few) {
+TEST_F(Explore, OfAMillionSamplesTakesNoMoreMemoryThanOfAFew) {
     write_long("in.csv", 100000);
     const std::uint64_t few = expect_success(arguments()).peak_memory;
     write_long("in.csv", 1000000);
@@ -161,7 +161,7 @@ TEST_F(Explore, of_a_million_samples_takes_no_more_memory_than_of_a_few) {
     EXPECT_NE(many.error.find("1000000 samples on 4 paths"), std::string::npos) << many.error;
 }
 
-TEST_F(Explore, leaves_nothing_when_interrupted) {
+TEST_F(Explore, LeavesNothingWhenInterrupted) {
     write_long("in.csv", 4000000, false);
     for (const int signal : {SIGINT, SIGTERM}) { // while it is read for the first time, and later
         for (const int delay : {250, 900}) {
@@ -189,7 +189,7 @@ TEST_F(Explore, leaves_nothing_when_interrupted) {
     }
 }
 
-TEST_F(Explore, says_that_a_disk_is_full) {
+TEST_F(Explore, SaysThatADiskIsFull) {
     write_long("in.csv", 100000);
     Launch launch = this->launch(arguments());
     launch.most_file_bytes = kMebibyte;

@@ -49,7 +49,7 @@ const char* const kGaussian = "[surface]\nkind = \"height_map\"\nfunction = \"ga
 const char* const kSine = "[surface]\nkind = \"height_map\"\nfunction = \"sine\"\nwidth = \"2 mm\"\n"
                           "[force]\nshading = \"height_map\"\n";
 
-TEST_F(Extreme, surfaces_have_a_right_answer) {
+TEST_F(Extreme, SurfacesHaveARightAnswer) {
     std::vector<std::string> all{bump("500 mil", 16), "[surface]\nwidth = \"1 in\"\nradius = \"12.7 mm\"\n",
                                  std::string(kCylinder) + "radius = \"12700 km\"\n",
                                  std::string(kCylinder) + "radius = \"500 mil\"\n"};
@@ -80,7 +80,7 @@ TEST_F(Extreme, surfaces_have_a_right_answer) {
     expect_right(bump("600 mil", 1000000, "facet_spacing = \"equal_x\"\n") + kReference + few);
 }
 
-TEST_F(Extreme, grids_have_a_right_answer) {
+TEST_F(Extreme, GridsHaveARightAnswer) {
     const std::string shaded = bump("600 mil", 3) + kReference;
     for (const char* origin :
          {"[\"1 km\", \"1 km\", \"-4 mm\"]", "[\"-1 km\", \"0 m\", \"-4 mm\"]", "[\"-4 mm\", \"1 km\", \"-4 mm\"]",
@@ -109,7 +109,7 @@ TEST_F(Extreme, grids_have_a_right_answer) {
         }
 }
 
-TEST_F(Extreme, forces_keep_their_digits) {
+TEST_F(Extreme, ForcesKeepTheirDigits) {
     const auto one = [](const std::string& at) { return grid("[1, 1, 1]", at, "\"1 mm\""); };
     const std::string below = one("[\"20 mm\", \"0 m\", \"-1 m\"]"), middle = one("[\"0 m\", \"0 m\", \"0 m\"]");
     struct Row {
@@ -127,7 +127,7 @@ TEST_F(Extreme, forces_keep_their_digits) {
     EXPECT_NEAR(force_at(bump("12700 km", 2) + middle)[2], 6.35e-9, 1e-13) << "U(0) = a^2 / 2R = 6.35 pm";
 }
 
-TEST_F(Extreme, a_boundary_belongs_to_the_facet_on_its_right) {
+TEST_F(Extreme, ABoundaryBelongsToTheFacetOnItsRight) {
     // Steps of W/4 from -W/2, exact in binary: every sample is on a boundary.
     expect_right("[surface]\nwidth = \"4 m\"\nradius = \"3 m\"\nfacets = 4\nfacet_spacing = \"equal_x\"\n"
                  "[output]\nchannels = [\"facet\"]\n" +
@@ -137,7 +137,7 @@ TEST_F(Extreme, a_boundary_belongs_to_the_facet_on_its_right) {
     EXPECT_EQ(std::vector<float>(facets.begin(), facets.begin() + 4), (std::vector<float>{0, 1, 2, 3}));
 }
 
-TEST_F(Extreme, forces_too_small_for_a_volume_are_told) {
+TEST_F(Extreme, ForcesTooSmallForAVolumeAreTold) {
     write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     write("tiny.toml", "[surface]\nkind = \"mesh\"\nfile = \"cube.obj\"\ntransform = { scale = 1e-150 }\n[force]\n"
                        "stiffness = \"100 N/m\"\n[grid]\nsamples = 9\n");
@@ -150,7 +150,7 @@ TEST_F(Extreme, forces_too_small_for_a_volume_are_told) {
     EXPECT_NE(above.error.find("no voxel of the grid is in contact"), std::string::npos) << above.error;
 }
 
-TEST_F(Extreme, meshes_of_wildly_mixed_magnitudes_are_taken_or_refused) {
+TEST_F(Extreme, MeshesOfWildlyMixedMagnitudesAreTakenOrRefused) {
     std::mt19937 random(7);
     const auto unit = [&] { return (double(random()) + 0.5) / 4294967296.0; };
     const auto coordinate = [&] {
@@ -190,7 +190,7 @@ TEST_F(Extreme, meshes_of_wildly_mixed_magnitudes_are_taken_or_refused) {
     }
 }
 
-TEST_F(Extreme, all_channels_and_kinds_of_pixels) {
+TEST_F(Extreme, AllChannelsAndKindsOfPixels) {
     for (const char* pixel : {"float", "half"})
         for (const char* compression : {"none", "zip1", "zip", "pxr24"}) {
             write("scene.toml", bump("600 mil", 3) + kReference + kAround +
@@ -203,7 +203,7 @@ TEST_F(Extreme, all_channels_and_kinds_of_pixels) {
     expect_success({"validate", "scene.toml", "--quiet"});
 }
 
-TEST_F(Extreme, texture_on_everything) {
+TEST_F(Extreme, TextureOnEverything) {
     for (const char* kind : {"kind = \"bump\"\nfacets = 3\n", "kind = \"cylinder_bump\"\n"})
         for (const char* texture :
              {"function = \"sine\"\nwidth = \"2 mm\"\n", "function = \"gaussian\"\nradius = \"3 mm\"\n",
@@ -245,7 +245,7 @@ protected:
     }
 };
 
-TEST_F(ExtremeMap, pictures_of_every_kind_and_of_one_pixel_row_or_column) {
+TEST_F(ExtremeMap, PicturesOfEveryKindAndOfOnePixelRowOrColumn) {
     const auto box = [](int width, int height) { return Imath::Box2i({0, 0}, {width - 1, height - 1}); };
     write_bowl("float.exr", "Y", Imf::FLOAT);
     write_bowl("half.exr", "Y", Imf::HALF);
@@ -261,7 +261,7 @@ TEST_F(ExtremeMap, pictures_of_every_kind_and_of_one_pixel_row_or_column) {
         expect_right(name);
 }
 
-TEST_F(ExtremeMap, samples_that_rounding_takes_across_the_rim_are_counted) {
+TEST_F(ExtremeMap, SamplesThatRoundingTakesAcrossTheRimAreCounted) {
     write_bowl("bowl.exr", "Y", Imf::FLOAT);
     // The outermost samples lie 1e-10 mm beyond the rim, which single precision does not tell from the rim itself.
     const std::string beyond = "[surface]\nkind = \"height_map\"\nfile = \"bowl.exr\"\nsize = [\"8 mm\", \"6 mm\"]\n"
@@ -286,7 +286,7 @@ TEST_F(ExtremeMap, samples_that_rounding_takes_across_the_rim_are_counted) {
     EXPECT_LT(record.at("oracle").at("largest_error_N"), 1e-6);
 }
 
-TEST_F(ExtremeMap, largest_and_smallest_values) {
+TEST_F(ExtremeMap, LargestAndSmallestValues) {
     for (const auto& [name, value] : {std::pair<std::string, double>("large.exr", 3e38),
                                       {"small.exr", 1e-38},
                                       {"denormal.exr", 1e-42},
@@ -303,7 +303,7 @@ TEST_F(ExtremeMap, largest_and_smallest_values) {
     }
 }
 
-TEST_F(ExtremeMap, an_axis_of_pictures_is_swept) {
+TEST_F(ExtremeMap, AnAxisOfPicturesIsSwept) {
     write_bowl("a.exr", "Y", Imf::FLOAT);
     write_png(path("b.png"), 1, {{255}});
     std::string study = scene("a.exr");

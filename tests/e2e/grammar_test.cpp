@@ -62,7 +62,7 @@ protected:
     }
 };
 
-TEST_F(GrammarTest, says_what_is_wrong_with_a_line_and_where_to_read_on) {
+TEST_F(GrammarTest, SaysWhatIsWrongWithALineAndWhereToReadOn) {
     struct Mistake {
         std::vector<std::string> arguments, words;
         std::string topic;
@@ -110,14 +110,14 @@ TEST_F(GrammarTest, says_what_is_wrong_with_a_line_and_where_to_read_on) {
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"scene.toml", "three.toml"}));
 }
 
-TEST_F(GrammarTest, does_not_take_a_file_for_one_more_value_of_a_list) {
+TEST_F(GrammarTest, DoesNotTakeAFileForOneMoreValueOfAList) {
     expect_success({"sweep", "--also", "npy", "three.toml", "--out", "out"});
     EXPECT_FALSE(folder_.names().empty());
     expect_failure(4, {"experiment", "run", "--participant", "observer", "--out", "data", "--subject", "01", "no.toml"},
                    {"no.toml"});
 }
 
-TEST_F(GrammarTest, has_short_forms) {
+TEST_F(GrammarTest, HasShortForms) {
     expect_success({"field", "scene.toml", "--out", "long.exr"});
     EXPECT_EQ(expect_success({"field", "scene.toml", "-qo", "short.exr"}).error, "");
     EXPECT_TRUE(read_text(path("long.exr")) == read_text(path("short.exr")));
@@ -130,7 +130,7 @@ TEST_F(GrammarTest, has_short_forms) {
     EXPECT_NE(expect_success({"help", "experiment", "run"}).out.find("--participant"), std::string::npos);
 }
 
-TEST_F(GrammarTest, wraps_help_and_gives_two_examples_of_every_command) {
+TEST_F(GrammarTest, WrapsHelpAndGivesTwoExamplesOfEveryCommand) {
     const auto all = commands();
     EXPECT_GT(all.size(), 18u);
     for (const auto& command : all) {
@@ -141,7 +141,7 @@ TEST_F(GrammarTest, wraps_help_and_gives_two_examples_of_every_command) {
     }
 }
 
-TEST_F(GrammarTest, gives_examples_that_work) {
+TEST_F(GrammarTest, GivesExamplesThatWork) {
     const std::string bump =
         "[surface]\nkind = \"bump\"\nradius = \"600 mil\"\nfacets = 2\n[grid]\nsize = [16, 8, 8]\n"
         "origin = [\"-14 mm\", \"-3 mm\", \"-4 mm\"]\nspacing = [\"1.8 mm\", \"1 mm\", \"0.6 mm\"]\n";
@@ -172,7 +172,7 @@ TEST_F(GrammarTest, gives_examples_that_work) {
 }
 
 // A field, a mesh, paths and a sweep: the same bytes, whatever the threads.
-TEST_F(GrammarTest, computes_the_same_with_any_number_of_threads) {
+TEST_F(GrammarTest, ComputesTheSameWithAnyNumberOfThreads) {
     write("spot.toml", "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_SOURCE
                        "/tests/data/spot.obj\"\ntransform = { scale = 0.05 }\n[force]\nshading = \"mean_value\"\n"
                        "[grid]\nsamples = 16\n[paths]\ncount = 20\nsteps = 100\n");
@@ -198,7 +198,7 @@ TEST_F(GrammarTest, computes_the_same_with_any_number_of_threads) {
     EXPECT_EQ(differences(one, computed("3")), (std::set<std::string>{}));
 }
 
-TEST_F(GrammarTest, takes_as_many_threads_as_it_may) {
+TEST_F(GrammarTest, TakesAsManyThreadsAsItMay) {
     const auto engine_of = [&](const std::string& before, const std::string& after) {
         Launch launch =
             this->launch({"-c", before + " " FORCESHADE_PROGRAM " field scene.toml --overwrite --out a.exr " + after});

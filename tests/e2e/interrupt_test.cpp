@@ -56,7 +56,7 @@ protected:
 
 constexpr std::size_t kAll = 1000000; // results, more than there are
 
-TEST_F(Interrupt, by_kill_at_any_moment_leaves_only_whole_files_and_a_sweep_that_can_go_on) {
+TEST_F(Interrupt, ByKillAtAnyMomentLeavesOnlyWholeFilesAndASweepThatCanGoOn) {
     std::mt19937 random(7);
     std::size_t killed = 0;
     for (int i = 0; i < 8; ++i) {
@@ -70,7 +70,7 @@ TEST_F(Interrupt, by_kill_at_any_moment_leaves_only_whole_files_and_a_sweep_that
     EXPECT_GE(killed, 4u) << "most moments must lie within the run, which took " << seconds_ << " s";
 }
 
-TEST_F(Interrupt, by_kill_again_and_again_ends_in_the_same_files) {
+TEST_F(Interrupt, ByKillAgainAndAgainEndsInTheSameFiles) {
     Outcome outcome;
     for (std::size_t results = 5; results < 103; results += 12) {
         outcome = run_until("out", 60, results, SIGKILL);
@@ -83,7 +83,7 @@ TEST_F(Interrupt, by_kill_again_and_again_ends_in_the_same_files) {
     EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
 }
 
-TEST_F(Interrupt, by_a_signal_ends_with_130_at_once_and_leaves_no_temporaries) {
+TEST_F(Interrupt, ByASignalEndsWith130AtOnceAndLeavesNoTemporaries) {
     for (const int signal : {SIGINT, SIGTERM})
         for (const std::size_t results : {std::size_t(3), std::size_t(20), std::size_t(60)}) {
             const std::string out = fmt::format("out{}-{}", signal, results);
@@ -100,7 +100,7 @@ TEST_F(Interrupt, by_a_signal_ends_with_130_at_once_and_leaves_no_temporaries) {
         }
 }
 
-TEST_F(Interrupt, of_one_of_two_runs_in_a_folder_does_not_disturb_the_other) {
+TEST_F(Interrupt, OfOneOfTwoRunsInAFolderDoesNotDisturbTheOther) {
     for (const int signal : {SIGINT, SIGKILL}) {
         const std::string out = fmt::format("both{}", signal);
         Process other(launch(arguments(out)));
@@ -111,7 +111,7 @@ TEST_F(Interrupt, of_one_of_two_runs_in_a_folder_does_not_disturb_the_other) {
     }
 }
 
-TEST_F(Interrupt, of_a_field_leaves_no_file) {
+TEST_F(Interrupt, OfAFieldLeavesNoFile) {
     write("large.toml", "[grid]\nsize = [256, 256, 256]\n[output]\ncompression = \"zip\"\n[texture]\n"
                         "stiffness = \"0.1 N/mm\"\nfunction = \"gaussian\"\nradius = \"3 mm\"\n");
     for (const int signal : {SIGINT, SIGTERM}) {
@@ -129,7 +129,7 @@ TEST_F(Interrupt, of_a_field_leaves_no_file) {
     }
 }
 
-TEST_F(Interrupt, of_a_field_of_which_one_layer_is_repeated_for_minutes_ends_soon) {
+TEST_F(Interrupt, OfAFieldOfWhichOneLayerIsRepeatedForMinutesEndsSoon) {
     write("huge.toml", "[grid]\nsize = [4096, 4096, 4096]\n");
     Process process(launch({"field", "huge.toml", "--out", "huge.exr"}));
     while (process.running() && temporaries_in(folder_.path()).empty())
@@ -142,7 +142,7 @@ TEST_F(Interrupt, of_a_field_of_which_one_layer_is_repeated_for_minutes_ends_soo
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
-TEST_F(Interrupt, of_a_validation_ends_with_130) {
+TEST_F(Interrupt, OfAValidationEndsWith130) {
     for (const int signal : {SIGINT, SIGTERM}) {
         Process process(launch({"validate"})); // half a minute of work
         std::this_thread::sleep_for(std::chrono::milliseconds(500));

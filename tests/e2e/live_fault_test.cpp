@@ -36,7 +36,7 @@ protected:
     }
 };
 
-TEST_F(LiveFault, its_normal_end_leaves_no_force) {
+TEST_F(LiveFault, ItsNormalEndLeavesNoForce) {
     Outcome outcome;
     const std::vector<Told> told = pushed(felt({"--duration", "0.8 s", "--log", "log.csv"}), outcome, [](Process&) {});
     EXPECT_EQ(outcome.code, 0) << outcome.error;
@@ -51,7 +51,7 @@ TEST_F(LiveFault, its_normal_end_leaves_no_force) {
     }
 }
 
-TEST_F(LiveFault, a_first_signal_ends_it_within_two_samples_and_nothing_is_lost) {
+TEST_F(LiveFault, AFirstSignalEndsItWithinTwoSamplesAndNothingIsLost) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         std::size_t fewest = 1000;
         for (int attempt = 0; attempt < 4 && fewest > 2; ++attempt) { // a busy machine may not wake us in time
@@ -73,7 +73,7 @@ TEST_F(LiveFault, a_first_signal_ends_it_within_two_samples_and_nothing_is_lost)
     }
 }
 
-TEST_F(LiveFault, under_nohup_it_does_not_end_with_the_terminal) {
+TEST_F(LiveFault, UnderNohupItDoesNotEndWithTheTerminal) {
     ::signal(SIGHUP, SIG_IGN); // inherited
     Outcome outcome;
     pushed(felt({"--duration", "0.5 s"}), outcome, [](Process& process) { process.send(SIGHUP); });
@@ -81,7 +81,7 @@ TEST_F(LiveFault, under_nohup_it_does_not_end_with_the_terminal) {
     EXPECT_EQ(outcome.code, 0) << outcome.error;
 }
 
-TEST_F(LiveFault, a_second_signal_that_cannot_wait_leaves_no_force_either) {
+TEST_F(LiveFault, ASecondSignalThatCannotWaitLeavesNoForceEither) {
     for (int i = 0; i < 5; ++i) {
         Outcome outcome;
         pushed(felt({}), outcome, [](Process& process) {
@@ -93,7 +93,7 @@ TEST_F(LiveFault, a_second_signal_that_cannot_wait_leaves_no_force_either) {
     }
 }
 
-TEST_F(LiveFault, signals_that_kill_leave_no_force) {
+TEST_F(LiveFault, SignalsThatKillLeaveNoForce) {
     for (const int signal : {SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGUSR1, SIGUSR2,
                              SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGIO, SIGPWR}) {
         SCOPED_TRACE(signal);
@@ -104,7 +104,7 @@ TEST_F(LiveFault, signals_that_kill_leave_no_force) {
     }
 }
 
-TEST_F(LiveFault, signals_that_mean_nothing_do_nothing) {
+TEST_F(LiveFault, SignalsThatMeanNothingDoNothing) {
     Outcome outcome;
     const std::vector<Told> told = pushed(felt({"--duration", "0.6 s"}), outcome, [](Process& process) {
         for (const int signal : {SIGPIPE, SIGXFSZ, SIGCHLD, SIGWINCH, SIGURG, SIGCONT})
@@ -114,7 +114,7 @@ TEST_F(LiveFault, signals_that_mean_nothing_do_nothing) {
     EXPECT_GE(told.size(), 600u);
 }
 
-TEST_F(LiveFault, stopped_by_the_terminal_it_has_no_force_and_ramps_when_it_goes_on) {
+TEST_F(LiveFault, StoppedByTheTerminalItHasNoForceAndRampsWhenItGoesOn) {
     for (const int signal : {SIGTSTP, SIGTTOU, SIGTTIN})
         for (const int times : {1, 3}) {
             SCOPED_TRACE(fmt::format("{} x {}", signal, times));
@@ -150,7 +150,7 @@ TEST_F(LiveFault, stopped_by_the_terminal_it_has_no_force_and_ramps_when_it_goes
         }
 }
 
-TEST_F(LiveFault, stopped_for_a_second_it_makes_up_for_every_tick_without_force) {
+TEST_F(LiveFault, StoppedForASecondItMakesUpForEveryTickWithoutForce) {
     write_still("still.csv", 3000);
     Process process(launch(live("plane.toml", {"--device", "replay:still.csv", "--ramp", "200 ms", "--log", "log.csv",
                                                "--watchdog", "100 ms"})));
@@ -182,7 +182,7 @@ TEST_F(LiveFault, stopped_for_a_second_it_makes_up_for_every_tick_without_force)
     EXPECT_EQ(read_json("log.live.json")["happened"]["too_late"], too_late);
 }
 
-TEST_F(LiveFault, a_leap_of_the_wall_clock_is_nothing_to_it) {
+TEST_F(LiveFault, ALeapOfTheWallClockIsNothingToIt) {
     write_still("still.csv", 1200);
     Launch launch = this->launch(live("plane.toml", {"--device", "replay:still.csv", "--log", "log.csv"}));
     launch.environment["LD_PRELOAD"] = LEAPING_CLOCK;
@@ -204,7 +204,7 @@ TEST_F(LiveFault, a_leap_of_the_wall_clock_is_nothing_to_it) {
 }
 
 // What fails, from which call on.
-TEST_F(LiveFault, a_device_that_goes_away_has_no_force_and_is_given_up) {
+TEST_F(LiveFault, ADeviceThatGoesAwayHasNoForceAndIsGivenUp) {
     for (const char* const fail : {"dhdGetPosition@300", "dhdSetForce@300"}) {
         SCOPED_TRACE(fail);
         Outcome outcome;
@@ -221,7 +221,7 @@ TEST_F(LiveFault, a_device_that_goes_away_has_no_force_and_is_given_up) {
     }
 }
 
-TEST_F(LiveFault, a_device_that_fails_for_a_while_comes_back_slowly) {
+TEST_F(LiveFault, ADeviceThatFailsForAWhileComesBackSlowly) {
     for (const auto& [fail, name] : {std::pair{"dhdGetPosition@300+100", "failed"},
                                      {"dhdSetForce@300+100", "failed"},
                                      {"nan@300+100", "bad_position"},
@@ -252,7 +252,7 @@ TEST_F(LiveFault, a_device_that_fails_for_a_while_comes_back_slowly) {
 }
 
 // After the device's own watchdog forces come up again, from zero; after the user's button they stay off.
-TEST_F(LiveFault, forces_that_the_button_switched_off_stay_off) {
+TEST_F(LiveFault, ForcesThatTheButtonSwitchedOffStayOff) {
     Outcome outcome;
     pushed(felt({"--duration", "1 s", "--patience", "0.2 s", "--log", "log.csv"}, "button@300+1"), outcome,
            [](Process&) {});
@@ -270,7 +270,7 @@ TEST_F(LiveFault, forces_that_the_button_switched_off_stay_off) {
     EXPECT_NE(read_json("log.live.json")["remarks"].dump().find("button"), std::string::npos);
 }
 
-TEST_F(LiveFault, a_device_that_is_not_calibrated_has_no_force_until_it_is) {
+TEST_F(LiveFault, ADeviceThatIsNotCalibratedHasNoForceUntilItIs) {
     Outcome outcome;
     pushed(felt({"--duration", "2 s", "--log", "log.csv"}, "uncalibrated@1+30"), outcome, [](Process&) {});
     EXPECT_EQ(outcome.code, 0) << outcome.error;
@@ -283,7 +283,7 @@ TEST_F(LiveFault, a_device_that_is_not_calibrated_has_no_force_until_it_is) {
     EXPECT_NE(text("stderr").find("not calibrated"), std::string::npos) << "its position says nothing";
 }
 
-TEST_F(LiveFault, a_device_without_a_watchdog_displays_little_unless_the_user_insists) {
+TEST_F(LiveFault, ADeviceWithoutAWatchdogDisplaysLittleUnlessTheUserInsists) {
     for (const auto& [flag, most] : {std::pair{"--quiet", 0.5}, {"--without-device-watchdog", 1.0}}) {
         SCOPED_TRACE(flag);
         const Outcome outcome =
@@ -302,7 +302,7 @@ TEST_F(LiveFault, a_device_without_a_watchdog_displays_little_unless_the_user_in
     }
 }
 
-TEST_F(LiveFault, outside_of_the_devices_workspace_there_is_no_force) {
+TEST_F(LiveFault, OutsideOfTheDevicesWorkspaceThereIsNoForce) {
     Launch launch = felt({"--duration", "0.3 s", "--json"});
     launch.environment["STUB_POSITION"] = "0,0,-0.2"; // an omega is 160 mm wide
     Outcome outcome = run(launch);
@@ -315,7 +315,7 @@ TEST_F(LiveFault, outside_of_the_devices_workspace_there_is_no_force) {
     EXPECT_GT(pushes_after(record(), 0), 0u);
 }
 
-TEST_F(LiveFault, waiting_for_a_device_can_be_interrupted) {
+TEST_F(LiveFault, WaitingForADeviceCanBeInterrupted) {
     Launch launch = felt({"--origin", "here", "--patience", "none"}, "time guard"); // never a new position
     Process process(launch);
     ASSERT_TRUE(await(process, [&] { return record().size() > 10; }));

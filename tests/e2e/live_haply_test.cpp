@@ -74,7 +74,7 @@ protected:
     }
 };
 
-TEST_F(LiveHaply, feels_the_scene_in_both_dialects) {
+TEST_F(LiveHaply, FeelsTheSceneInBothDialects) {
     for (const char* const dialect : {"vector", "values"}) {
         SCOPED_TRACE(dialect);
         Service there = service(dialect, {"--dialect", dialect});
@@ -90,7 +90,7 @@ TEST_F(LiveHaply, feels_the_scene_in_both_dialects) {
     }
 }
 
-TEST_F(LiveHaply, that_is_not_there_is_refused) {
+TEST_F(LiveHaply, ThatIsNotThereIsRefused) {
     Service there = service("gone");
     const Launch launch = felt(there, "log", {"--duration", "1 s"});
     there.finish(); // nobody else has this port now
@@ -99,7 +99,7 @@ TEST_F(LiveHaply, that_is_not_there_is_refused) {
     EXPECT_FALSE(std::filesystem::exists(path("log.csv")));
 }
 
-TEST_F(LiveHaply, that_does_not_come_back_is_given_up) {
+TEST_F(LiveHaply, ThatDoesNotComeBackIsGivenUp) {
     const std::vector<std::string> faults{"away", "never_answers", "nan"};
     std::vector<std::unique_ptr<Service>> services;
     std::vector<std::unique_ptr<Process>> loops;
@@ -123,7 +123,7 @@ TEST_F(LiveHaply, that_does_not_come_back_is_given_up) {
     }
 }
 
-TEST_F(LiveHaply, is_left_without_force_by_signals) {
+TEST_F(LiveHaply, IsLeftWithoutForceBySignals) {
     for (const int signal : {SIGINT, SIGTERM, SIGQUIT, SIGABRT, SIGSEGV}) {
         SCOPED_TRACE(signal);
         const std::string name = std::to_string(signal);

@@ -39,7 +39,7 @@ protected:
     }
 };
 
-TEST_F(LiveLog, a_disk_that_is_full_ends_the_log_with_a_whole_line_and_not_the_loop) {
+TEST_F(LiveLog, ADiskThatIsFullEndsTheLogWithAWholeLineAndNotTheLoop) {
     for (const std::uint64_t most : {120'000, 140'001}) {
         Launch launch = this->launch(by_the_clock("log.csv", {"--overwrite"}));
         launch.most_file_bytes = most;
@@ -55,7 +55,7 @@ TEST_F(LiveLog, a_disk_that_is_full_ends_the_log_with_a_whole_line_and_not_the_l
     }
 }
 
-TEST_F(LiveLog, nor_is_a_report_that_cannot_be_written_the_only_thing_that_is_told) {
+TEST_F(LiveLog, NorIsAReportThatCannotBeWrittenTheOnlyThingThatIsTold) {
     Launch launch = this->launch(by_the_clock("log.csv"));
     launch.most_file_bytes = 1000;
     const Outcome outcome = run(launch);
@@ -65,7 +65,7 @@ TEST_F(LiveLog, nor_is_a_report_that_cannot_be_written_the_only_thing_that_is_to
     expect_failure(4, launch, {"error: cannot write", "said", "File too large"});
 }
 
-TEST_F(LiveLog, a_disk_that_takes_nothing_is_refused_at_once) {
+TEST_F(LiveLog, ADiskThatTakesNothingIsRefusedAtOnce) {
     const Tree before = tree_of(folder_.path());
     expect_failure(4, by_the_clock("/dev/full"), {"/dev/full", "No space left on device"});
     Launch launch = this->launch(by_the_clock("log.csv"));
@@ -74,7 +74,7 @@ TEST_F(LiveLog, a_disk_that_takes_nothing_is_refused_at_once) {
     EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{}) << "no half a header stays";
 }
 
-TEST_F(LiveLog, nowhere_takes_everything) {
+TEST_F(LiveLog, NowhereTakesEverything) {
     const Outcome outcome =
         expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "/dev/null", "--json", "--quiet"}));
     EXPECT_EQ(nlohmann::json::parse(outcome.out)["log"]["samples"], 1000);
@@ -83,7 +83,7 @@ TEST_F(LiveLog, nowhere_takes_everything) {
     EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
-TEST_F(LiveLog, that_another_run_writes_is_refused_and_stays_whole) {
+TEST_F(LiveLog, ThatAnotherRunWritesIsRefusedAndStaysWhole) {
     Process first(launch(by_the_clock("log.csv", {"--overwrite"})));
     await(first, [&] { return text("log.csv").size() > 10'000; });
     for (const char* const name : {"log.csv", "also.csv"}) {
@@ -102,7 +102,7 @@ TEST_F(LiveLog, that_another_run_writes_is_refused_and_stays_whole) {
     EXPECT_EQ(rows("log.csv").size(), 1000u) << "once it is written it may be replaced";
 }
 
-TEST_F(LiveLog, in_the_place_of_a_link_leaves_alone_what_the_link_leads_to) {
+TEST_F(LiveLog, InThePlaceOfALinkLeavesAloneWhatTheLinkLeadsTo) {
     std::ofstream(path("letter.txt")) << "dear";
     std::filesystem::create_symlink("letter.txt", path("log.csv"));
     expect_failure(2, live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv"}), {"is there already"});
@@ -111,7 +111,7 @@ TEST_F(LiveLog, in_the_place_of_a_link_leaves_alone_what_the_link_leads_to) {
     EXPECT_EQ(text("letter.txt"), "dear");
 }
 
-TEST_F(LiveLog, that_another_run_writes_to_a_pipe_is_refused) {
+TEST_F(LiveLog, ThatAnotherRunWritesToAPipeIsRefused) {
     ASSERT_EQ(::mkfifo(path("log.fifo").c_str(), 0600), 0);
     const int reader = ::open(path("log.fifo").c_str(), O_RDWR | O_NONBLOCK); // also holds the pipe open
     ASSERT_GE(reader, 0);
@@ -125,7 +125,7 @@ TEST_F(LiveLog, that_another_run_writes_to_a_pipe_is_refused) {
     ::close(reader);
 }
 
-TEST_F(LiveLog, holds_its_scene_and_the_scenes_hash) {
+TEST_F(LiveLog, HoldsItsSceneAndTheScenesHash) {
     expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv"}));
     const nlohmann::json said = read_json("log.live.json");
     ASSERT_EQ(said["scenes"].size(), 1u);
@@ -143,7 +143,7 @@ TEST_F(LiveLog, holds_its_scene_and_the_scenes_hash) {
     EXPECT_EQ(read_json("said.json")["scenes"], said["scenes"]) << "without a log, too";
 }
 
-TEST_F(LiveLog, marks_a_change_of_path_of_a_recording) {
+TEST_F(LiveLog, MarksAChangeOfPathOfARecording) {
     std::string table = "path,t,x,y,z\n";
     for (int i = 0; i < 1000; ++i)
         table += fmt::format("{},{},0,0,-0.001\n", i / 500, 1e-3 * (i % 500));
@@ -163,7 +163,7 @@ protected:
     int open_to_read() const { return ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC); }
 };
 
-TEST_F(LivePipe, that_is_read_gets_everything) {
+TEST_F(LivePipe, ThatIsReadGetsEverything) {
     const int reader = open_to_read();
     Process process(launch(by_the_clock("pipe")));
     std::string all;
@@ -181,11 +181,11 @@ TEST_F(LivePipe, that_is_read_gets_everything) {
     EXPECT_EQ(table_in(all).size(), kRows);
 }
 
-TEST_F(LivePipe, that_nobody_reads_is_refused) {
+TEST_F(LivePipe, ThatNobodyReadsIsRefused) {
     expect_failure(4, by_the_clock("pipe"), {"pipe", "this pipe has no reader", "start its reader first"});
 }
 
-TEST_F(LivePipe, whose_reader_stalls_does_not_hold_up_the_loop_nor_its_end) {
+TEST_F(LivePipe, WhoseReaderStallsDoesNotHoldUpTheLoopNorItsEnd) {
     const int reader = open_to_read();
     const Outcome outcome = forceshade(by_the_clock("pipe"));
     ::close(reader);
@@ -195,7 +195,7 @@ TEST_F(LivePipe, whose_reader_stalls_does_not_hold_up_the_loop_nor_its_end) {
     EXPECT_LT(said["elapsed_s"], 10);
 }
 
-TEST_F(LivePipe, whose_reader_goes_away_does_not_end_the_loop) {
+TEST_F(LivePipe, WhoseReaderGoesAwayDoesNotEndTheLoop) {
     const int reader = open_to_read();
     Process process(launch(by_the_clock("pipe")));
     std::string all;

@@ -20,7 +20,7 @@ protected:
     }
 };
 
-TEST_F(LiveMisuse, of_devices) {
+TEST_F(LiveMisuse, OfDevices) {
     const auto on = [](const std::string& device) {
         return live("bump.toml", {"--device", device, "--log", "log.csv"});
     };
@@ -39,7 +39,7 @@ TEST_F(LiveMisuse, of_devices) {
     expect_refused(fast({"--scale", "-1"}), {"--scale", "0.001 to 1000"});
 }
 
-TEST_F(LiveMisuse, of_recordings) {
+TEST_F(LiveMisuse, OfRecordings) {
     const auto from = [](const std::string& file) {
         return live("bump.toml", {"--device", "replay:" + file, "--fast", "--log", "log.csv"});
     };
@@ -49,7 +49,7 @@ TEST_F(LiveMisuse, of_recordings) {
     expect_refused(from("cut.csv"), {"cut.csv:3", "cut off"});
 }
 
-TEST_F(LiveMisuse, interleaved_paths_of_a_recording_are_played_one_after_the_other) {
+TEST_F(LiveMisuse, InterleavedPathsOfARecordingArePlayedOneAfterTheOther) {
     write("two.csv", "path,t,x,y,z\n7,0,0,0,-0.001\n3,0,0.001,0,-0.001\n7,0.001,0,0,-0.002\n3,0.001,0.001,0,-0.002\n");
     expect_success(live("bump.toml", {"--device", "replay:two.csv", "--fast", "--log", "log.csv"}));
     std::string order;
@@ -58,7 +58,7 @@ TEST_F(LiveMisuse, interleaved_paths_of_a_recording_are_played_one_after_the_oth
     EXPECT_EQ(order, "0:0 0:0 1:0.001 1:0.001 ");
 }
 
-TEST_F(LiveMisuse, a_recording_that_may_be_cut_off_is_warned_of) {
+TEST_F(LiveMisuse, ARecordingThatMayBeCutOffIsWarnedOf) {
     write("cut.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0,0.0");
     const std::vector<std::string> arguments = live("bump.toml", {"--device", "replay:cut.csv", "--fast"});
     EXPECT_NE(expect_success(arguments).error.find("warning: cut.csv:3:16: the last line has no line feed"),
@@ -66,7 +66,7 @@ TEST_F(LiveMisuse, a_recording_that_may_be_cut_off_is_warned_of) {
         << expect_success(arguments).error;
 }
 
-TEST_F(LiveMisuse, of_quantities) {
+TEST_F(LiveMisuse, OfQuantities) {
     const std::vector<std::pair<const char*, const char*>> flags{
         {"--rate", "1 kHz"},      {"--duration", "1 s"}, {"--patience", "1 s"}, {"--lasting-force", "1 N"},
         {"--max-force", "1 N"},   {"--slew", "1 N/s"},   {"--ramp", "1 s"},     {"--contact-ramp", "1 s"},
@@ -92,13 +92,13 @@ TEST_F(LiveMisuse, of_quantities) {
                        {"--duration", "between a sample (1 ms) and a year"});
 }
 
-TEST_F(LiveMisuse, every_limit_can_be_switched_off) {
+TEST_F(LiveMisuse, EveryLimitCanBeSwitchedOff) {
     for (const char* const flag : {"--max-force", "--lasting-force", "--slew", "--ramp", "--contact-ramp",
                                    "--max-speed", "--stale", "--watchdog", "--workspace", "--patience"})
         expect_success(live("bump.toml", {"--fast", "--duration", "0.1 s", flag, "none"}));
 }
 
-TEST_F(LiveMisuse, of_places) {
+TEST_F(LiveMisuse, OfPlaces) {
     const auto within = [](const std::string& ends) { return fast({"--workspace", ends}); };
     expect_refused(within("0 m, 0 m, 0 m, 1 m, 1 m"), {"--workspace needs 6 lengths, got 5"});
     expect_refused(within("0 m, 0 m, 0 m, 1 m, 0 m, 1 m"), {"--workspace: 0 m is not below 0 m", "first the lowest"});
@@ -111,7 +111,7 @@ TEST_F(LiveMisuse, of_places) {
     expect_refused(fast({"--origin", "0 m, 0 m, inf m"}), {"--origin:"});
 }
 
-TEST_F(LiveMisuse, of_ways_to_run) {
+TEST_F(LiveMisuse, OfWaysToRun) {
     expect_refused({"live", "bump.toml", "--fast", "--log", "log.csv"}, {"--fast needs --duration"});
     for (const char* const device : {"dhd", "hd", "haply"})
         expect_refused(fast({"--device", device}), {"--fast is for sim and replay"});
@@ -136,7 +136,7 @@ TEST_F(LiveMisuse, of_ways_to_run) {
     expect_refused({"live"}, {"SCENE"});
 }
 
-TEST_F(LiveMisuse, of_files) {
+TEST_F(LiveMisuse, OfFiles) {
     write("log.csv", "a recording of yesterday\n");
     expect_refused(fast({}), {"--log", "log.csv", "is there already", "--overwrite"});
     std::filesystem::remove(path("log.csv"));
@@ -160,7 +160,7 @@ TEST_F(LiveMisuse, of_files) {
                    {"in.txt would replace"});
 }
 
-TEST_F(LiveMisuse, of_folders_that_others_own) {
+TEST_F(LiveMisuse, OfFoldersThatOthersOwn) {
     if (!is_root())
         GTEST_SKIP() << "only root can become somebody else";
     for (const char* const flag : {"--log", "--report"}) {

@@ -76,7 +76,7 @@ protected:
     }
 };
 
-TEST_F(LiveSend, what_arrives_is_the_log_digit_for_digit) {
+TEST_F(LiveSend, WhatArrivesIsTheLogDigitForDigit) {
     for (const std::string precision : {"f64", "f32"})
         for (const bool is_six : {false, true}) {
             SCOPED_TRACE(precision + (is_six ? " to ::1" : ""));
@@ -110,7 +110,7 @@ TEST_F(LiveSend, what_arrives_is_the_log_digit_for_digit) {
         }
 }
 
-TEST_F(LiveSend, to_nobody_neither_stops_nor_slows_the_run) {
+TEST_F(LiveSend, ToNobodyNeitherStopsNorSlowsTheRun) {
     const unsigned port = Inbox().port; // closed again
     const Outcome outcome = run(sent(fmt::format("udp:{}", port), {"--rate", "4 kHz"}));
     EXPECT_EQ(outcome.code, 0) << outcome.error;
@@ -124,7 +124,7 @@ TEST_F(LiveSend, to_nobody_neither_stops_nor_slows_the_run) {
     EXPECT_EQ(rows("log.csv").size(), 4000u);
 }
 
-TEST_F(LiveSend, goes_on_while_nobody_empties_the_logs_pipe) {
+TEST_F(LiveSend, GoesOnWhileNobodyEmptiesTheLogsPipe) {
     ::mkfifo(path("pipe").c_str(), 0600);
     const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     Inbox inbox;
@@ -138,7 +138,7 @@ TEST_F(LiveSend, goes_on_while_nobody_empties_the_logs_pipe) {
 }
 
 // As fast as possible nobody waits for the network: what it did not take is told.
-TEST_F(LiveSend, tells_what_came_too_fast) {
+TEST_F(LiveSend, TellsWhatCameTooFast) {
     Inbox inbox;
     const Outcome outcome = expect_success(
         live("bump.toml", {"--fast", "--duration", "100 s", "--json", "--send", fmt::format("udp:{}", inbox.port)}));

@@ -6,7 +6,7 @@
 namespace forceshade::testing {
 namespace {
 
-TEST_F(Live, a_log_replays_through_explore_to_the_same_characters) {
+TEST_F(Live, ALogReplaysThroughExploreToTheSameCharacters) {
     for (const char* const scene : {"bump.toml", "map.toml", "mesh.toml", "hand.toml"})
         for (const char* const precision : {"f32", "f64"}) {
             SCOPED_TRACE(fmt::format("{} {}", scene, precision));
@@ -28,7 +28,7 @@ TEST_F(Live, a_log_replays_through_explore_to_the_same_characters) {
         }
 }
 
-TEST_F(Live, a_log_of_a_run_by_the_clock_replays_likewise) {
+TEST_F(Live, ALogOfARunByTheClockReplaysLikewise) {
     expect_success(live("hand.toml", {"--duration", "1 s", "--log", "log.csv", "--quiet"}));
     expect_success(replayed("hand.toml", "log.csv", "out.csv", "cpu", "f64"));
     EXPECT_TRUE(felt_in(text("log.csv")) == text("out.csv"));
@@ -36,7 +36,7 @@ TEST_F(Live, a_log_of_a_run_by_the_clock_replays_likewise) {
 }
 
 // Turned, scaled, moved on by the clutch and let go of: what is logged is the scene's, and replays.
-TEST_F(Live, a_log_of_a_mapped_scene_replays_likewise) {
+TEST_F(Live, ALogOfAMappedSceneReplaysLikewise) {
     for (const char* const scene : {"bump.toml", "mesh.toml"}) {
         SCOPED_TRACE(scene);
         expect_success(live(scene, {"--fast", "--duration", "2 s", "--log", "log.csv", "--overwrite", "--quiet",
@@ -58,7 +58,7 @@ TEST_F(Live, a_log_of_a_mapped_scene_replays_likewise) {
     EXPECT_EQ(rows("log.csv")[0].count("buttons"), 0u) << "of a device that has none";
 }
 
-TEST_F(Live, a_recordings_own_rate_is_rounded_to_one_that_the_loop_has) {
+TEST_F(Live, ARecordingsOwnRateIsRoundedToOneThatTheLoopHas) {
     std::string fast = "path,t,x,y,z\n", slow = fast;
     for (int i = 0; i < 200; ++i) {
         fast += fmt::format("7,{},0,0,-0.001\n", 0.0000999 * i);
@@ -73,7 +73,7 @@ TEST_F(Live, a_recordings_own_rate_is_rounded_to_one_that_the_loop_has) {
     }
 }
 
-TEST_F(Live, the_report_says_what_the_log_holds) {
+TEST_F(Live, TheReportSaysWhatTheLogHolds) {
     const Outcome outcome =
         expect_success(live("hand.toml", {"--fast", "--duration", "2 s", "--log", "log.csv", "--max-force", "1.5 N",
                                           "--slew", "0.05 N/ms", "--json"}));
@@ -126,7 +126,7 @@ TEST_F(Live, the_report_says_what_the_log_holds) {
     }
 }
 
-TEST_F(Live, a_stiffness_that_the_hand_cannot_hold_is_named_before_it_is_felt) {
+TEST_F(Live, AStiffnessThatTheHandCannotHoldIsNamedBeforeItIsFelt) {
     write("stiff.toml", "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n");
     const Outcome outcome = expect_success(live("stiff.toml", {"--fast", "--duration", "0.1 s", "--json"}));
     EXPECT_NE(outcome.error.find("this loop is unstable"), std::string::npos) << outcome.error;
@@ -135,7 +135,7 @@ TEST_F(Live, a_stiffness_that_the_hand_cannot_hold_is_named_before_it_is_felt) {
               std::string::npos);
 }
 
-TEST_F(Live, quiet_says_nothing_and_the_report_goes_where_it_is_told) {
+TEST_F(Live, QuietSaysNothingAndTheReportGoesWhereItIsTold) {
     const Outcome outcome =
         expect_success(live("bump.toml", {"--fast", "--duration", "0.5 s", "--report", "said", "--quiet"}));
     EXPECT_EQ(outcome.out, "");

@@ -45,7 +45,7 @@ protected:
     std::string address;
 };
 
-TEST_F(LiveView, shows_the_force_over_time_and_place_and_how_the_run_ended) {
+TEST_F(LiveView, ShowsTheForceOverTimeAndPlaceAndHowTheRunEnded) {
     Browser browser;
     const auto process = viewed("bump.toml", {"--duration", "6 s"});
     browser.open_address(address);
@@ -85,7 +85,7 @@ TEST_F(LiveView, shows_the_force_over_time_and_place_and_how_the_run_ended) {
     EXPECT_EQ(browser.complaints(), std::vector<std::string>{});
 }
 
-TEST_F(LiveView, who_looks_and_goes_does_not_change_the_run) {
+TEST_F(LiveView, WhoLooksAndGoesDoesNotChangeTheRun) {
     Browser first, second;
     const auto process = viewed("hand.toml", {"--duration", "5 s"});
     first.open_address(address);
@@ -98,7 +98,7 @@ TEST_F(LiveView, who_looks_and_goes_does_not_change_the_run) {
 }
 
 // At 10 kHz a part of the samples is shown; a force of one sample is among them.
-TEST_F(LiveView, thins_out_a_fast_loop_and_keeps_its_peaks) {
+TEST_F(LiveView, ThinsOutAFastLoopAndKeepsItsPeaks) {
     constexpr int kRows = 60'000, kPeak = 43'217;
     std::string table = "path,t,x,y,z\n";
     for (int i = 0; i < kRows; ++i)
@@ -117,7 +117,7 @@ TEST_F(LiveView, thins_out_a_fast_loop_and_keeps_its_peaks) {
     EXPECT_EQ(number(browser, "points.filter((point) => point.law.size > 1.2).length"), 1);
 }
 
-TEST_F(LiveView, says_why_there_is_no_force) {
+TEST_F(LiveView, SaysWhyThereIsNoForce) {
     Browser browser;
     const auto process = viewed("plane.toml", {"--device", "sim:1@0 s..1 s", "--dead-man", "1", "--duration", "60 s"});
     browser.open_address(address);
@@ -128,7 +128,7 @@ TEST_F(LiveView, says_why_there_is_no_force) {
     EXPECT_EQ(process->wait().code, 130);
 }
 
-TEST_F(LiveView, tells_that_the_program_was_killed) {
+TEST_F(LiveView, TellsThatTheProgramWasKilled) {
     Browser browser;
     const auto process = viewed("plane.toml", {});
     browser.open_address(address);

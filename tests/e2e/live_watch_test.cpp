@@ -24,7 +24,7 @@ protected:
     }
 };
 
-TEST_F(LiveWatch, a_change_is_a_new_path_that_its_kept_scene_replays) {
+TEST_F(LiveWatch, AChangeIsANewPathThatItsKeptSceneReplays) {
     save("[force]\nstiffness = \"1 N/mm\"\n");
     Process process(felt({"--watch", "--log", "log.csv"}));
     ASSERT_TRUE(await(process, [&] { return is_pushing(); }));
@@ -74,7 +74,7 @@ TEST_F(LiveWatch, a_change_is_a_new_path_that_its_kept_scene_replays) {
 }
 
 // A wall that is suddenly ten times as stiff, or elsewhere, does not hit the hand.
-TEST_F(LiveWatch, the_force_of_a_change_comes_up_as_after_the_start) {
+TEST_F(LiveWatch, TheForceOfAChangeComesUpAsAfterTheStart) {
     Process process(felt({"--watch", "--max-force", "5 N", "--quiet", "--unstable"}));
     ASSERT_TRUE(await(process, [&] { return is_pushing(); }));
     write("plane.toml", "[force]\nstiffness = \"10 N/mm\"\n");
@@ -94,7 +94,7 @@ TEST_F(LiveWatch, the_force_of_a_change_comes_up_as_after_the_start) {
 }
 
 // The terminal or pipe that takes our words may stop taking them (Ctrl-S).
-TEST_F(LiveWatch, words_that_nobody_takes_do_not_keep_a_force_up) {
+TEST_F(LiveWatch, WordsThatNobodyTakesDoNotKeepAForceUp) {
     ::mkfifo(path("words").c_str(), 0600);
     const int words = ::open(path("words").c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
     std::string some(4096, '.');
@@ -118,7 +118,7 @@ TEST_F(LiveWatch, words_that_nobody_takes_do_not_keep_a_force_up) {
     ::close(words);
 }
 
-TEST_F(LiveWatch, without_it_the_file_is_let_be) {
+TEST_F(LiveWatch, WithoutItTheFileIsLetBe) {
     Launch launch = felt({"--duration", "1 s"});
     Process process(launch);
     ASSERT_TRUE(await(process, [&] { return is_pushing(); }));

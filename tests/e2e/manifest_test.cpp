@@ -38,7 +38,7 @@ protected:
     json manifest_;
 };
 
-TEST_F(Account, names_program_device_driver_and_processor) {
+TEST_F(Account, NamesProgramDeviceDriverAndProcessor) {
     const std::string version = expect_success({"--version"}).out;
     EXPECT_EQ("forceshade " + manifest_["program"].get<std::string>() + "\n", version);
     const json run = manifest_["last_run"];
@@ -52,7 +52,7 @@ TEST_F(Account, names_program_device_driver_and_processor) {
         EXPECT_GT(run[key], 0) << key;
 }
 
-TEST_F(Account, tells_of_each_case_what_made_it_and_what_it_cost) {
+TEST_F(Account, TellsOfEachCaseWhatMadeItAndWhatItCost) {
     ASSERT_EQ(manifest_["cases"].size(), 51u);
     std::set<std::string> names, fingerprints;
     for (const json& one : manifest_["cases"]) {
@@ -74,7 +74,7 @@ TEST_F(Account, tells_of_each_case_what_made_it_and_what_it_cost) {
     EXPECT_EQ(fingerprints.size(), 51u);
 }
 
-TEST_F(Account, gives_the_hash_and_size_of_every_file) {
+TEST_F(Account, GivesTheHashAndSizeOfEveryFile) {
     expect_success({"sweep", "paper.toml", "--out", "out", "--only", "*facets-2*", "--also", "npy,png,vti", "--quiet",
                     "--engine", "gpu"});
     const json manifest = read_json("out/manifest.json");
@@ -94,7 +94,7 @@ TEST_F(Account, gives_the_hash_and_size_of_every_file) {
     EXPECT_EQ(listed.size(), 51u + 6 * 5);
 }
 
-TEST_F(Account, gives_the_largest_force_and_where_it_is) {
+TEST_F(Account, GivesTheLargestForceAndWhereItIs) {
     for (const json& one : manifest_["cases"]) {
         const ReadVolume volume = read_exr(path("out") / one["files"][0]["name"].get<std::string>());
         const auto& channels = volume.parts.at("force").channels;
@@ -110,7 +110,7 @@ TEST_F(Account, gives_the_largest_force_and_where_it_is) {
     }
 }
 
-TEST_F(Account, has_a_summary_with_a_row_a_case) {
+TEST_F(Account, HasASummaryWithARowACase) {
     const auto rows = summary_cells(read_text(path("out/summary.csv")));
     ASSERT_EQ(rows.size(), 52u);
     const auto column = [&](const std::string& name) {
@@ -131,7 +131,7 @@ TEST_F(Account, has_a_summary_with_a_row_a_case) {
         EXPECT_EQ(cell.find("seconds"), std::string::npos) << "timings would differ from run to run";
 }
 
-TEST_F(Account, says_that_the_cpu_computed) {
+TEST_F(Account, SaysThatTheCpuComputed) {
     expect_success({"sweep", "paper.toml", "--out", "cpu", "--only", "*facets-2*", "--engine", "cpu", "--precision",
                     "f64", "--quiet"});
     const json manifest = read_json("cpu/manifest.json");

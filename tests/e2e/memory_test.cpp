@@ -41,23 +41,23 @@ protected:
     }
 };
 
-TEST_F(Memory, of_a_large_field_is_below_2_gib) {
+TEST_F(Memory, OfALargeFieldIsBelow2Gib) {
     EXPECT_LT(peak_of_large_field("[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n"), 2048 * kMebibyte);
 }
 
-TEST_F(Memory, of_a_large_field_that_depends_on_y_is_below_2_gib) {
+TEST_F(Memory, OfALargeFieldThatDependsOnYIsBelow2Gib) {
     EXPECT_LT(peak_of_large_field("[texture]\nstiffness = \"0.1 N/mm\"\nfunction = \"gaussian\"\nradius = \"5 mm\"\n"
                                   "[output]\ncompression = \"none\"\n"),
               2048 * kMebibyte);
 }
 
-TEST_F(Memory, does_not_grow_with_the_number_of_cases) {
+TEST_F(Memory, DoesNotGrowWithTheNumberOfCases) {
     const std::uint64_t few = peak_of_sweep(8), many = peak_of_sweep(24);
     EXPECT_LT(double(many), 1.15 * double(few) + 8 * kMebibyte)
         << few / kMebibyte << " MiB for 8 cases, " << many / kMebibyte << " MiB for 24";
 }
 
-TEST_F(Memory, does_not_grow_with_the_number_of_height_maps) {
+TEST_F(Memory, DoesNotGrowWithTheNumberOfHeightMaps) {
     constexpr int kSide = 1000; // 8 MB in double precision
     const auto peak = [&](int maps) {
         std::string files;
@@ -80,7 +80,7 @@ TEST_F(Memory, does_not_grow_with_the_number_of_height_maps) {
 }
 
 // A path of ten times the steps takes no more memory, where no row of an image needs them all.
-TEST_F(Memory, does_not_grow_with_the_steps_of_a_path) {
+TEST_F(Memory, DoesNotGrowWithTheStepsOfAPath) {
     constexpr int kFew = 70000, kMany = 700000;
     for (const int steps : {kFew, kMany}) {
         const std::string name = std::to_string(steps), scene = "[surface]\nfacets = 3\n[paths]\n";

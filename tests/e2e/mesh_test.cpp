@@ -41,7 +41,7 @@ protected:
 };
 
 // A cube of 2 cm, K = 1000 N/m: the force is K times the way out through the nearest face.
-TEST_F(MeshField, of_a_cube_is_the_closed_form) {
+TEST_F(MeshField, OfACubeIsTheClosedForm) {
     expect_success({"field", "cube.toml", "--out", "cube.exr"});
     const ReadVolume volume = read_exr(path("cube.exr"));
     EXPECT_EQ(volume.grid, (std::array<int, 3>{22, 22, 22}));
@@ -66,7 +66,7 @@ TEST_F(MeshField, of_a_cube_is_the_closed_form) {
     EXPECT_EQ(inside, 20u * 20 * 20);
 }
 
-TEST_F(MeshField, is_the_same_on_both_engines_and_from_run_to_run) {
+TEST_F(MeshField, IsTheSameOnBothEnginesAndFromRunToRun) {
     expect_success({"field", "cube.toml", "--out", "gpu.exr", "--also", "npy"});
     expect_success({"field", "cube.toml", "--out", "cpu.exr", "--also", "npy", "--engine", "cpu"});
     expect_success({"field", "cube.toml", "--out", "again.exr"});
@@ -77,7 +77,7 @@ TEST_F(MeshField, is_the_same_on_both_engines_and_from_run_to_run) {
             << channel;
 }
 
-TEST_F(MeshField, is_validated) {
+TEST_F(MeshField, IsValidated) {
     for (const char* extra : {"", "inside = \"winding\"\n", "normals = \"angle\"\n[force]\nshading = \"mean_value\"\n",
                               "[texture]\neffect = \"normal\"\n[force]\nshading = \"two_pass\"\n",
                               "[texture]\nfunction = \"gaussian\"\n[force]\nshading = \"morgenbesser\"\n"}) {
@@ -87,7 +87,7 @@ TEST_F(MeshField, is_validated) {
     }
 }
 
-TEST_F(MeshField, sweeps_and_tells_what_was_evaluated) {
+TEST_F(MeshField, SweepsAndTellsWhatWasEvaluated) {
     write("study.toml",
           scene("cube.off", "[force]\nshading = [\"none\", \"morgenbesser\"]\n[grid]\nsize = [64, 64, 64]\n"
                             "origin = [\"-4 cm\", \"-4 cm\", \"-4 cm\"]\nspacing = \"1.3 mm\"\n"));
@@ -115,7 +115,7 @@ TEST_F(MeshField, sweeps_and_tells_what_was_evaluated) {
     EXPECT_NE(other.error.find("2 computed"), std::string::npos) << other.error;
 }
 
-TEST_F(MeshField, warns_of_findings_and_refuses_what_has_no_meaning) {
+TEST_F(MeshField, WarnsOfFindingsAndRefusesWhatHasNoMeaning) {
     std::string open = kCube;
     open.replace(open.find("8 6 0"), 5, "8 5 0");
     open.resize(open.find("4 3 0 4 7"));
@@ -158,7 +158,7 @@ bool has(const std::string& text, const std::string& words) {
     return text.find(words) != std::string::npos;
 }
 
-TEST_F(MeshCommand, tells_size_and_kind_of_a_good_mesh) {
+TEST_F(MeshCommand, TellsSizeAndKindOfAGoodMesh) {
     write("a.obj", kTetrahedron);
     const Outcome outcome = expect_success({"mesh", "a.obj"});
     EXPECT_TRUE(has(outcome.out, "4 triangles; 1 x 2 x 3 file units")) << outcome.out;
@@ -167,7 +167,7 @@ TEST_F(MeshCommand, tells_size_and_kind_of_a_good_mesh) {
     EXPECT_EQ(expect_success({"mesh", "a.obj", "--quiet"}).error, "");
 }
 
-TEST_F(MeshCommand, tells_sizes_in_metres_if_the_unit_is_given) {
+TEST_F(MeshCommand, TellsSizesInMetresIfTheUnitIsGiven) {
     write("a.obj", kTetrahedron);
     EXPECT_TRUE(has(expect_success({"mesh", "a.obj", "--unit", "mm"}).out, "0.001 x 0.002 x 0.003 m"));
     const json mesh = described({"a.obj", "--unit", "in"});
@@ -178,7 +178,7 @@ TEST_F(MeshCommand, tells_sizes_in_metres_if_the_unit_is_given) {
     expect_failure(2, {"mesh", "a.obj", "--unit", "banana"}, {"banana"});
 }
 
-TEST_F(MeshCommand, warns_of_what_is_skipped) {
+TEST_F(MeshCommand, WarnsOfWhatIsSkipped) {
     write("lines.obj", std::string(kTetrahedron) + "f 1 2\nl 1 2 3\nf 3 4\n");
     EXPECT_EQ(described({"lines.obj"})["warnings"], json({"2 faces of two corners: skipped (the first in line 9)",
                                                           "1 line element (l): skipped (in line 10)"}));
@@ -188,7 +188,7 @@ TEST_F(MeshCommand, warns_of_what_is_skipped) {
                     "warning: lines.obj: 2 faces of two corners: skipped (the first in line 9)"));
 }
 
-TEST_F(MeshCommand, writes_the_keys_that_help_and_tries_them) {
+TEST_F(MeshCommand, WritesTheKeysThatHelpAndTriesThem) {
     std::string turned = kTetrahedron;
     turned.replace(turned.find("f 1 3 2"), 7, "f 1 2 3");
     write("turned.obj", turned);
@@ -205,7 +205,7 @@ TEST_F(MeshCommand, writes_the_keys_that_help_and_tries_them) {
     EXPECT_TRUE(has(crack, "then     closed, 1 piece; nothing is wrong")) << crack;
 }
 
-TEST_F(MeshCommand, lists_pieces) {
+TEST_F(MeshCommand, ListsPieces) {
     // A tetrahedron of volume 1, one of 1/8 that is a cavity of it, and one apart that is inside out.
     write("three.obj",
           "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nv 0.1 0.2 0.3\nv 0.6 0.2 0.3\nv 0.1 1.2 0.3\nv 0.1 0.2 1.8\n"
@@ -222,7 +222,7 @@ TEST_F(MeshCommand, lists_pieces) {
                     "pieces   1: 4 facets, 1 file units^3, outward; 2: 4 facets, -0.125 file units^3, cavity; 3: "));
 }
 
-TEST_F(MeshCommand, draws_the_mesh) {
+TEST_F(MeshCommand, DrawsTheMesh) {
     write("a.obj", kTetrahedron);
     expect_success({"mesh", "a.obj", "--also", "png,svg", "--size", "700"});
     EXPECT_GT(std::filesystem::file_size(path("a.mesh.png")), 5000u);
@@ -234,7 +234,7 @@ TEST_F(MeshCommand, draws_the_mesh) {
     expect_failure(2, {"mesh", "a.obj", "--out", "b"}, {"--also"});
 }
 
-TEST_F(MeshCommand, refuses_what_has_no_meaning_or_cannot_be_read) {
+TEST_F(MeshCommand, RefusesWhatHasNoMeaningOrCannotBeRead) {
     write("line.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
     expect_failure(2, {"mesh", "line.obj"}, {"line.obj", "has an area"});
     write("a.ply", kTetrahedron);

@@ -15,7 +15,7 @@
 namespace forceshade::testing {
 namespace {
 
-TEST_F(Paths, become_an_exr_and_a_table) {
+TEST_F(Paths, BecomeAnExrAndATable) {
     const Outcome outcome = expect_success(explore("open.toml", "a.exr", {"--also", "npy,png"}));
     EXPECT_EQ(outcome.out, "");
     for (const char* word : {"a.exr: 20 paths of 100 steps", "million steps/s", "0 unstable", "0 differ"})
@@ -42,7 +42,7 @@ TEST_F(Paths, become_an_exr_and_a_table) {
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
-TEST_F(Paths, are_the_same_on_a_gpu) {
+TEST_F(Paths, AreTheSameOnAGpu) {
     write("roof.obj", "v -1 -1 0\nv 0 -1 1\nv 1 -1 0\nv -1 1 0\nv 0 1 1\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n");
     write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"cm\"\n[paths]\ncount = 7\n"
                        "steps = 300\ndepth = \"2 mm\"\nspeed = { mean = \"100 mm/s\", sd = \"5 mm/s\" }\n");
@@ -55,7 +55,7 @@ TEST_F(Paths, are_the_same_on_a_gpu) {
         }
 }
 
-TEST_F(Paths, of_metrics_alone_take_no_memory_for_steps) {
+TEST_F(Paths, OfMetricsAloneTakeNoMemoryForSteps) {
     expect_success(explore("open.toml", "a.exr"));
     const std::string table = read_text(path("a.paths.csv"));
     std::filesystem::remove(path("a.exr"));
@@ -69,7 +69,7 @@ TEST_F(Paths, of_metrics_alone_take_no_memory_for_steps) {
     expect_failure(2, explore("open.toml", "a.exr", {"--metrics-only", "--also", "npy"}), {"--metrics-only"});
 }
 
-TEST_F(Paths, leave_nothing_where_they_cannot_be_written) {
+TEST_F(Paths, LeaveNothingWhereTheyCannotBeWritten) {
     const Tree before = tree_of(folder_.path());
     expect_failure(4, explore("open.toml", "nosuch/a.exr"), {"nosuch"});
     expect_failure(2, explore("open.toml", "a.png"), {".exr", ".csv"});
@@ -84,7 +84,7 @@ TEST_F(Paths, leave_nothing_where_they_cannot_be_written) {
     EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
 }
 
-TEST_F(Paths, leave_nothing_where_nobody_may_write) {
+TEST_F(Paths, LeaveNothingWhereNobodyMayWrite) {
     write("in.csv", "path,t,x,y,z\n0,0,0,0,0.003\n0,1,0,0,0.003\n");
     std::filesystem::create_directory(path("theirs"));
     std::filesystem::permissions(path("theirs"), std::filesystem::perms(0555));
@@ -100,7 +100,7 @@ TEST_F(Paths, leave_nothing_where_nobody_may_write) {
         }
 }
 
-TEST_F(Paths, leave_nothing_when_interrupted) {
+TEST_F(Paths, LeaveNothingWhenInterrupted) {
     write("long.toml", scene("count = 200000\nsteps = 2000\n"));
     const std::vector<std::string> before = names();
     const std::vector<std::pair<const char*, std::vector<std::string>>> ways{
@@ -117,7 +117,7 @@ TEST_F(Paths, leave_nothing_when_interrupted) {
     }
 }
 
-TEST_F(Paths, recorded_in_a_file_are_felt_alike_however_they_are_taken) {
+TEST_F(Paths, RecordedInAFileAreFeltAlikeHoweverTheyAreTaken) {
     std::string rows = "path,t,x,y,z\n";
     for (int i = 0; i < 200; ++i)
         for (const int p : {30, 10, 20})
@@ -149,7 +149,7 @@ TEST_F(Paths, recorded_in_a_file_are_felt_alike_however_they_are_taken) {
     EXPECT_EQ(table[1].at("steps"), "50");
 }
 
-TEST_F(Paths, recorded_at_times_of_their_own_are_in_contact_as_long_as_those_say) {
+TEST_F(Paths, RecordedAtTimesOfTheirOwnAreInContactAsLongAsThoseSay) {
     // In contact at x = 0 and z = 0.003, away at z = 0.1. A sample counts until the next, the last as the one before.
     write("in.csv", "path,t,x,y,z\n7,100,0,0,0.003\n7,100.5,0,0,0.1\n7,102,0,0,0.003\n7,102.25,0,0,0.003\n"
                     "8,3,0,0,0.003\n9,0,0,0,0.1\n9,10,0,0,0.003\n");
@@ -172,7 +172,7 @@ TEST_F(Paths, recorded_at_times_of_their_own_are_in_contact_as_long_as_those_say
         }
 }
 
-TEST_F(Paths, recorded_that_leave_their_bound_say_at_which_of_their_times) {
+TEST_F(Paths, RecordedThatLeaveTheirBoundSayAtWhichOfTheirTimes) {
     std::string rows = "path,t,x,y,z\n";
     for (int p = 0; p < 3; ++p)
         for (int i = 0; i < 2000; ++i) // a clock's times
@@ -201,7 +201,7 @@ TEST_F(Paths, recorded_that_leave_their_bound_say_at_which_of_their_times) {
     expect_failure(2, explore("wild.toml", "a.csv"), {"in.csv:1002:1: t: ", "paths.rate", "resample"});
 }
 
-TEST_F(Paths, stand_in_sweeps_beside_fields_or_alone) {
+TEST_F(Paths, StandInSweepsBesideFieldsOrAlone) {
     write("study.toml",
           "[surface]\nfacets = [1, 3]\n[force]\nshading = \"reference\"\n[paths]\ncount = 5\nsteps = 40\n");
     expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu", "--also", "png,vtp"});
@@ -245,7 +245,7 @@ TEST_F(Paths, stand_in_sweeps_beside_fields_or_alone) {
     expect_failure(2, {"field", "open.toml", "--out", "f.exr", "--engine", "cpu"}, {"[paths]", "[grid]", "explore"});
 }
 
-TEST_F(Paths, recorded_in_a_file_stand_in_sweeps_under_its_digest) {
+TEST_F(Paths, RecordedInAFileStandInSweepsUnderItsDigest) {
     write("in.csv", "path,t,x,y,z\n0,0,0,0,0.003\n0,1,0.001,0,0.003\n");
     write("study.toml", "[surface]\nfacets = [1, 3]\n[paths]\nkind = \"recorded\"\nfile = \"in.csv\"\n");
     const auto sweep = [&] { return expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu"}).error; };
@@ -259,7 +259,7 @@ TEST_F(Paths, recorded_in_a_file_stand_in_sweeps_under_its_digest) {
     expect_failure(4, {"sweep", "s/study.toml", "--out", "t", "--engine", "cpu"}, {"in.csv"}); // it is not beside that
 }
 
-TEST_F(Paths, of_a_study_are_shared_out_among_shards) {
+TEST_F(Paths, OfAStudyAreSharedOutAmongShards) {
     write("study.toml", "[surface]\nfacets = [1, 2, 3]\n[paths]\ncount = 5\nsteps = 40\n");
     expect_success({"sweep", "study.toml", "--out", "all", "--engine", "cpu"});
     for (const char* shard : {"2/2", "1/2"})
@@ -268,7 +268,7 @@ TEST_F(Paths, of_a_study_are_shared_out_among_shards) {
     EXPECT_EQ(differences(results_in(path("all")), results_in(path("shards"))), std::set<std::string>{});
 }
 
-TEST_F(Paths, are_validated) {
+TEST_F(Paths, AreValidated) {
     const Outcome outcome = expect_success({"validate", "closed.toml"});
     EXPECT_EQ(last_line(outcome.out), fmt::format("{} samples, 0 differ", 2 * 6 * 300));
     EXPECT_EQ(outcome.out.find("voxels"), std::string::npos) << outcome.out;

@@ -50,7 +50,7 @@ protected:
     }
 };
 
-TEST_F(Reading, with_numpy_gives_the_arrays_beside_it) {
+TEST_F(Reading, WithNumpyGivesTheArraysBesideIt) {
     write("read.py", kPython);
     const Outcome outcome = tool("python3", {"read.py"});
     EXPECT_EQ(outcome.out, "good\n") << outcome.error << "packages python3-numpy and python3-openimageio";
@@ -67,7 +67,7 @@ std::pair<unsigned, unsigned> size_of_png(const std::string& bytes) {
     return {number(16), number(20)};
 }
 
-TEST_F(Reading, finds_pictures_as_they_were_asked_for) {
+TEST_F(Reading, FindsPicturesAsTheyWereAskedFor) {
     expect_success({"field", "scene.toml", "--out", "a.exr", "--also", "png,svg,pdf", "--title", "A title", "--size",
                     "800x600", "--quantity", "turn", "--slice", "x", "--quiet"});
     for (const std::string kind : {"arrows", "mosaic", "shading"}) {
@@ -82,7 +82,7 @@ TEST_F(Reading, finds_pictures_as_they_were_asked_for) {
     EXPECT_FALSE(std::filesystem::exists(path("b.arrows.svg")));
 }
 
-TEST_F(Reading, with_openexrs_tools_finds_nothing_wrong) {
+TEST_F(Reading, WithOpenexrsToolsFindsNothingWrong) {
     EXPECT_EQ(tool("exrheader", {"field.exr"}).code, 0) << "package openexr";
     // exrinfo 3.1.5 returns a number that it never set: what it prints decides.
     const Outcome info = tool("exrinfo", {"-v", "field.exr"});
@@ -93,7 +93,7 @@ TEST_F(Reading, with_openexrs_tools_finds_nothing_wrong) {
     }
 }
 
-TEST_F(Reading, finds_grid_attributes_and_a_scene_that_gives_the_same_volume) {
+TEST_F(Reading, FindsGridAttributesAndASceneThatGivesTheSameVolume) {
     const ReadVolume volume = read_exr(path("field.exr"));
     EXPECT_EQ(volume.grid, (std::array{16, 4, 8}));
     EXPECT_EQ(volume.origin, (std::array{-14e-3, -1e-3, -4e-3}));
@@ -106,7 +106,7 @@ TEST_F(Reading, finds_grid_attributes_and_a_scene_that_gives_the_same_volume) {
         EXPECT_EQ(volume.parts.at(part).types.begin()->second, type) << part;
 }
 
-TEST_F(Reading, finds_row_z_times_ny_plus_y) {
+TEST_F(Reading, FindsRowZTimesNyPlusY) {
     // A texture makes the field depend on y: each voxel alone must be what it is in the whole.
     const std::string law = "[texture]\nstiffness = \"0.5 N/mm\"\nfunction = \"gaussian\"\nradius = \"3 mm\"\n";
     write("whole.toml", law + "[grid]\nsize = [5, 4, 3]\norigin = [\"-3 mm\", \"-2 mm\", \"-1 mm\"]\n"
@@ -125,7 +125,7 @@ TEST_F(Reading, finds_row_z_times_ny_plus_y) {
     }
 }
 
-TEST_F(Reading, finds_no_path_of_the_machine) {
+TEST_F(Reading, FindsNoPathOfTheMachine) {
     const std::string place = path("secret place").string();
     std::filesystem::create_directory(place);
     write_png(path("secret place/map.png"), 2, {{0, 255}, {255, 0}});

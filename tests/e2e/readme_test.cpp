@@ -58,12 +58,12 @@ protected:
     std::vector<Block> blocks_;
 };
 
-TEST_P(Readme, every_block_says_its_language) {
+TEST_P(Readme, EveryBlockSaysItsLanguage) {
     for (const Block& block : blocks_)
         EXPECT_NE(block.language, "") << "line " << block.line << ": say what it is";
 }
 
-TEST_P(Readme, scenes_and_studies_are_accepted_and_run) {
+TEST_P(Readme, ScenesAndStudiesAreAcceptedAndRun) {
     for (const Block& block : blocks_) {
         if (block.language != "toml")
             continue;
@@ -75,7 +75,7 @@ TEST_P(Readme, scenes_and_studies_are_accepted_and_run) {
     }
 }
 
-TEST_P(Readme, commands_and_scripts_work) {
+TEST_P(Readme, CommandsAndScriptsWork) {
     for (const Block& block : blocks_) {
         if (block.language != "sh" && block.language != "python")
             continue;
@@ -86,7 +86,7 @@ TEST_P(Readme, commands_and_scripts_work) {
     }
 }
 
-TEST_P(Readme, links_lead_somewhere) {
+TEST_P(Readme, LinksLeadSomewhere) {
     const std::string text = read_text(page());
     const std::regex link("\\]\\(([^):#]+)\\)");
     for (auto found = std::sregex_iterator(text.begin(), text.end(), link); found != std::sregex_iterator(); ++found)

@@ -58,7 +58,7 @@ protected:
     }
 };
 
-TEST_F(Shards, at_once_in_one_folder_merge_into_what_one_process_makes) {
+TEST_F(Shards, AtOnceInOneFolderMergeIntoWhatOneProcessMakes) {
     const Tree expected = whole();
     const std::vector<int> computed = run_together(
         {part("out", {"--shard", "1/3"}), part("out", {"--shard", "2/3"}), part("out", {"--shard", "3/3"})});
@@ -69,7 +69,7 @@ TEST_F(Shards, at_once_in_one_folder_merge_into_what_one_process_makes) {
     expect_whole("out", expected);
 }
 
-TEST_F(Shards, that_are_missing_are_named_by_a_merge) {
+TEST_F(Shards, ThatAreMissingAreNamedByAMerge) {
     const Tree expected = whole();
     for (int i = 4; i >= 1; --i) {
         EXPECT_EQ(run_together({part("out", {"--shard", fmt::format("{}/4", i)})}).front(), i == 4 ? 12 : 13);
@@ -86,7 +86,7 @@ TEST_F(Shards, that_are_missing_are_named_by_a_merge) {
     expect_whole("out", expected);
 }
 
-TEST_F(Shards, are_not_merged_by_the_wrong_words) {
+TEST_F(Shards, AreNotMergedByTheWrongWords) {
     run_together({part("out", {"--shard", "1/51"})});
     expect_failure(2, {"sweep", "paper.toml", "--out", "out", "--merge", "--shard", "1/2"}, {"--merge", "--shard"});
     expect_failure(2, {"sweep", "paper.toml", "--out", "out", "--verify"}, {"--verify", "--merge"});
@@ -96,7 +96,7 @@ TEST_F(Shards, are_not_merged_by_the_wrong_words) {
 }
 
 // Whatever the flags, the merge tells why the same command would not help.
-TEST_F(Shards, of_other_flags_or_counts_are_told_apart_by_a_merge) {
+TEST_F(Shards, OfOtherFlagsOrCountsAreToldApartByAMerge) {
     run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2", "--precision", "f64"})});
     const json merged = json::parse(merge("out", 1).out);
     EXPECT_EQ(merged["of_other_scenes_or_programs"], 25);
@@ -106,14 +106,14 @@ TEST_F(Shards, of_other_flags_or_counts_are_told_apart_by_a_merge) {
 }
 
 // What a GPU computed on one machine is not computed anew on one without.
-TEST_F(Shards, of_any_engine_count) {
+TEST_F(Shards, OfAnyEngineCount) {
     run_together(
         {part("out", {"--shard", "1/2", "--engine", "gpu"}), part("out", {"--shard", "2/2", "--engine", "cpu"})});
     EXPECT_EQ(run_together({part("out")}).front(), 0);
     EXPECT_EQ(run_together({part("out", {"--engine", "gpu"})}).front(), 25);
 }
 
-TEST_F(Shards, whose_files_are_damaged_are_found_by_a_merge_that_verifies) {
+TEST_F(Shards, WhoseFilesAreDamagedAreFoundByAMergeThatVerifies) {
     run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2"})});
     const std::string volume = "out/cylinder_bump_radius-600mil.exr";
     std::string bytes = read_text(path(volume));
@@ -127,7 +127,7 @@ TEST_F(Shards, whose_files_are_damaged_are_found_by_a_merge_that_verifies) {
     EXPECT_EQ(json::parse(merge("out", 1).out)["missing"].size(), 1u);
 }
 
-TEST_F(Shards, tell_how_they_stand) {
+TEST_F(Shards, TellHowTheyStand) {
     expect_failure(4, {"sweep", "--status", "out"}, {"no such folder"});
     std::filesystem::create_directory(path("out"));
     expect_failure(2, {"sweep", "--status", "out"}, {"no shard"});
@@ -143,7 +143,7 @@ TEST_F(Shards, tell_how_they_stand) {
 }
 
 // A mesh that is not there fails its cases alone, and the merge says why.
-TEST_F(Shards, that_fail_leave_their_reason) {
+TEST_F(Shards, ThatFailLeaveTheirReason) {
     write("meshes.toml", "[surface]\nkind = \"mesh\"\nfile = [\"b.obj\", \"c.obj\", \"a.obj\"]\n[grid]\nsamples = 8\n");
     write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
     const auto expect_merge = [this](const std::vector<std::string>& words) {
@@ -169,7 +169,7 @@ Launch in_array(Launch launch, const std::string& id, const std::string& count, 
     return launch;
 }
 
-TEST_F(Shards, come_from_slurms_array_variables) {
+TEST_F(Shards, ComeFromSlurmsArrayVariables) {
     const Tree expected = whole();
     std::vector<Launch> tasks;
     for (const char* task : {"0", "1", "2"})
@@ -183,7 +183,7 @@ TEST_F(Shards, come_from_slurms_array_variables) {
 }
 
 // srun -n4, alone and within an array of two.
-TEST_F(Shards, are_the_tasks_of_an_srun) {
+TEST_F(Shards, AreTheTasksOfAnSrun) {
     const auto in_step = [](Launch launch, int rank, int count) {
         launch.environment.insert(
             {{"SLURM_PROCID", std::to_string(rank)}, {"SLURM_STEP_NUM_TASKS", std::to_string(count)}});
@@ -202,7 +202,7 @@ TEST_F(Shards, are_the_tasks_of_an_srun) {
 
 // A task that cannot tell its part must not take all of them: n tasks would do the work n times; nor another's, as
 // when some tasks of an array are submitted again.
-TEST_F(Shards, from_slurms_variables_that_leave_the_part_open_are_refused) {
+TEST_F(Shards, FromSlurmsVariablesThatLeaveThePartOpenAreRefused) {
     using Array = std::array<std::string, 4>;
     for (const auto& [id, count, first, last] :
          {Array{"x", "3", "1", "3"}, Array{"1", "none", "1", "3"}, Array{"7", "3", "1", "3"},
@@ -213,7 +213,7 @@ TEST_F(Shards, from_slurms_variables_that_leave_the_part_open_are_refused) {
 }
 
 // Jobs inherit the variables of those that submit them, and each task may be meant to do a study of its own.
-TEST_F(Shards, are_not_taken_unasked) {
+TEST_F(Shards, AreNotTakenUnasked) {
     expect_failure(2, in_array(part("out"), "2", "3", "1", "3"), {"array", "--shard slurm", "--shard 1/1"});
     Launch step = part("out");
     step.environment.insert({{"SLURM_PROCID", "0"}, {"SLURM_STEP_NUM_TASKS", "2"}});
@@ -223,19 +223,19 @@ TEST_F(Shards, are_not_taken_unasked) {
     EXPECT_EQ(run_together({step}).front(), 51);
 }
 
-TEST_F(Shards, beyond_the_number_of_cases_have_nothing_to_do) {
+TEST_F(Shards, BeyondTheNumberOfCasesHaveNothingToDo) {
     EXPECT_EQ(run_together({part("out", {"--shard", "51/60"})}).front(), 1);
     EXPECT_EQ(run_together({part("out", {"--shard", "60/60"})}).front(), 0);
 }
 
-TEST_F(Shards, that_are_none_are_refused) {
+TEST_F(Shards, ThatAreNoneAreRefused) {
     for (const char* text : {"0/3", "4/3", "1/0", "3", "1/3/5", "a/b", "-1/3", "1/3 ", "1.0/3", "/", "", "1/1000000001",
                              "1/99999999999999999999"})
         expect_failure(2, {"sweep", "paper.toml", "--out", "out", "--shard", text}, {"shard"});
     EXPECT_FALSE(std::filesystem::exists(path("out")));
 }
 
-TEST_F(Shards, are_not_needed_for_two_runs_in_one_folder_to_end_well) {
+TEST_F(Shards, AreNotNeededForTwoRunsInOneFolderToEndWell) {
     const Tree expected = whole();
     for (int repeat = 0; repeat < 3; ++repeat) {
         const std::string out = fmt::format("out{}", repeat);
@@ -246,7 +246,7 @@ TEST_F(Shards, are_not_needed_for_two_runs_in_one_folder_to_end_well) {
 }
 
 // The folder then belongs to whoever came last, but no volume may be a mixture, and each study finishes on its own.
-TEST_F(Shards, of_different_studies_in_one_folder_end_with_the_last_one) {
+TEST_F(Shards, OfDifferentStudiesInOneFolderEndWithTheLastOne) {
     const Tree expected = whole();
     std::string stiffer = small_study();
     stiffer.replace(stiffer.find("\"1 N/mm\""), 8, "\"2 N/mm\"");

@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 class EveryStudy : public Study, public ::testing::WithParamInterface<const char*> {};
 
-TEST_P(EveryStudy, is_whole_and_computes_nothing_again) {
+TEST_P(EveryStudy, IsWholeAndComputesNothingAgain) {
     const std::string name = GetParam(), folder = "out/" + name;
     Launch launch = this->launch({"study", name, "--quick", "--out", "out", "--json"});
     launch.timeout = kStudyPatience;
@@ -28,7 +28,7 @@ TEST_P(EveryStudy, is_whole_and_computes_nothing_again) {
     EXPECT_EQ(differences(before, tree_of(path(folder))), std::set<std::string>{}) << "the same run is there already";
 }
 
-TEST_P(EveryStudy, takes_a_scene) {
+TEST_P(EveryStudy, TakesAScene) {
     const std::string name = GetParam(), folder = "out/" + name;
     write("scene.toml", kOneCase);
     expect_study({"study", name, "scene.toml", "--quick", "--out", "out", "--quiet"});
@@ -54,7 +54,7 @@ protected:
     }
 };
 
-TEST_F(SceneStudy, switches_the_features_of_that_scene) {
+TEST_F(SceneStudy, SwitchesTheFeaturesOfThatScene) {
     expect_study(on_scene("out"));
     expect_whole("out/omission", "omission");
     const Json data = read_json("out/omission/study.json");
@@ -68,7 +68,7 @@ TEST_F(SceneStudy, switches_the_features_of_that_scene) {
     expect_whole("cpu/omission", "omission");
 }
 
-TEST_F(SceneStudy, says_what_it_takes_the_place_of) {
+TEST_F(SceneStudy, SaysWhatItTakesThePlaceOf) {
     expect_study(on_scene("out"));
     const std::vector<std::string> loud{"study", "omission", "scene.toml", "--quick", "--out", "out"};
     EXPECT_EQ(expect_success(loud).error.find("holds a full run"), std::string::npos);
@@ -91,7 +91,7 @@ TEST_F(SceneStudy, says_what_it_takes_the_place_of) {
     expect_failure(2, loud, {"omission holds tables and figures of this study of another scene", "--overwrite"});
 }
 
-TEST_F(SceneStudy, leaves_nothing_half_after_an_interrupt) {
+TEST_F(SceneStudy, LeavesNothingHalfAfterAnInterrupt) {
     Process process(launch(on_scene("out")));
     while (process.running() && !std::filesystem::exists(path("out/omission")))
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -103,7 +103,7 @@ TEST_F(SceneStudy, leaves_nothing_half_after_an_interrupt) {
     expect_whole("out/omission", "omission");
 }
 
-TEST_F(SceneStudy, is_computed_anew_if_a_file_was_changed_or_on_request) {
+TEST_F(SceneStudy, IsComputedAnewIfAFileWasChangedOrOnRequest) {
     expect_study(on_scene("out"));
     const auto seconds = [&] { return read_json("out/omission/study.json")["run"]["seconds"].get<double>(); };
     const double first = seconds();
@@ -121,7 +121,7 @@ TEST_F(SceneStudy, is_computed_anew_if_a_file_was_changed_or_on_request) {
 }
 
 // Times are another run's; what is no time is the same.
-TEST_F(SceneStudy, is_the_same_from_every_run_but_for_times) {
+TEST_F(SceneStudy, IsTheSameFromEveryRunButForTimes) {
     expect_study(on_scene("one"));
     expect_study(on_scene("two"));
     EXPECT_EQ(read_text(path("one/omission/omitted.csv")), read_text(path("two/omission/omitted.csv")));
@@ -136,7 +136,7 @@ TEST_F(SceneStudy, is_the_same_from_every_run_but_for_times) {
 }
 
 // Maps of a scene's curl are named after its features, and those of the program's own studies after theirs.
-TEST_F(SceneStudy, of_another_scene_in_the_same_folder_leaves_nothing_of_the_first) {
+TEST_F(SceneStudy, OfAnotherSceneInTheSameFolderLeavesNothingOfTheFirst) {
     expect_study({"study", "energy", "scene.toml", "--quick", "--out", "out", "--quiet"});
     write("out/energy/mine.csv", "kept");
     const Tree first = tree_of(path("out/energy"));
@@ -155,7 +155,7 @@ TEST_F(SceneStudy, of_another_scene_in_the_same_folder_leaves_nothing_of_the_fir
     expect_failure(4, {"report", "out"}, {"energy/loops.csv", "bytes where"});
 }
 
-TEST_F(SceneStudy, on_a_full_disk_is_an_io_error) {
+TEST_F(SceneStudy, OnAFullDiskIsAnIoError) {
     const SmallDisk disk(path("disk"), "size=64k");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted here";
@@ -170,7 +170,7 @@ TEST_F(SceneStudy, on_a_full_disk_is_an_io_error) {
     expect_whole("disk/out/omission", "omission");
 }
 
-TEST_F(SceneStudy, into_no_folder_is_an_error) {
+TEST_F(SceneStudy, IntoNoFolderIsAnError) {
     expect_failure(2, {"study", "omission"}, {"--out"});
     expect_failure(2, {"study", "omission", "--out", ""}, {"--out is empty"});
     expect_failure(2, {"study", "--out", "out"}, {"needs STUDY"});
@@ -190,7 +190,7 @@ TEST_F(SceneStudy, into_no_folder_is_an_error) {
     std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
 }
 
-TEST_F(SceneStudy, that_is_none_or_on_no_device_leaves_nothing) {
+TEST_F(SceneStudy, ThatIsNoneOrOnNoDeviceLeavesNothing) {
     expect_failure(2, {"study", "omision", "--out", "out"}, {"no study \"omision\"", "did you mean omission?"});
     for (const char* precision : {"f32", "f64"})
         expect_failure(2, {"study", "energy", "scene.toml", "--out", "out", "--precision", precision},
@@ -200,7 +200,7 @@ TEST_F(SceneStudy, that_is_none_or_on_no_device_leaves_nothing) {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"scene.toml"});
 }
 
-TEST_F(SceneStudy, of_a_scene_that_is_wrong_leaves_nothing) {
+TEST_F(SceneStudy, OfASceneThatIsWrongLeavesNothing) {
     write("broken.toml", "[surface]\nfacets = \"two\"\n");
     write("misspelt.toml", "[surface]\nfacetts = 2\n");
     write("axis.toml", "[surface]\nfacets = [2, 3]\n");

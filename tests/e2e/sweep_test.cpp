@@ -44,7 +44,7 @@ void flip_a_bit(const std::filesystem::path& path, std::size_t at) {
     write_text(path, content);
 }
 
-TEST_F(Sweep, of_the_papers_study_has_51_cases_and_the_second_run_changes_no_byte) {
+TEST_F(Sweep, OfThePapersStudyHas51CasesAndTheSecondRunChangesNoByte) {
     write("paper.toml", small_study());
     const json first = sweep({"--also", "npy,vti,vtp,png"}, "paper.toml");
     expect_counts(first, 51, 0);
@@ -58,7 +58,7 @@ TEST_F(Sweep, of_the_papers_study_has_51_cases_and_the_second_run_changes_no_byt
     EXPECT_EQ(differences(before, tree_of(path("out"))), std::set<std::string>{}) << "the manifest included";
 }
 
-TEST_F(Sweep, into_another_folder_and_from_its_own_study_gives_the_same_bytes) {
+TEST_F(Sweep, IntoAnotherFolderAndFromItsOwnStudyGivesTheSameBytes) {
     write("paper.toml", small_study());
     const std::string only = "*1400mil*";
     sweep({"--only", only, "--also", "npy,vti,vtp,png"}, "paper.toml");
@@ -69,7 +69,7 @@ TEST_F(Sweep, into_another_folder_and_from_its_own_study_gives_the_same_bytes) {
     EXPECT_EQ(differences(results_in(path("out")), results_in(path("again"))), std::set<std::string>{});
 }
 
-TEST_F(Sweep, does_a_damaged_or_missing_file_again_and_no_other) {
+TEST_F(Sweep, DoesADamagedOrMissingFileAgainAndNoOther) {
     sweep({"--also", "npy,vti,vtp,png"});
     for (const char* name : {".exr", ".force.npy", ".vti", ".vtp", ".mosaic.png", ".arrows.png"}) {
         expect_repaired(kCase + name, [](const auto& file) { std::filesystem::remove(file); });
@@ -81,7 +81,7 @@ TEST_F(Sweep, does_a_damaged_or_missing_file_again_and_no_other) {
     }
 }
 
-TEST_F(Sweep, survives_damaged_records) {
+TEST_F(Sweep, SurvivesDamagedRecords) {
     sweep({"--also", "npy,vti,vtp,png"});
     const std::string record = "manifest.d/" + kCase + ".json";
     for (const char* text : {"", "{", "null", "[]", "{\"case\": 3}", "\xff\xfe\x00garbage"})
@@ -99,7 +99,7 @@ TEST_F(Sweep, survives_damaged_records) {
     });
 }
 
-TEST_F(Sweep, survives_a_damaged_manifest) {
+TEST_F(Sweep, SurvivesADamagedManifest) {
     sweep();
     const Tree before = results_in(path("out"));
     const json manifest = read_json("out/manifest.json");
@@ -116,7 +116,7 @@ TEST_F(Sweep, survives_a_damaged_manifest) {
     EXPECT_EQ(differences(before, results_in(path("out"))), std::set<std::string>{});
 }
 
-TEST_F(Sweep, does_only_what_is_asked_for) {
+TEST_F(Sweep, DoesOnlyWhatIsAskedFor) {
     expect_counts(sweep({"--only", "*1?00mil"}), 2, 0);
     EXPECT_FALSE(std::filesystem::exists(path("out/bump_radius-600mil.exr")));
     EXPECT_EQ(read_json("out/manifest.json")["complete"], false);
@@ -125,7 +125,7 @@ TEST_F(Sweep, does_only_what_is_asked_for) {
     expect_failure(2, {"sweep", "three.toml", "--out", "out", "--only", "plane*"}, {"plane*", "bump_radius-600mil"});
 }
 
-TEST_F(Sweep, afresh_computes_all_and_changes_no_byte) {
+TEST_F(Sweep, AfreshComputesAllAndChangesNoByte) {
     sweep();
     const Tree before = results_in(path("out"));
     expect_counts(sweep({"--fresh"}), 3, 0);
@@ -133,7 +133,7 @@ TEST_F(Sweep, afresh_computes_all_and_changes_no_byte) {
     expect_counts(sweep({"--fresh", "--only", "*600*"}), 1, 0);
 }
 
-TEST_F(Sweep, adds_formats_that_are_asked_for_later) {
+TEST_F(Sweep, AddsFormatsThatAreAskedForLater) {
     sweep();
     const Tree before = results_in(path("out"));
     expect_counts(sweep({"--also", "npy"}), 3, 0);
@@ -144,7 +144,7 @@ TEST_F(Sweep, adds_formats_that_are_asked_for_later) {
     EXPECT_EQ(differences(after, results_in(path("out"))), std::set<std::string>{});
 }
 
-TEST_F(Sweep, redoes_the_cases_whose_parameters_changed) {
+TEST_F(Sweep, RedoesTheCasesWhoseParametersChanged) {
     sweep();
     const Tree before = results_in(path("out"));
     std::string changed = kThreeCases;
@@ -164,7 +164,7 @@ TEST_F(Sweep, redoes_the_cases_whose_parameters_changed) {
     expect_counts(sweep({"--precision", "f64"}), 3, 0);
 }
 
-TEST_F(Sweep, does_not_take_the_place_of_another_study_unasked) {
+TEST_F(Sweep, DoesNotTakeThePlaceOfAnotherStudyUnasked) {
     sweep();
     const Tree before = tree_of(path("out"));
     write("other.toml", "[surface]\nkind = \"cylinder_bump\"\n[grid]\nsize = [8, 2, 4]\n");
@@ -188,7 +188,7 @@ TEST_F(Sweep, does_not_take_the_place_of_another_study_unasked) {
     EXPECT_EQ(read_json("out/manifest.json")["cases"].size(), 3u);
 }
 
-TEST_F(Sweep, redoes_what_another_device_computed_if_a_device_is_asked_for) {
+TEST_F(Sweep, RedoesWhatAnotherDeviceComputedIfADeviceIsAskedFor) {
     sweep({"--engine", "gpu"});
     const std::string record = "out/manifest.d/" + kCase + ".json";
     json changed = read_json(record);
@@ -199,7 +199,7 @@ TEST_F(Sweep, redoes_what_another_device_computed_if_a_device_is_asked_for) {
     expect_counts(sweep({"--gpu", "llvmpipe"}), 0, 3);
 }
 
-TEST_F(Sweep, tells_its_cases_and_what_they_take_before_it_begins) {
+TEST_F(Sweep, TellsItsCasesAndWhatTheyTakeBeforeItBegins) {
     write("cases.toml", kThreeCases);
     const std::string names = expect_success({"sweep", "cases.toml", "--list"}).out;
     EXPECT_EQ(std::count(names.begin(), names.end(), '\n'), 3);
@@ -230,7 +230,7 @@ std::string study(const std::string& stiffness, const std::string& channels = "[
 
 using Stale = Workplace;
 
-TEST_F(Stale, records_of_other_parameters_do_not_count) {
+TEST_F(Stale, RecordsOfOtherParametersDoNotCount) {
     write("study.toml", study("1 N/mm"));
     expect_success({"sweep", "study.toml", "--out", "out"});
     write("study.toml", study("5 N/mm"));
@@ -245,7 +245,7 @@ TEST_F(Stale, records_of_other_parameters_do_not_count) {
     EXPECT_EQ(differences(results_in(path("out")), results_in(path("undisturbed"))), std::set<std::string>{});
 }
 
-TEST_F(Stale, files_beside_a_volume_follow_it) {
+TEST_F(Stale, FilesBesideAVolumeFollowIt) {
     write("study.toml", study("1 N/mm", "[\"force\", \"depth\"]"));
     expect_success({"sweep", "study.toml", "--out", "out", "--also", "npy"});
     EXPECT_TRUE(exists(path("out/bump_facets-2.depth.npy")));
@@ -257,7 +257,7 @@ TEST_F(Stale, files_beside_a_volume_follow_it) {
     EXPECT_EQ(read_json("out/manifest.json")["cases"][0]["files"].size(), 2u);
 }
 
-TEST_F(Stale, a_device_that_is_not_there_forgets_nothing) {
+TEST_F(Stale, ADeviceThatIsNotThereForgetsNothing) {
     write("study.toml", study("1 N/mm"));
     expect_success({"sweep", "study.toml", "--out", "out"});
     const Tree before = tree_of(path("out"));

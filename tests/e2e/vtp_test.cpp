@@ -89,7 +89,7 @@ protected:
     }
 };
 
-TEST_F(Vtp, of_a_mesh_holds_what_a_probe_feels_on_each_facet) {
+TEST_F(Vtp, OfAMeshHoldsWhatAProbeFeelsOnEachFacet) {
     for (const char* shading : {"none", "mean_value"}) {
         write("spot.toml", fmt::format("[surface]\nkind = \"mesh\"\nfile = \"{}/tests/data/spot.obj\"\n"
                                        "transform = {{ scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }}\n"
@@ -106,7 +106,7 @@ TEST_F(Vtp, of_a_mesh_holds_what_a_probe_feels_on_each_facet) {
 }
 
 // What may be held of the rows of paths is bounded already; lines add their buffers.
-TEST_F(Vtp, of_long_paths_takes_no_memory_for_samples) {
+TEST_F(Vtp, OfLongPathsTakesNoMemoryForSamples) {
     write("long.toml", scene("count = 5\nsteps = 200000\n")); // a million samples of 64 bytes
     const std::uint64_t plain = expect_success(explore("long.toml", "a.csv")).peak_memory,
                         lines = expect_success(explore("long.toml", "a.csv", {"--also", "vtp"})).peak_memory;

@@ -59,7 +59,7 @@ std::string write_all(ChunkSink& sink, const SampleField<float>& field) {
     });
 }
 
-TEST(DiskFull, ends_in_an_error_and_no_file) {
+TEST(DiskFull, EndsInAnErrorAndNoFile) {
     const Folder folder;
     const SampleField field = noise();
     for (const int threads : {0, 2})
@@ -76,7 +76,7 @@ TEST(DiskFull, ends_in_an_error_and_no_file) {
 }
 
 // The table of the blocks' offsets is written last, by a destructor of OpenEXR, into the file's beginning.
-TEST(DiskFull, at_any_byte_ends_in_an_error_and_no_file) {
+TEST(DiskFull, AtAnyByteEndsInAnErrorAndNoFile) {
     const Folder folder;
     const std::array<std::uint64_t, 3> size{16, 4, 4};
     const SampleField field(size);
@@ -93,7 +93,7 @@ TEST(DiskFull, at_any_byte_ends_in_an_error_and_no_file) {
     }
 }
 
-TEST(DiskFull, ends_in_an_error_for_the_other_formats) {
+TEST(DiskFull, EndsInAnErrorForTheOtherFormats) {
     const Folder folder;
     const SampleField field = noise();
     const FileSizeLimit limit(1 << 20);
@@ -111,7 +111,7 @@ TEST(DiskFull, ends_in_an_error_for_the_other_formats) {
     EXPECT_TRUE(folder.names().empty());
 }
 
-TEST(DiskFull, of_a_real_file_system_says_so) {
+TEST(DiskFull, OfARealFileSystemSaysSo) {
     const Folder folder;
     std::filesystem::create_directory(folder / "small");
     if (::mount("tmpfs", (folder / "small").c_str(), "tmpfs", 0, "size=1m") != 0)

@@ -37,7 +37,7 @@ std::vector<double> expected_ramp(double scale = 1.0) {
     return samples;
 }
 
-TEST(HeightExr, takes_floats_and_halves_as_they_are) {
+TEST(HeightExr, TakesFloatsAndHalvesAsTheyAre) {
     const Folder folder;
     for (const Imf::PixelType type : {Imf::FLOAT, Imf::HALF})
         for (const bool tiled : {false, true})
@@ -53,14 +53,14 @@ TEST(HeightExr, takes_floats_and_halves_as_they_are) {
             }
 }
 
-TEST(HeightExr, takes_integers_as_fractions_of_full_scale) {
+TEST(HeightExr, TakesIntegersAsFractionsOfFullScale) {
     const Folder folder;
     write_exr(folder / "u.exr", {{"height", {Imf::UINT, [](int x, int) { return x == 1 ? 4294967295.0 : x; }}}});
     EXPECT_EQ(read_height_image(folder / "u.exr").samples[1], 1.0);
     EXPECT_EQ(read_height_image(folder / "u.exr").samples[2], 2.0 / 4294967295.0);
 }
 
-TEST(HeightExr, chooses_the_channel_that_is_meant) {
+TEST(HeightExr, ChoosesTheChannelThatIsMeant) {
     const Folder folder;
     const auto samples = [&](const std::map<std::string, ExrChannel>& channels) {
         write_exr(folder / "u.exr", channels);
@@ -82,7 +82,7 @@ TEST(HeightExr, chooses_the_channel_that_is_meant) {
     EXPECT_TRUE(says(why({{"Y", {Imf::FLOAT, ramp, 2}}}), "channel Y is sub-sampled"));
 }
 
-TEST(HeightExr, covers_the_display_window) {
+TEST(HeightExr, CoversTheDisplayWindow) {
     const Folder folder;
     for (const bool tiled : {false, true}) {
         ExrKind kind{.display = {{-2, 10}, {3, 14}}, .data = {{0, 8}, {9, 12}}, .tiled = tiled};
@@ -108,14 +108,14 @@ TEST(HeightExr, covers_the_display_window) {
     }
 }
 
-TEST(HeightExr, may_be_a_single_sample) {
+TEST(HeightExr, MayBeASingleSample) {
     const Folder folder;
     write_exr(folder / "u.exr", {{"Y", {Imf::FLOAT, [](int, int) { return -0.25; }}}},
               {.display = {{5, 5}, {5, 5}}, .data = {{5, 5}, {5, 5}}});
     EXPECT_EQ(read_height_image(folder / "u.exr").samples, std::vector{-0.25});
 }
 
-TEST(HeightExr, must_be_finite) {
+TEST(HeightExr, MustBeFinite) {
     const Folder folder;
     for (const double bad : {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
         const ExrChannel channel{Imf::HALF, [bad](int x, int y) { return x == 3 && y == 1 ? bad : 1.0; }};
@@ -125,7 +125,7 @@ TEST(HeightExr, must_be_finite) {
     }
 }
 
-TEST(HeightExr, that_announces_too_much_is_refused_before_it_is_read) {
+TEST(HeightExr, ThatAnnouncesTooMuchIsRefusedBeforeItIsRead) {
     const Folder folder;
     const ExrChannel channel{Imf::FLOAT, ramp};
     write_exr(folder / "u.exr", {{"Y", channel}}, {.display = {{0, 0}, {1 << 20, 1 << 10}}});
@@ -135,7 +135,7 @@ TEST(HeightExr, that_announces_too_much_is_refused_before_it_is_read) {
 }
 
 // Less than a block should hold would be read from what the memory held before: run with MALLOC_PERTURB_ to see it.
-TEST(HeightExr, with_a_block_that_is_too_short_is_damaged) {
+TEST(HeightExr, WithABlockThatIsTooShortIsDamaged) {
     const Folder folder;
     const auto path = folder / "u.exr";
     for (const testing::Packing packing : {testing::Packing::none, testing::Packing::rle, testing::Packing::zips,
@@ -167,7 +167,7 @@ TEST(HeightExr, with_a_block_that_is_too_short_is_damaged) {
             }
 }
 
-TEST(HeightExr, with_a_compression_that_is_not_read_says_so) {
+TEST(HeightExr, WithACompressionThatIsNotReadSaysSo) {
     const Folder folder;
     for (const Imf::Compression compression :
          {Imf::B44_COMPRESSION, Imf::B44A_COMPRESSION, Imf::DWAA_COMPRESSION, Imf::DWAB_COMPRESSION}) {
@@ -180,7 +180,7 @@ using testing::write_png;
 
 using Rows = std::vector<std::vector<png_byte>>;
 
-TEST(HeightPng, of_8_bits_is_fractions_of_255) {
+TEST(HeightPng, Of8BitsIsFractionsOf255) {
     const Folder folder;
     for (const bool interlaced : {false, true}) {
         write_png(folder / "u.png", 3, Rows{{0, 51, 255}, {1, 2, 254}}, {8, PNG_COLOR_TYPE_GRAY, interlaced, 0.45455});
@@ -192,7 +192,7 @@ TEST(HeightPng, of_8_bits_is_fractions_of_255) {
     }
 }
 
-TEST(HeightPng, of_16_bits_keeps_all_of_them) {
+TEST(HeightPng, Of16BitsKeepsAllOfThem) {
     const Folder folder;
     Rows rows(40, std::vector<png_byte>(2 * 30));
     for (std::size_t y = 0; y < 40; ++y)
@@ -207,7 +207,7 @@ TEST(HeightPng, of_16_bits_keeps_all_of_them) {
     }
 }
 
-TEST(HeightPng, of_fewer_bits_spans_the_full_scale_too) {
+TEST(HeightPng, OfFewerBitsSpansTheFullScaleToo) {
     const Folder folder;
     write_png(folder / "u.png", 4, Rows{{0b00011011}}, {2, PNG_COLOR_TYPE_GRAY});
     EXPECT_EQ(read_height_image(folder / "u.png").samples, (std::vector{0.0, 1 / 3.0, 2 / 3.0, 1.0}));
@@ -219,7 +219,7 @@ TEST(HeightPng, of_fewer_bits_spans_the_full_scale_too) {
     EXPECT_EQ(read_height_image(folder / "u.png").samples, (std::vector{7 / 255.0}));
 }
 
-TEST(HeightPng, may_have_colours_that_are_grey_and_an_alpha_that_is_ignored) {
+TEST(HeightPng, MayHaveColoursThatAreGreyAndAnAlphaThatIsIgnored) {
     const Folder folder;
     write_png(folder / "u.png", 2, Rows{{9, 9, 9, 51, 51, 51}}, {8, PNG_COLOR_TYPE_RGB});
     EXPECT_EQ(read_height_image(folder / "u.png").samples, (std::vector{9 / 255.0, 0.2}));
@@ -231,7 +231,7 @@ TEST(HeightPng, may_have_colours_that_are_grey_and_an_alpha_that_is_ignored) {
     EXPECT_EQ(read_height_image(folder / "u.png").samples, (std::vector{9 / 255.0, 0.2}));
 }
 
-TEST(HeightPng, must_not_be_coloured) {
+TEST(HeightPng, MustNotBeColoured) {
     const Folder folder;
     write_png(folder / "u.png", 2, Rows{{9, 9, 9, 51, 51, 51}, {1, 1, 1, 51, 52, 51}}, {8, PNG_COLOR_TYPE_RGB});
     const auto read = [&] { read_height_image(folder / "u.png"); };
@@ -240,7 +240,7 @@ TEST(HeightPng, must_not_be_coloured) {
     EXPECT_TRUE(says(message_of<UsageError>(read), "row 0, column 1 is coloured"));
 }
 
-TEST(HeightPng, is_told_by_its_contents) {
+TEST(HeightPng, IsToldByItsContents) {
     const Folder folder;
     write_png(folder / "u.exr", 1, Rows{{255}});
     EXPECT_EQ(read_height_image(folder / "u.exr").samples, std::vector{1.0});
@@ -253,7 +253,7 @@ TEST(HeightPng, is_told_by_its_contents) {
     EXPECT_THROW(read_height_image(folder.path()), IoError);
 }
 
-TEST(HeightPng, that_was_cut_off_is_noticed) {
+TEST(HeightPng, ThatWasCutOffIsNoticed) {
     const Folder folder;
     for (const bool interlaced : {false, true}) {
         write_png(folder / "u.png", 30, Rows(40, std::vector<png_byte>(30, 9)), {8, PNG_COLOR_TYPE_GRAY, interlaced});
@@ -265,7 +265,7 @@ TEST(HeightPng, that_was_cut_off_is_noticed) {
     }
 }
 
-TEST(HeightPng, that_announces_too_much_is_refused_before_it_is_read) {
+TEST(HeightPng, ThatAnnouncesTooMuchIsRefusedBeforeItIsRead) {
     const Folder folder;
     const auto announce = [&](std::uint32_t width, std::uint32_t height) {
         std::string header = "IHDR";

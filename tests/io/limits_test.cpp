@@ -21,7 +21,7 @@ std::string nested(std::size_t depth) {
     return std::string(depth, '[') + std::string(depth, ']');
 }
 
-TEST(Json, is_taken_as_it_is_written) {
+TEST(Json, IsTakenAsItIsWritten) {
     EXPECT_EQ(parse_json(R"({"a": [1, "}]\"[[{", {"b": null}], "c:": "\\"})").dump(),
               R"({"a":[1,"}]\"[[{",{"b":null}],"c:":"\\"})");
     EXPECT_EQ(parse_json(nested(32)).dump(), nested(32));
@@ -31,7 +31,7 @@ TEST(Json, is_taken_as_it_is_written) {
 }
 
 // The library dumps and copies a level a call.
-TEST(Json, that_is_nested_deeply_is_none) {
+TEST(Json, ThatIsNestedDeeplyIsNone) {
     for (const std::size_t depth : {33u, 300000u}) {
         EXPECT_TRUE(parse_json(nested(depth)).is_discarded());
         EXPECT_TRUE(parse_json("{\"a\":\"\\\\\", \"b\":" + nested(depth) + "}").is_discarded());
@@ -43,7 +43,7 @@ TEST(Json, that_is_nested_deeply_is_none) {
 }
 
 // The library compares each new name with all before it.
-TEST(Json, with_an_object_of_too_many_members_is_none) {
+TEST(Json, WithAnObjectOfTooManyMembersIsNone) {
     const auto object_of = [](int members) {
         std::string text = "{\"a\":0";
         for (int i = 1; i < members; ++i)
@@ -56,7 +56,7 @@ TEST(Json, with_an_object_of_too_many_members_is_none) {
     EXPECT_EQ(parse_json("[" + object_of(900) + "," + object_of(900) + "]").size(), 2u);
 }
 
-TEST(Json, of_what_is_no_file_is_an_error_at_once) {
+TEST(Json, OfWhatIsNoFileIsAnErrorAtOnce) {
     const Folder folder;
     ASSERT_EQ(::mkfifo((folder / "pipe.json").c_str(), 0600), 0);
     std::filesystem::create_symlink("/dev/zero", folder / "zero.json");
@@ -65,7 +65,7 @@ TEST(Json, of_what_is_no_file_is_an_error_at_once) {
     EXPECT_THROW(read_json(folder / "missing.json"), IoError);
 }
 
-TEST(Json, of_a_file_that_is_too_large_is_refused_before_it_is_read) {
+TEST(Json, OfAFileThatIsTooLargeIsRefusedBeforeItIsRead) {
     const Folder folder;
     write_file_atomically(folder / "a.json", std::string_view("{}"));
     EXPECT_EQ(read_json(folder / "a.json").size(), 0u);
@@ -73,7 +73,7 @@ TEST(Json, of_a_file_that_is_too_large_is_refused_before_it_is_read) {
     EXPECT_TRUE(says(message_of<UsageError>([&] { read_json(folder / "a.json"); }), "--max-memory"));
 }
 
-TEST(MemoryLimit, is_a_number_with_a_unit) {
+TEST(MemoryLimit, IsANumberWithAUnit) {
     EXPECT_EQ(parse_memory("8 GiB"), std::uint64_t{8} << 30);
     EXPECT_EQ(parse_memory("1.5kB"), 1500u);
     EXPECT_EQ(parse_memory("500 MB"), 500000000u);
@@ -82,7 +82,7 @@ TEST(MemoryLimit, is_a_number_with_a_unit) {
         EXPECT_TRUE(says(message_of<UsageError>([&] { parse_memory(text); }), "for example \"8 GiB\""));
 }
 
-TEST(Subfolder, is_made_and_no_link) {
+TEST(Subfolder, IsMadeAndNoLink) {
     const Folder folder, other;
     make_subfolder(folder / "new", "own.d");
     make_subfolder(folder / "new", "own.d");

@@ -42,17 +42,17 @@ protected:
     Folder folder_;
 };
 
-TEST_F(LongRuns, end_soon_after_an_interrupt_and_leave_whole_files_alone) {
+TEST_F(LongRuns, EndSoonAfterAnInterruptAndLeaveWholeFilesAlone) {
     EXPECT_LT(seconds_to_the_end(1), 5); // 0.3 s where the machine is free
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"kept"});
 }
 
-TEST_F(LongRuns, end_at_once_after_two) {
+TEST_F(LongRuns, EndAtOnceAfterTwo) {
     EXPECT_LT(seconds_to_the_end(2), 5);
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"kept"});
 }
 
-TEST_F(LongRuns, leave_in_order_where_the_work_asks) {
+TEST_F(LongRuns, LeaveInOrderWhereTheWorkAsks) {
     const auto leave = [] {
         catch_interrupts();
         try {
@@ -67,7 +67,7 @@ TEST_F(LongRuns, leave_in_order_where_the_work_asks) {
     EXPECT_EXIT(leave(), ::testing::ExitedWithCode(42), "");
 }
 
-TEST(Stages, tell_of_the_whole_run_and_of_what_it_is_at) {
+TEST(Stages, TellOfTheWholeRunAndOfWhatItIsAt) {
     EXPECT_EQ(progress_line(0, true), "");
     Stage cases("computing", 4, "cases");
     cases.update(1);

@@ -33,7 +33,7 @@ std::string written(ChunkSink& sink, const auto& field, const std::filesystem::p
     return bytes;
 }
 
-TEST(Npy, is_a_header_and_the_samples) {
+TEST(Npy, IsAHeaderAndTheSamples) {
     const Folder folder;
     const SampleField field(testing::kSampleSize);
     NpyWriter force(folder / "a.npy", testing::kSampleSize, layout::kChannelForce, Precision::f32);
@@ -49,7 +49,7 @@ TEST(Npy, is_a_header_and_the_samples) {
     EXPECT_TRUE(ids.substr(128) == bytes_of(tight(field.facet, testing::kSampleSize, field.pitch, 1)));
 }
 
-TEST(Npy, keeps_doubles) {
+TEST(Npy, KeepsDoubles) {
     const Folder folder;
     const SampleField<double> field(testing::kSampleSize);
     NpyWriter depth(folder / "a.npy", testing::kSampleSize, layout::kChannelDepth, Precision::f64);
@@ -58,7 +58,7 @@ TEST(Npy, keeps_doubles) {
     EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.depth, testing::kSampleSize, field.pitch, 1)));
 }
 
-TEST(RawFormats, repeat_rows_as_if_they_had_been_written_out) {
+TEST(RawFormats, RepeatRowsAsIfTheyHadBeenWrittenOut) {
     const Folder folder;
     const SampleField field(testing::kSampleSize, false),
         row_a_layer({testing::kSampleSize[0], 1, testing::kSampleSize[2]}, false);
@@ -70,7 +70,7 @@ TEST(RawFormats, repeat_rows_as_if_they_had_been_written_out) {
     EXPECT_EQ(whole.finish().sha256, repeated.finish().sha256);
 }
 
-TEST(Vti, is_xml_and_the_arrays) {
+TEST(Vti, IsXmlAndTheArrays) {
     const Folder folder;
     const SampleField field(testing::kSampleSize);
     const VtiHeader header{testing::kSampleSize, {-0.025, 0, 1e-9}, {0.0002, 0.1, 1}, 31, Precision::f32};
@@ -141,7 +141,7 @@ protected:
     std::vector<std::int64_t> order_, ids_{7, std::int64_t(1) << 40}, ends_{100, kPoints};
 };
 
-TEST_F(Vtp, is_xml_and_the_arrays) {
+TEST_F(Vtp, IsXmlAndTheArrays) {
     VtkFile file = make_vtp(folder_ / "a.vtp", lines());
     file.write("force", std::as_bytes(std::span(force_)));
     write_ids(file);
@@ -171,7 +171,7 @@ TEST_F(Vtp, is_xml_and_the_arrays) {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.vtp"});
 }
 
-TEST_F(Vtp, is_the_same_however_its_arrays_arrive) {
+TEST_F(Vtp, IsTheSameHoweverItsArraysArrive) {
     std::string first;
     for (const std::size_t most : {kPoints * 3, std::size_t(65536), std::size_t(1000), std::size_t(7)}) {
         VtkFile file = make_vtp(folder_ / "a.vtp", lines());
@@ -190,7 +190,7 @@ TEST_F(Vtp, is_the_same_however_its_arrays_arrive) {
     }
 }
 
-TEST_F(Vtp, refuses_too_few_and_too_many_samples_and_leaves_nothing) {
+TEST_F(Vtp, RefusesTooFewAndTooManySamplesAndLeavesNothing) {
     {
         VtkFile file = make_vtp(folder_ / "a.vtp", lines());
         file.write("force", std::as_bytes(std::span(force_)));

@@ -18,7 +18,7 @@ using testing::Folder;
 using testing::message_of;
 using testing::says;
 
-TEST(TemporaryFile, appears_under_its_name_only_when_published) {
+TEST(TemporaryFile, AppearsUnderItsNameOnlyWhenPublished) {
     const Folder folder;
     TemporaryFile file(folder / "a.exr");
     file.write(std::string_view("hello"));
@@ -32,7 +32,7 @@ TEST(TemporaryFile, appears_under_its_name_only_when_published) {
     EXPECT_EQ(read_file(folder / "a.exr"), "hello");
 }
 
-TEST(TemporaryFile, leaves_nothing_when_it_is_given_up) {
+TEST(TemporaryFile, LeavesNothingWhenItIsGivenUp) {
     const Folder folder;
     write_file_atomically(folder / "a", std::string_view("old"));
     {
@@ -44,7 +44,7 @@ TEST(TemporaryFile, leaves_nothing_when_it_is_given_up) {
     EXPECT_EQ(read_file(folder / "a"), "old");
 }
 
-TEST(TemporaryFile, writes_where_it_was_told_to) {
+TEST(TemporaryFile, WritesWhereItWasToldTo) {
     const Folder folder;
     {
         TemporaryFile file(folder / "a");
@@ -61,7 +61,7 @@ TEST(TemporaryFile, writes_where_it_was_told_to) {
     EXPECT_TRUE(read_file(folder / "a") == expected + "end");
 }
 
-TEST(TemporaryFile, takes_two_writers_of_one_name) {
+TEST(TemporaryFile, TakesTwoWritersOfOneName) {
     const Folder folder;
     TemporaryFile first(folder / "a"), second(folder / "a");
     first.write(std::string_view("first"));
@@ -73,7 +73,7 @@ TEST(TemporaryFile, takes_two_writers_of_one_name) {
     EXPECT_EQ(folder.names(), std::vector<std::string>{"a"});
 }
 
-TEST(TemporaryFile, says_what_stands_in_its_way) {
+TEST(TemporaryFile, SaysWhatStandsInItsWay) {
     const Folder folder;
     write_file_atomically(folder / "file", std::string_view("x"));
     std::filesystem::create_directory(folder / "folder");
@@ -89,7 +89,7 @@ TEST(TemporaryFile, says_what_stands_in_its_way) {
     EXPECT_EQ(folder.names(), (std::vector<std::string>{"file", "folder"}));
 }
 
-TEST(TemporaryFile, keeps_long_names_within_what_a_file_system_takes) {
+TEST(TemporaryFile, KeepsLongNamesWithinWhatAFileSystemTakes) {
     const Folder folder;
     write_file_atomically(folder / std::string(250, 'n'), std::string_view("x"));
     EXPECT_EQ(folder.names(), std::vector<std::string>{std::string(250, 'n')});
@@ -126,7 +126,7 @@ private:
     pid_t child_ = -1;
 };
 
-TEST(StaleTemporaries, are_those_that_no_live_process_holds) {
+TEST(StaleTemporaries, AreThoseThatNoLiveProcessHolds) {
     const Folder folder;
     const std::string own = TemporaryFile(folder / "a.exr").temporary_path().filename().string();
     const std::vector<std::string> others{".a.exr.tmp", ".hidden", "a.exr", own.substr(1),
@@ -146,7 +146,7 @@ TEST(StaleTemporaries, are_those_that_no_live_process_holds) {
 }
 
 // Locks may not reach further than the machine.
-TEST(StaleTemporaries, of_other_machines_stay) {
+TEST(StaleTemporaries, OfOtherMachinesStay) {
     const Folder folder;
     const std::string of_another = ".a.exr.fs.other-node.17.0123456789abcdef.tmp";
     std::ofstream(folder / of_another) << "half";
@@ -154,7 +154,7 @@ TEST(StaleTemporaries, of_other_machines_stay) {
     EXPECT_EQ(temporaries_of_others(folder.path()), std::vector<std::string>{of_another});
 }
 
-TEST(StaleTemporaries, may_be_cleared_while_their_writers_work) {
+TEST(StaleTemporaries, MayBeClearedWhileTheirWritersWork) {
     const Folder folder;
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
@@ -177,24 +177,24 @@ TEST(StaleTemporaries, may_be_cleared_while_their_writers_work) {
     EXPECT_EQ(folder.names().size(), 50u);
 }
 
-TEST(StaleTemporaries, are_none_in_a_folder_that_is_not_there) {
+TEST(StaleTemporaries, AreNoneInAFolderThatIsNotThere) {
     EXPECT_EQ(clear_stale_temporaries("/no/such/folder"), 0u);
 }
 
-TEST(ReadableFile, says_what_stands_in_its_way) {
+TEST(ReadableFile, SaysWhatStandsInItsWay) {
     const Folder folder;
     EXPECT_TRUE(
         says(message_of<IoError>([&] { read_file(folder / "missing"); }), "missing: No such file or directory"));
     EXPECT_TRUE(says(message_of<IoError>([&] { read_file(folder.path()); }), "not a regular file"));
 }
 
-TEST(Sha256, agrees_with_the_standards_examples) {
+TEST(Sha256, AgreesWithTheStandardsExamples) {
     EXPECT_EQ(sha256_of(std::string_view("")), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
     EXPECT_EQ(sha256_of(std::string_view("abc")), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     EXPECT_EQ(sha256_of(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST(Sha256, of_a_file_is_that_of_its_bytes) {
+TEST(Sha256, OfAFileIsThatOfItsBytes) {
     const testing::Folder folder;
     const std::string text(1000003, 'q');
     write_file_atomically(folder / "q", text);
@@ -202,7 +202,7 @@ TEST(Sha256, of_a_file_is_that_of_its_bytes) {
     EXPECT_THROW(sha256_of_file(folder / "missing"), IoError);
 }
 
-TEST(Csv, quotes_what_needs_it_and_prints_numbers_exactly) {
+TEST(Csv, QuotesWhatNeedsItAndPrintsNumbersExactly) {
     std::setlocale(LC_ALL, "de_DE.UTF-8"); // changes nothing where it is installed
     CsvText csv;
     csv.add("plain").add("a,b").add("say \"x\"").add("two\nlines").add("").add(" a b\t").end();

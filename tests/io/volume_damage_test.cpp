@@ -46,7 +46,7 @@ void read_all(const std::filesystem::path& path) {
         reader.read_ids(0, reader.rows(), ids);
 }
 
-TEST(DamagedVolume, is_noticed_wherever_it_was_cut) {
+TEST(DamagedVolume, IsNoticedWhereverItWasCut) {
     const Sound sound(kAllChannels);
     EXPECT_NO_THROW(read_all(sound.path));
     for (std::size_t size = 0; size < sound.bytes.size(); size += 1 + size / 50) {
@@ -60,7 +60,7 @@ TEST(DamagedVolume, is_noticed_wherever_it_was_cut) {
 }
 
 // OpenEXR would allocate what the header announces.
-TEST(DamagedVolume, is_refused_before_it_costs_memory) {
+TEST(DamagedVolume, IsRefusedBeforeItCostsMemory) {
     const Sound sound(1);
     const auto refusal_of = [&](const std::string& name, std::size_t offset, std::uint32_t value) {
         std::string bytes = sound.bytes;
@@ -75,7 +75,7 @@ TEST(DamagedVolume, is_refused_before_it_costs_memory) {
     EXPECT_TRUE(says(refusal_of("forceshade.grid\0v3i\0"s, 4 + 8, 0x3ffffff0), "not a volume of this program"));
 }
 
-TEST(DamagedVolume, whose_block_is_too_short_is_noticed) {
+TEST(DamagedVolume, WhoseBlockIsTooShortIsNoticed) {
     const Folder folder;
     constexpr std::array<std::uint64_t, 3> kOneBlock{64, 1, 1};
     for (const auto& [compression, packing] : {std::pair(Compression::none, testing::Packing::none),
@@ -120,7 +120,7 @@ void damage(const std::filesystem::path& path) {
 }
 
 // What a failing disk does behind the writer's back, before the volume has its name.
-TEST(DamagedVolume, is_noticed_before_it_gets_its_name) {
+TEST(DamagedVolume, IsNoticedBeforeItGetsItsName) {
     const Folder folder;
     constexpr std::array<std::uint64_t, 3> kLarge{512, 64, 16}; // so that most is on the disk when the damage is done
     SampleField field(kLarge);
@@ -143,7 +143,7 @@ TEST(DamagedVolume, is_noticed_before_it_gets_its_name) {
         }
 }
 
-TEST(DamagedVolume, is_not_taken_for_one_of_another_kind) {
+TEST(DamagedVolume, IsNotTakenForOneOfAnotherKind) {
     const Folder folder;
     write_file_atomically(folder / "a.exr", std::string_view("no EXR at all, but long enough to look into"));
     EXPECT_THROW(read_all(folder / "a.exr"), IoError);
@@ -166,7 +166,7 @@ std::size_t sample_of(const SampleField<float>& field, std::size_t x, std::size_
     return (z * testing::kSampleSize[1] + y) * field.pitch + x;
 }
 
-TEST(Refusal, of_values_that_are_not_finite_names_the_first) {
+TEST(Refusal, OfValuesThatAreNotFiniteNamesTheFirst) {
     const Folder folder;
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         SampleField field(testing::kSampleSize);
@@ -183,7 +183,7 @@ TEST(Refusal, of_values_that_are_not_finite_names_the_first) {
     EXPECT_TRUE(folder.names().empty());
 }
 
-TEST(Refusal, of_values_that_are_not_finite_can_be_waived) {
+TEST(Refusal, OfValuesThatAreNotFiniteCanBeWaived) {
     const Folder folder;
     SampleField field(testing::kSampleSize);
     field.force[3 * sample_of(field, 2, 3, 4) + 1] = std::numeric_limits<float>::quiet_NaN();
@@ -202,7 +202,7 @@ TEST(Refusal, of_values_that_are_not_finite_can_be_waived) {
         }
 }
 
-TEST(Refusal, of_what_half_cannot_hold_names_the_largest) {
+TEST(Refusal, OfWhatHalfCannotHoldNamesTheLargest) {
     const Folder folder;
     VolumeHeader header = sample_header(testing::kSampleSize);
     header.pixel = PixelType::half;
@@ -220,7 +220,7 @@ TEST(Refusal, of_what_half_cannot_hold_names_the_largest) {
     EXPECT_TRUE(folder.names().empty());
 }
 
-TEST(Refusal, of_a_new_volume_leaves_the_old_one) {
+TEST(Refusal, OfANewVolumeLeavesTheOldOne) {
     const Folder folder;
     SampleField field(testing::kSampleSize);
     VolumeWriter writer(folder / "a.exr", sample_header(testing::kSampleSize));
@@ -231,7 +231,7 @@ TEST(Refusal, of_a_new_volume_leaves_the_old_one) {
     EXPECT_TRUE(file_is_intact(folder / "a.exr", hash));
 }
 
-TEST(Refusal, of_grids_that_no_exr_holds) {
+TEST(Refusal, OfGridsThatNoExrHolds) {
     const Folder folder;
     for (const std::array<std::uint64_t, 3> size : {std::array<std::uint64_t, 3>{0, 1, 1},
                                                     {1, 0, 1},

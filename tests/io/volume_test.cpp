@@ -56,7 +56,7 @@ void expect_same_bits(const std::vector<float>& expected, const std::vector<floa
     EXPECT_EQ(std::memcmp(expected.data(), found.data(), expected.size() * sizeof(float)), 0) << what;
 }
 
-TEST(Volume, reads_back_bit_for_bit) {
+TEST(Volume, ReadsBackBitForBit) {
     const Folder folder;
     const SampleField field(kSize);
     for (const Compression compression : kCompressions)
@@ -89,7 +89,7 @@ TEST(Volume, reads_back_bit_for_bit) {
     EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
 }
 
-TEST(Volume, keeps_what_its_header_says) {
+TEST(Volume, KeepsWhatItsHeaderSays) {
     const Folder folder;
     VolumeHeader header = sample_header(kSize, layout::kChannelForce | layout::kChannelDepth);
     header.compression = Compression::zip1;
@@ -113,7 +113,7 @@ TEST(Volume, keeps_what_its_header_says) {
     EXPECT_TRUE(std::equal(row.begin(), row.end(), values.begin() + 40 * 37 * 3));
 }
 
-TEST(Volume, has_the_same_bytes_however_it_was_written) {
+TEST(Volume, HasTheSameBytesHoweverItWasWritten) {
     const Folder folder;
     const std::array<std::uint64_t, 3> size{12000, 13, 3}; // groups of 16 rows, so that pieces cross them
     const SampleField field(size);
@@ -133,7 +133,7 @@ TEST(Volume, has_the_same_bytes_however_it_was_written) {
     }
 }
 
-TEST(Volume, may_be_written_beside_another) {
+TEST(Volume, MayBeWrittenBesideAnother) {
     const Folder folder;
     const SampleField field({256, 32, 16});
     VolumeHeader header = sample_header(field.size);
@@ -152,7 +152,7 @@ TEST(Volume, may_be_written_beside_another) {
     EXPECT_EQ(folder.names(), (std::vector<std::string>{"2", "3", "a.exr", "same.exr"}));
 }
 
-TEST(Volume, repeats_rows_as_if_they_had_been_written_out) {
+TEST(Volume, RepeatsRowsAsIfTheyHadBeenWrittenOut) {
     const Folder folder;
     const std::array<std::uint64_t, 3> size{12000, 13, 3};
     const SampleField field(size, false);
@@ -169,7 +169,7 @@ TEST(Volume, repeats_rows_as_if_they_had_been_written_out) {
     EXPECT_EQ(whole.largest_voxel, repeated.largest_voxel);
 }
 
-TEST(Volume, rounds_doubles_to_floats) {
+TEST(Volume, RoundsDoublesToFloats) {
     const Folder folder;
     const SampleField<double> field(kSize);
     write_volume(folder / "a.exr", sample_header(kSize), field);
@@ -180,7 +180,7 @@ TEST(Volume, rounds_doubles_to_floats) {
     expect_same_bits(expected, found, "force");
 }
 
-TEST(Volume, finds_the_largest_force) {
+TEST(Volume, FindsTheLargestForce) {
     const Folder folder;
     SampleField field(kSize);
     const std::size_t sample = ((5 * 11) + 4) * field.pitch + 30;
@@ -191,7 +191,7 @@ TEST(Volume, finds_the_largest_force) {
     EXPECT_EQ(result.non_finite, 0u);
 }
 
-TEST(Volume, may_be_a_single_voxel) {
+TEST(Volume, MayBeASingleVoxel) {
     const Folder folder;
     for (const Compression compression : kCompressions) {
         VolumeHeader header = sample_header({1, 1, 1});
@@ -206,7 +206,7 @@ TEST(Volume, may_be_a_single_voxel) {
     }
 }
 
-TEST(Volume, wants_its_rows_in_order_and_all_of_them) {
+TEST(Volume, WantsItsRowsInOrderAndAllOfThem) {
     const Folder folder;
     const SampleField field(kSize);
     VolumeWriter writer(folder / "a.exr", sample_header(kSize));
@@ -220,7 +220,7 @@ TEST(Volume, wants_its_rows_in_order_and_all_of_them) {
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-TEST(Float24, is_the_nearest_with_fifteen_bits_of_fraction) {
+TEST(Float24, IsTheNearestWithFifteenBitsOfFraction) {
     EXPECT_TRUE(rc::check([](std::uint32_t bits) {
         const auto value = std::bit_cast<float>(bits);
         RC_PRE(std::isfinite(value) && value != 0.0f);
@@ -241,14 +241,14 @@ TEST(Float24, is_the_nearest_with_fifteen_bits_of_fraction) {
     EXPECT_TRUE(std::isnan(round_to_float24(std::bit_cast<float>(0x7f800001u))));
 }
 
-TEST(Half, overflows_from_65520) {
+TEST(Half, OverflowsFrom65520) {
     EXPECT_FALSE(overflows_half(65519.996f));
     EXPECT_TRUE(overflows_half(65520.0f));
     EXPECT_TRUE(overflows_half(-kLargest));
     EXPECT_FALSE(overflows_half(kInfinity)); // it is none that becomes infinite
 }
 
-TEST(PixelWatch, finds_the_first_of_the_largest) {
+TEST(PixelWatch, FindsTheFirstOfTheLargest) {
     PixelWatch watch(3);
     const std::vector<float> first{0, 0, 0, 3, 4, 0}, second{0, -5, 0, 0, 0, 4};
     watch.add(first, 0, 0, 2);
@@ -260,7 +260,7 @@ TEST(PixelWatch, finds_the_first_of_the_largest) {
     EXPECT_EQ(watch.non_finite(), 0u);
 }
 
-TEST(PixelWatch, counts_what_is_not_finite_and_looks_past_it) {
+TEST(PixelWatch, CountsWhatIsNotFiniteAndLooksPastIt) {
     PixelWatch watch(3);
     const std::vector<float> row{kInfinity, 9, 0, 0, 2, 0, std::nanf(""), 0, 0, kLargest, kLargest, kLargest};
     watch.add(row, 1, 2, 10);
@@ -271,7 +271,7 @@ TEST(PixelWatch, counts_what_is_not_finite_and_looks_past_it) {
     EXPECT_EQ(watch.longest().voxel, (Voxel{3, 1, 2}));
 }
 
-TEST(PixelWatch, of_nothing_but_zeros_is_the_first_voxel) {
+TEST(PixelWatch, OfNothingButZerosIsTheFirstVoxel) {
     PixelWatch watch(3);
     watch.add(std::vector<float>(9, 0.0f), 0, 0, 1);
     EXPECT_TRUE(watch.longest().found);
