@@ -23,8 +23,10 @@ public:
           least_(least), place_{least.place.at, least.place.normal, least.place.below}, axes_(axes_of(least.hold)),
           steps_(settling_steps(least.cell, surface.is_mesh() ? 100 : 400)) {
         const std::array<Axis, 3> held = axes_of(least.hold, least.cell.hand);
-        for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t i = 0; i < 3; ++i) {
             maps_[i] = axis_map(held[i], 1 / least.cell.rate);
+            lags_[i] = lag_map(held[i], 1 / least.cell.rate, least.cell.lag);
+        }
     }
 
     // `disturbance`, m, in the hand's axes.
@@ -32,7 +34,7 @@ public:
         constexpr double kFar = 1e4, kFarthest = 3; // of the disturbance; depths
         const double begins = reference::length(disturbance);
         const double far = std::min(kFar * begins, kFarthest * least_.place.depth);
-        glm::dvec3 at = disturbance, speed(0);
+        glm::dvec3 at = disturbance, speed(0), shown(0);
         std::vector<glm::dvec3> late(least_.cell.hand.delay_samples + 1, glm::dvec3(0));
         const double quick = stiffness / least_.cell.hand.mass; // 1 / s^2
         const HandSpec& hand = least_.cell.hand;
@@ -45,12 +47,16 @@ public:
             const glm::dvec3 coupled_force =
                 reference::through_coupling(coupling, force, reference::length(force), lag);
             late[step % late.size()] = stiffness * glm::transpose(axes_) * (coupled_force - share * least_.place.force);
-            const glm::dvec3 delayed = late[(step + 1) % late.size()];
+            const glm::dvec3 given = late[(step + 1) % late.size()], missing = shown - given;
             for (int i = 0; i < 3; ++i) {
                 const auto& map = maps_[static_cast<std::size_t>(i)];
+                const LagMap& lag_of = lags_[static_cast<std::size_t>(i)];
                 const double before = at[i];
-                at[i] += map.x_error * before + map.x_speed * speed[i] + map.x_force * delayed[i];
-                speed[i] = map.v_error * before + map.v_speed * speed[i] + map.v_force * delayed[i];
+                at[i] +=
+                    map.x_error * before + map.x_speed * speed[i] + map.x_force * given[i] + lag_of.place * missing[i];
+                speed[i] =
+                    map.v_error * before + map.v_speed * speed[i] + map.v_force * given[i] + lag_of.speed * missing[i];
+                shown[i] = given[i] + lag_of.left * missing[i];
             }
             const double energy = glm::dot(speed, speed) + quick * glm::dot(at, at);
             if (energy > quick * far * far)
@@ -71,15 +77,16 @@ private:
     TouchPlace place_;
     glm::dmat3 axes_;
     std::array<layout::AxisMap<double>, 3> maps_{};
+    std::array<LagMap, 3> lags_{};
     std::size_t steps_;
 };
 
 // The lower of a limit at a hold and the least so far; only where that is not stable up to the least so far.
 void take_lower(std::optional<HoldLimit>& least, const LoopCell& cell, const RestPlace& place, const Hold& hold,
                 double share = 0.9999) {
-    if (least && !grows(cell.hand, cell.rate, hold, place.force_around(), share * least->limit))
+    if (least && !grows(cell.hand, cell.rate, hold, place.force_around(), share * least->limit, cell.lag))
         return;
-    const auto limit = linear_limit(cell.hand, cell.rate, hold, place.force_around());
+    const auto limit = linear_limit(cell.hand, cell.rate, hold, place.force_around(), cell.lag);
     if (limit && (!least || *limit < least->limit))
         least = HoldLimit{*limit, hold, place};
 }
@@ -145,7 +152,7 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
                 one.cell = cell;
                 one.own = &cell == &cells.front();
                 one.places = some.size();
-                one.wall = wall_limit(cell.hand, cell.rate);
+                one.wall = wall_limit(cell.hand, cell.rate, cell.lag);
                 if (one.own && any_press)
                     one.any_press = least_of_any_press(cell, some, lowest);
                 least.push_back(one);

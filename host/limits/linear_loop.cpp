@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "host/field/case_law.h"
 #include "host/touch/force_errors.h"
@@ -41,15 +42,16 @@ LoopForce force_of(const HandSpec& hand, double period, const glm::dmat3& axes, 
 }
 
 // The loop's map of (place, speed times the sample, the forces under way in units of mass / sample^2, the lag of a
-// virtual coupling).
-Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force,
-                       double stiffness) {
+// virtual coupling, and what the device still owes of the force that it was given last).
+Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness,
+                       double lag_time) {
     const glm::dmat3 axes = axes_of(hold);
     const std::array<Axis, 3> held = axes_of(hold, hand);
     const double period = 1 / rate, unit = hand.mass * rate * rate; /* s, N/m */
     const LoopForce answer = force_of(hand, period, axes, force, stiffness, unit);
     const auto delay = static_cast<Eigen::Index>(hand.delay_samples);
-    const Eigen::Index forces = 6, lag = forces + 3 * delay, size = lag + (hand.coupled() ? 1 : 0);
+    const Eigen::Index forces = 6, lag = forces + 3 * delay, shown = lag + (hand.coupled() ? 1 : 0),
+                       size = shown + (lag_time > 0 ? 3 : 0);
     Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, size);
     for (int j = 0; j < 3 && hand.coupled(); ++j)
         map(lag, j) = answer.lag_of_place[j];
@@ -68,13 +70,25 @@ Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, cons
             if (hand.coupled())
                 map(row, lag) = times * answer.of_lag[i];
         };
-        if (delay == 0) {
-            add_answer(i, place_force);
-            add_answer(3 + i, speed_force);
-            continue;
+        // The device is given the newest force, or the oldest under way; its own force follows.
+        const LagMap lagging = lag_map(held[static_cast<std::size_t>(i)], period, lag_time);
+        const double place_lag = unit * lagging.place, speed_lag = period * unit * lagging.speed;
+        const auto add_given = [&](Eigen::Index row, double times) {
+            if (delay == 0)
+                add_answer(row, times);
+            else
+                map(row, forces + i) += times;
+        };
+        add_given(i, place_force - place_lag);
+        add_given(3 + i, speed_force - speed_lag);
+        if (lag_time > 0) {
+            map(i, shown + i) = place_lag;
+            map(3 + i, shown + i) = speed_lag;
+            add_given(shown + i, 1 - lagging.left);
+            map(shown + i, shown + i) = lagging.left;
         }
-        map(i, forces + i) = place_force; // the oldest
-        map(3 + i, forces + i) = speed_force;
+        if (delay == 0)
+            continue;
         for (Eigen::Index age = 0; age + 1 < delay; ++age)
             map(forces + 3 * age + i, forces + 3 * (age + 1) + i) = 1;
         add_answer(forces + 3 * (delay - 1) + i, 1); // the newest
@@ -132,17 +146,38 @@ std::vector<Hold> all_presses(const glm::dvec3& force, const glm::dmat3& slope) 
     return holds;
 }
 
-bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness) {
+LagMap lag_map(const Axis& axis, double period, double lag) {
+    if (!(lag > 0))
+        return {};
+    Eigen::Matrix3d rates; // of place, speed and what is missing, times the sample
+    rates << 0, 1, 0, -axis.stiffness / axis.mass, -axis.damping / axis.mass, 1 / axis.mass, 0, 0, -1 / lag;
+    const Eigen::Matrix3d after = (period * rates).exp();
+    return {after(0, 2), after(1, 2), after(2, 2)};
+}
+
+bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness,
+           double lag) {
     constexpr double kNone = 1e-12; // rounding error of a constant mode
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(map_of(hand, rate, hold, force, stiffness), false);
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(map_of(hand, rate, hold, force, stiffness, lag), false);
     return !(solver.eigenvalues().cwiseAbs().maxCoeff() <= 1 + kNone);
 }
 
-std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force) {
+std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force,
+                                   double lag) {
     constexpr double kClose = 1.0001;
     const double passive = passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples);
-    const auto at = [&](double stiffness) { return grows(hand, rate, hold, force, stiffness); };
+    const auto at = [&](double stiffness) { return grows(hand, rate, hold, force, stiffness, lag); };
     return at(1e-4 * passive) ? 0.0 : least_growing(1e-4 * passive, 8 * passive, kClose, at);
+}
+
+double wall_limit(const HandSpec& hand, double rate, double lag) {
+    if (!(lag > 0))
+        return critical_stiffness(hand.mass, damping_of(hand), 1 / rate, hand.delay_samples);
+    ForceAround wall{glm::dmat3(0)};
+    wall.slope[2][2] = 1;
+    HandSpec bare = coupled(hand, 0, 0);
+    bare.grip_stiffness = 0;
+    return linear_limit(bare, rate, pressed_along({0, 0, 1}), wall, lag).value_or(NAN);
 }
 
 } // namespace forceshade

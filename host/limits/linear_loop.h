@@ -46,7 +46,18 @@ struct LoopCell {
     HandSpec hand;
     double rate = 1000;   /* Hz */
     double stiffness = 1; /* N/m */
+    double lag = 0;       /* s: time constant with which the device's force follows what it is given */
 };
+
+/// How that force goes over a sample during which what it is given is held: what is still missing of it at the start
+/// adds this much of itself to place and speed, and so much of it is missing at the end.
+struct LagMap {
+    double place = 0; /* m/N */
+    double speed = 0; /* m/s/N */
+    double left = 0;  /* 1 */
+};
+/// Exactly, of the axis; all 0 without a lag.
+LagMap lag_map(const Axis& axis, double period, double lag);
 
 /// The hand with a virtual coupling, N/m and N s/m.
 inline HandSpec coupled(HandSpec hand, double stiffness, double damping) {
@@ -76,9 +87,10 @@ struct ForceAround {
     glm::dvec3 direction{0, 0, 1}; /* unit: of the force there, along which a virtual coupling is pressed */
 };
 
-/// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m. A virtual coupling takes the force over the
-/// stiffness for the depth, which two-pass shading and textures are not.
-bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness);
+/// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m; `lag` as LoopCell's. A virtual coupling takes the
+/// force over the stiffness for the depth, which two-pass shading and textures are not.
+bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness,
+           double lag = 0);
 
 /// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps of a tenth, then between
 /// two whose ratio is `close`; empty: it does not grow.
@@ -100,11 +112,10 @@ std::optional<double> least_growing(double from, double to, double close, const 
 
 /// The least stiffness, N/m, at which it grows, to a hundredth of a percent: 0 if it grows at a ten-thousandth of the
 /// largest passive stiffness already, empty if it does not at eight times that.
-std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force);
+std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force,
+                                   double lag = 0);
 
-/// K_crit of a wall with this hand, N/m, without its coupling.
-inline double wall_limit(const HandSpec& hand, double rate) {
-    return critical_stiffness(hand.mass, damping_of(hand), 1 / rate, hand.delay_samples);
-}
+/// K_crit of a wall with this hand, N/m, without its coupling. NaN: none below eight times the passive one.
+double wall_limit(const HandSpec& hand, double rate, double lag = 0);
 
 } // namespace forceshade

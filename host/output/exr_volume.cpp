@@ -251,7 +251,8 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
     PathSamples read;
     read.scene = image.text("forceshade.scene").value_or("");
     read.origin = exr::place_origin_of(image);
-    const std::uint64_t every_path = (rows + most_paths - 1) / most_paths;
+    read.paths_in_file = rows;
+    const std::uint64_t every_path = read.every_path = (rows + most_paths - 1) / most_paths;
     read.every_step = (columns + most_steps - 1) / most_steps;
     read.paths = (rows + every_path - 1) / every_path;
     read.steps = (columns + read.every_step - 1) / read.every_step;

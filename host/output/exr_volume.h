@@ -112,8 +112,9 @@ bool holds_paths(const std::filesystem::path& path);
 
 /// Some of a file's paths, evenly chosen, and of each some samples, evenly. Behind a path's end stands NaN.
 struct PathSamples {
-    std::uint64_t paths = 0, steps = 0;        /* here */
-    std::uint64_t every_step = 1;              /* of the file's steps, every which one is here */
+    std::uint64_t paths = 0, steps = 0; /* here */
+    std::uint64_t paths_in_file = 0;
+    std::uint64_t every_path = 1, every_step = 1; /* of the file's, every which one is here */
     std::vector<float> force, position, proxy; /* N, m, m: three a sample, path after path; proxy empty if not stored */
     glm::dvec3 origin{0};                      /* m, in the world: what position and proxy are measured from */
     std::vector<float> depth;                  /* m: one a sample; empty if not stored, or not asked for */

@@ -154,6 +154,14 @@ public:
         for (const std::string& name : names)
             numbers_.push_back(
                 name.empty() ? 0 : numbers[static_cast<std::size_t>(std::ranges::find(marked, name) - marked.begin())]);
+        std::vector<std::string> shapes;
+        for (const ChartSeries& series : chart.series)
+            for (const ChartPoint& point : series.points)
+                if (!point.shape.empty() && shown(point) && std::ranges::find(shapes, point.shape) == shapes.end())
+                    shapes.push_back(point.shape);
+        const std::vector<std::size_t> marks = series_numbers(shapes);
+        for (std::size_t i = 0; i < shapes.size(); ++i)
+            shapes_.emplace_back(shapes[i], marks[i]);
         plan_ranges();
     }
 
@@ -195,6 +203,10 @@ public:
             cells_.add_to(legend);
         for (std::size_t i = 0; i < chart_.series.size(); ++i)
             add_item(i, legend);
+        for (const auto& [name, shape] : shapes_)
+            legend.push_back({name, 14, [shape = shape](Canvas& canvas, Point left, Point right) {
+                                  draw_mark(canvas, kQuietInk, shape, {(left.x + right.x) / 2, left.y});
+                              }});
     }
 
     void draw(Canvas& canvas, bool lowest) {
@@ -323,22 +335,28 @@ private:
                 solid ? std::vector<double>{} : kDashes[static_cast<std::size_t>(before) % kDashes.size()], true};
     }
 
+    std::size_t shape_of(std::size_t series, const ChartPoint& point) const {
+        const auto own = std::ranges::find(shapes_, point.shape, &std::pair<std::string, std::size_t>::first);
+        return own == shapes_.end() ? numbers_[series] : own->second;
+    }
+
     // Only of what is drawn.
     void add_item(std::size_t i, std::vector<LegendItem>& legend) const {
         const ChartSeries& series = chart_.series[i];
         const auto points = std::ranges::count_if(series.points, [&](const ChartPoint& one) { return shown(one); });
         if (series.name.empty() || points < (series.marks ? 1 : 2) || marked_as(series))
             return;
-        if (bars())
+        if (bars() || (series.marks && !shapes_.empty()))
             legend.push_back(swatch_item(series.name, series_colour(numbers_[i])));
         else
-            legend.push_back({series.name, series.joined || !series.marks ? kKeyLength : 14,
-                              [this, i, &series](Canvas& canvas, Point left, Point right) {
-                                  if (series.joined || !series.marks)
-                                      canvas.polyline(std::array{left, right}, stroke_of(i));
-                                  if (series.marks)
-                                      draw_mark(canvas, numbers_[i], {(left.x + right.x) / 2, left.y});
-                              }});
+            legend.push_back(
+                {series.name, series.joined || !series.marks ? kKeyLength : 14,
+                 [this, i, &series](Canvas& canvas, Point left, Point right) {
+                     if (series.joined || !series.marks)
+                         canvas.polyline(std::array{left, right}, stroke_of(i));
+                     if (series.marks)
+                         draw_mark(canvas, series_colour(numbers_[i]), numbers_[i], {(left.x + right.x) / 2, left.y});
+                 }});
     }
 
     void draw_cells(Canvas& canvas, std::size_t panel) const {
@@ -367,7 +385,7 @@ private:
                 const double top = plot_.y + (point.x + 0.125) * row + static_cast<double>(i) * height;
                 const double end = place(point.y, 0).x;
                 if (chart_.x.logarithmic) // it has no zero for a bar to begin at
-                    draw_mark(canvas, numbers_[i], {end, top + height / 2});
+                    draw_mark(canvas, series_colour(numbers_[i]), numbers_[i], {end, top + height / 2});
                 else
                     canvas.fill({std::min(base, end), top, std::max(1.0, std::fabs(end - base)), height - 1},
                                 series_colour(numbers_[i]));
@@ -425,7 +443,7 @@ private:
             for (const ChartPoint& point : series.points)
                 if (series.marks && point.marked && shown(point)) {
                     marks_.push_back(place(point.x, point.y));
-                    draw_mark(canvas, numbers_[i], marks_.back());
+                    draw_mark(canvas, series_colour(numbers_[i]), shape_of(i, point), marks_.back());
                 }
         }
     }
@@ -467,7 +485,8 @@ private:
 
     const Chart& chart_;
     Cells cells_;
-    std::vector<std::size_t> numbers_; // of the series, for colour and mark
+    std::vector<std::size_t> numbers_;                        // of the series, for colour and mark
+    std::vector<std::pair<std::string, std::size_t>> shapes_; // of points that have their own
     Range x_, y_;
     std::array<bool, 2> counted_{}; // whether x, y are whole numbers
     Axis x_axis_, y_axis_;

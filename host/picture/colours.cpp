@@ -108,6 +108,8 @@ const Family kFamilies[] = {
      {"direct", "look-up, trilinear", "look-up, tricubic", "god-object", "field, kernel", "field, CPU on one thread"}},
     {6, {"closed loop, kernel", "closed loop, CPU on one thread", "static field"}},
     {8, {"flat", "facet", "edge", "rim", "boundary", "slope", "crest", "hollow"}},
+    {1, {"look-up"}},
+    {4, {"field"}},
     {16, {"shaded"}},
     {16, {"reference", "morgenbesser", "barycentric", "two_pass", "mean_value", "height_map"}},
     {23, {"none"}},
@@ -207,14 +209,13 @@ Rgb8 lighter(Rgb8 colour) {
     return {half(colour.r), half(colour.g), half(colour.b)};
 }
 
-void draw_mark(Canvas& canvas, std::size_t number, Point at) {
-    const Rgb8 colour = series_colour(number);
-    if (number % kMarks == 0) {
+void draw_mark(Canvas& canvas, Rgb8 colour, std::size_t shape, Point at) {
+    if (shape % kMarks == 0) {
         canvas.disc(at, kMarkSize + 0.8, kPaper);
         canvas.disc(at, kMarkSize, colour);
         return;
     }
-    std::vector<Point> outline = mark_outline(number % kMarks);
+    std::vector<Point> outline = mark_outline(shape % kMarks);
     for (Point& point : outline)
         point = {at.x + kMarkSize * point.x, at.y + kMarkSize * point.y};
     canvas.polygon(outline, colour, {kPaper, 1.6, {}, false});

@@ -186,6 +186,7 @@ struct ChartPoint {
     std::optional<double> x_low{}, x_high{}, y_low{}, y_high{}; /* ends of whiskers */
     std::string label{};                                        /* stands next to the mark, where there is room */
     bool marked = true;                                         /* if the series has marks */
+    std::string shape{};                                        /* whose mark it has; empty: the series' */
 };
 
 struct ChartSeries {

@@ -3,7 +3,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -16,19 +18,37 @@
 namespace forceshade::report {
 namespace {
 
-constexpr std::size_t kMostShown = 2000; // samples of a run
-constexpr std::uint64_t kMostPathsShown = 4;
+constexpr std::size_t kMostShown = 2000;   // samples of a run that are drawn one by one
+constexpr std::size_t kMostRead = 200'000; // that bands are of
+constexpr std::uint64_t kMostPathsShown = 4, kMostPathsRead = 1000;
+constexpr std::size_t kLeastOfBand = 5; // paths, and samples of a bin
+constexpr std::size_t kBins = 100;
 
 struct RunSample {
-    std::string path;
-    double time; /* s, NaN where it is not known */
+    std::uint64_t path; // its place in RunSamples::paths
+    double time;        /* s, NaN where it is not known */
     glm::dvec3 at, force;
 };
 
 struct RunSamples {
-    std::vector<RunSample> shown;
-    std::size_t every = 1; /* of the file's, every which one is shown */
+    std::vector<std::string> paths; /* as in the file */
+    std::vector<RunSample> shown;   /* of a few paths, evenly chosen */
+    std::vector<RunSample> all;     /* of all paths, more thinly */
+    std::uint64_t paths_in_file = 0;
+    std::size_t every = 1; /* of the file's samples of a path, every which one is shown */
 };
+
+// Keeps every second one.
+void halve(std::vector<RunSample>& samples) {
+    for (std::size_t i = 1; 2 * i < samples.size(); ++i)
+        samples[i] = samples[2 * i];
+    samples.resize((samples.size() + 1) / 2);
+}
+
+// Every which path is shown.
+std::uint64_t path_stride(std::uint64_t paths) {
+    return (paths + kMostPathsShown - 1) / kMostPathsShown;
+}
 
 // Columns by their names; others are not read.
 RunSamples samples_of_csv(const std::filesystem::path& file) {
@@ -43,6 +63,7 @@ RunSamples samples_of_csv(const std::filesystem::path& file) {
             throw UsageError("{}: it has no column {}", file.string(), kColumns[i]);
     }
     RunSamples samples;
+    std::unordered_map<std::string, std::uint64_t> numbers;
     for (std::size_t row = 0; csv.next(); ++row) {
         if (row % samples.every || csv.size() <= *std::ranges::max_element(cells))
             continue;
@@ -52,32 +73,46 @@ RunSamples samples_of_csv(const std::filesystem::path& file) {
             values[i] = NAN;
             std::from_chars(text.data(), text.data() + text.size(), values[i]);
         }
-        samples.shown.push_back({"path " + std::string(csv.text(cells[0])),
-                                 values[1],
-                                 {values[2], values[3], values[4]},
-                                 {values[5], values[6], values[7]}});
-        if (samples.shown.size() == 2 * kMostShown) { // every second one goes
-            for (std::size_t i = 1; i < kMostShown; ++i)
-                samples.shown[i] = std::move(samples.shown[2 * i]);
-            samples.shown.resize(kMostShown);
+        const auto [entry, is_new] = numbers.try_emplace(std::string(csv.text(cells[0])), samples.paths.size());
+        if (is_new)
+            samples.paths.push_back("path " + entry->first);
+        samples.all.push_back(
+            {entry->second, values[1], {values[2], values[3], values[4]}, {values[5], values[6], values[7]}});
+        if (samples.all.size() == 2 * kMostRead) {
+            halve(samples.all);
             samples.every *= 2;
         }
     }
+    samples.paths_in_file = samples.paths.size();
+    const std::uint64_t every_path = path_stride(samples.paths_in_file);
+    std::ranges::copy_if(samples.all, std::back_inserter(samples.shown),
+                         [&](const RunSample& sample) { return sample.path % every_path == 0; });
+    for (; samples.shown.size() > kMostShown; samples.every *= 2)
+        halve(samples.shown);
     return samples;
 }
 
 RunSamples samples_of_exr(const std::filesystem::path& file) {
-    const PathSamples read = read_paths(file, kMostPathsShown, kMostShown / kMostPathsShown);
-    const double period = path_period(read.scene); /* s */
-    RunSamples samples{{}, read.every_step};
-    for (std::size_t i = 0; i < read.paths * read.steps; ++i) {
-        const float *at = &read.position[3 * i], *force = &read.force[3 * i];
-        if (std::isfinite(at[0]))
-            samples.shown.push_back({fmt::format("path {}", i / read.steps),
-                                     double(i % read.steps * read.every_step) * period,
-                                     read.origin + glm::dvec3(at[0], at[1], at[2]),
-                                     {force[0], force[1], force[2]}});
-    }
+    RunSamples samples;
+    const auto read = [&](std::uint64_t most_paths, std::size_t most, std::vector<RunSample>& into) {
+        const PathSamples found = read_paths(file, most_paths, most / most_paths);
+        const double period = path_period(found.scene); /* s */
+        samples.paths_in_file = found.paths_in_file;
+        samples.every = found.every_step;
+        samples.paths.resize(found.paths_in_file);
+        for (std::size_t i = 0; i < found.paths * found.steps; ++i) {
+            const float *at = &found.position[3 * i], *force = &found.force[3 * i];
+            const std::uint64_t path = i / found.steps * found.every_path;
+            samples.paths[path] = fmt::format("path {}", path);
+            if (std::isfinite(at[0]))
+                into.push_back({path,
+                                double(i % found.steps * found.every_step) * period,
+                                found.origin + glm::dvec3(at[0], at[1], at[2]),
+                                {force[0], force[1], force[2]}});
+        }
+    };
+    read(kMostPathsRead, kMostRead, samples.all);
+    read(kMostPathsShown, kMostShown, samples.shown);
     return samples;
 }
 
@@ -87,36 +122,104 @@ double direction_of(const RunSample& sample) {
     return force.x == 0 && force.z == 0 ? NAN : std::atan2(force.x, force.z) * 180 / std::numbers::pi;
 }
 
+double force_of(const RunSample& sample) {
+    return std::hypot(sample.force.x, sample.force.y, sample.force.z);
+}
+
+// A number of a sample over which it is shown, or that is shown.
+struct Shown {
+    const char *name, *label, *column, *unit;
+    double (*value)(const RunSample& sample);
+};
+constexpr Shown kOver[] = {{"time", "time / s", "t_s", "s", [](const RunSample& r) { return r.time; }},
+                           {"place", "x / mm", "x_mm", "mm", [](const RunSample& r) { return 1e3 * r.at.x; }}};
+constexpr Shown kValues[] = {{"Force", "force / N", "force_N", "N", force_of},
+                             {"Direction", "direction / deg, from z towards x", "direction_deg", "deg", direction_of},
+                             {"Position", "z / mm", "z_mm", "mm", [](const RunSample& r) { return 1e3 * r.at.z; }}};
+
+// Median and 5th and 95th percentile of all samples in each of kBins equal parts of `over`; no rows if it has no width.
+study::Table bands_of(const std::vector<RunSample>& samples, const Shown& over) {
+    study::Table table{fmt::format("over_{}", over.name), fmt::format("All paths over {}", over.name), {}, {}};
+    table.columns = {{over.column, over.unit, "middle of a part of the axis"},
+                     {"samples", "1", "in this part, of all paths; where they are few the rest is empty"}};
+    for (const Shown& value : kValues)
+        for (const auto& [end, meaning] :
+             {std::pair("p05_", "5th percentile of these"), {"median_", "their median"}, {"p95_", "95th percentile"}})
+            table.columns.push_back({std::string(end) + value.column, value.unit, meaning});
+    double low = INFINITY, high = -INFINITY;
+    for (const RunSample& sample : samples) {
+        low = std::fmin(low, over.value(sample));
+        high = std::fmax(high, over.value(sample));
+    }
+    if (!(low < high))
+        return table;
+    std::vector<std::vector<const RunSample*>> bins(kBins);
+    for (const RunSample& sample : samples)
+        if (const double share = (over.value(sample) - low) / (high - low); share >= 0)
+            bins[std::min(kBins - 1, static_cast<std::size_t>(share * double(kBins)))].push_back(&sample);
+    for (std::size_t i = 0; i < kBins; ++i) {
+        std::vector<study::Cell>& row = table.rows.emplace_back(
+            std::vector<study::Cell>{low + (double(i) + 0.5) / double(kBins) * (high - low), bins[i].size()});
+        for (const Shown& shown : kValues) {
+            std::vector<double> values;
+            for (const RunSample* sample : bins[i])
+                if (const double value = shown.value(*sample); std::isfinite(value))
+                    values.push_back(value);
+            std::ranges::sort(values);
+            for (const double share : {0.05, 0.5, 0.95})
+                row.push_back(values.size() < kLeastOfBand ? study::Cell() : study::quantile(values, share));
+        }
+    }
+    return table;
+}
+
 } // namespace
 
 void add_samples(study::StudyData& data, const std::filesystem::path& file) {
     const RunSamples samples = file.extension() == ".exr" ? samples_of_exr(file) : samples_of_csv(file);
-    if (samples.every > 1)
+    const std::uint64_t paths = samples.paths_in_file, every_path = path_stride(paths);
+    if (every_path > 1)
+        data.notes.push_back(fmt::format("{} of {} paths are drawn one by one, with one of {} of their samples; {} "
+                                         "has all.",
+                                         (paths + every_path - 1) / every_path, paths, samples.every,
+                                         file.filename().string()));
+    else if (samples.every > 1)
         data.notes.push_back(
             fmt::format("One of {} samples is shown; {} has all.", samples.every, file.filename().string()));
     using R = RunSample;
-    const auto place = [](int axis) { return [axis](const R& r) { return 1e3 * r.at[axis]; }; };
-    data.tables.push_back(study::table_of<R>(
-        "samples", "Samples",
-        {{"path", "", "as in the file", &R::path},
-         {"t_s", "s", "since the path began", &R::time},
-         {"x_mm", "mm", "of the probe", place(0)},
-         {"y_mm", "mm", "of the probe", place(1)},
-         {"z_mm", "mm", "of the probe", place(2)},
-         {"force_N", "N", "of the law", [](const R& r) { return std::hypot(r.force.x, r.force.y, r.force.z); }},
-         {"direction_deg", "deg", "of the force in the x-z plane, from z towards x; empty without force",
-          direction_of}},
-        samples.shown));
-    for (const auto& [over, x] :
-         {std::pair("time", study::FigureAxis{"t_s", "time / s"}), {"place", {"x_mm", "x / mm"}}})
-        for (const auto& [what, y] : {std::pair("Force", study::FigureAxis{"force_N", "force / N"}),
-                                      {"Direction", {"direction_deg", "direction / deg, from z towards x"}},
-                                      {"Position", {"z_mm", "z / mm"}}}) {
-            data.figures.push_back(study::make_figure(fmt::format("{}-{}", y.column, over),
-                                                      fmt::format("{} over {}", what, over), "",
-                                                      study::FigureKind::scatter, "samples", {}, x, y, "path"));
-            data.figures.back().joined = true;
+    std::vector<study::ColumnOf<R>> columns{
+        {{"path", "", "as in the file"}, [&](const R& r) { return samples.paths[r.path]; }},
+        {{"t_s", "s", "since the path began"}, kOver[0].value},
+        {{"x_mm", "mm", "of the probe"}, kOver[1].value},
+        {{"y_mm", "mm", "of the probe"}, [](const R& r) { return 1e3 * r.at.y; }},
+        {{"z_mm", "mm", "of the probe"}, kValues[2].value},
+        {{"force_N", "N", "of the law"}, kValues[0].value},
+        {{"direction_deg", "deg", "of the force in the x-z plane, from z towards x; empty without force"},
+         kValues[1].value}};
+    data.tables.push_back(study::table_of<R>("samples", "Samples", columns, samples.shown));
+    for (const Shown& over : kOver) {
+        if (paths >= kLeastOfBand)
+            data.tables.push_back(bands_of(samples.all, over));
+        for (const Shown& value : kValues) {
+            study::Figure figure =
+                study::make_figure(fmt::format("{}-{}", value.column, over.name),
+                                   fmt::format("{} over {}", value.name, over.name), "", study::FigureKind::scatter,
+                                   "samples", {}, {over.column, over.label}, {value.column, value.label}, "path");
+            figure.joined = true;
+            if (paths >= kLeastOfBand) {
+                const std::string column = value.column;
+                figure.curves.push_back({data.tables.back().name,
+                                         {},
+                                         over.column,
+                                         "median_" + column,
+                                         fmt::format("median of {} paths, and 5 to 95 %", paths),
+                                         false,
+                                         "p05_" + column,
+                                         "p95_" + column});
+            }
+            data.figures.push_back(std::move(figure));
         }
+    }
 }
 
 std::string run_page(const std::string& title, const std::vector<std::pair<std::string, std::string>>& terms,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <regex>
+#include <set>
 
 #include <sys/stat.h>
 
@@ -292,6 +293,53 @@ TEST_F(Report, TellsOfVolumesThatAStudyDoesNotName) {
     write_sample_study(path("energy"));
     put_text(path("energy/left.exr"), "");
     expect_trouble("energy/left.exr: not listed in study.json");
+}
+
+// Of 21 paths at forces of 0 to 20 N at each moment the 5th percentile is 1 N, the 95th 19 N.
+TEST(RunPage, ShowsTheSpreadOfAllPathsAndAFewOfThem) {
+    const Folder folder;
+    for (const int paths : {21, 4}) {
+        std::string csv = "path,t,x,y,z,fx,fy,fz\n";
+        for (int path = 0; path < paths; ++path)
+            for (int step = 0; step < 10; ++step)
+                csv += fmt::format("{},{},{},0,{},0,0,{}\n", 100 + path, step, 0.001 * step, -0.001 * path, path);
+        put_text(folder.path() / "run.csv", csv);
+        study::StudyData data;
+        add_samples(data, folder.path() / "run.csv");
+        std::set<std::string> shown;
+        for (const std::vector<study::Cell>& row : data.table("samples").rows)
+            shown.insert(row[0].text());
+        ASSERT_EQ(data.figures.size(), 6u);
+        if (paths == 4) {
+            EXPECT_EQ(shown.size(), 4u);
+            EXPECT_EQ(data.tables.size(), 1u) << "too few for percentiles";
+            EXPECT_TRUE(data.figures[0].curves.empty());
+            continue;
+        }
+        EXPECT_EQ(shown, (std::set<std::string>{"path 100", "path 106", "path 112", "path 118"}));
+        for (const char* name : {"over_time", "over_place"}) {
+            const study::Table& table = data.table(name);
+            std::size_t full = 0;
+            for (std::size_t row = 0; row < table.rows.size(); ++row) {
+                if (table.needed(row, "samples") == 0) {
+                    EXPECT_FALSE(table.number(row, "median_force_N"));
+                    continue;
+                }
+                ++full;
+                EXPECT_EQ(table.needed(row, "samples"), 21);
+                EXPECT_DOUBLE_EQ(table.needed(row, "p05_force_N"), 1);
+                EXPECT_DOUBLE_EQ(table.needed(row, "median_force_N"), 10);
+                EXPECT_DOUBLE_EQ(table.needed(row, "p95_force_N"), 19);
+                EXPECT_NEAR(table.needed(row, "p05_z_mm"), -19, 1e-9);
+                EXPECT_EQ(table.needed(row, "median_direction_deg"), 0) << "of the 20 with a force";
+            }
+            EXPECT_EQ(full, 10u);
+        }
+        for (const study::Figure& figure : data.figures) {
+            ASSERT_EQ(figure.curves.size(), 1u);
+            EXPECT_EQ(figure.curves[0].low, "p05_" + figure.y.column);
+        }
+    }
 }
 
 TEST(Addresses, StayBelowTheFolder) {

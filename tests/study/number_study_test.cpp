@@ -47,10 +47,13 @@ TEST(NumberErrors, AreLargeWhereDigitsAreLost) {
 
 // Two facets are equally near on the bisector below every ridge, so that rounding chooses there.
 TEST(WorstRounding, IsAJumpOnTies) {
+    std::deque<std::vector<LawRounding>> by_law;
     std::vector<LawRounding> found;
-    for (const Part& part : worst_rounding_parts(nullptr, true, found))
+    for (const Part& part : worst_rounding_parts(nullptr, true, by_law))
         if (part.name.find("8 x 4 cells") != std::string::npos)
             part.compute();
+    for (const std::vector<LawRounding>& rows : by_law)
+        found.insert(found.end(), rows.begin(), rows.end());
     const auto worst = [&](const std::string& law, bool same) {
         const auto at = std::ranges::find_if(
             found, [&](const LawRounding& one) { return one.law.ends_with(law) && one.same_facet == same; });

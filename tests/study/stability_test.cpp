@@ -42,6 +42,40 @@ TEST(LinearLoop, IsTheClosedFormOnAWall) {
     EXPECT_NEAR(wall_limit(bare_hand(10, 1, 4), 1000) / passive_stiffness(1, 1e-3, 4), 1, 1e-2);
 }
 
+// Whether a mass on a wall goes further out: its command held over each sample, the force following it with a time
+// constant, in steps of a hundredth of a sample.
+bool swings_out(double mass, double damping, double stiffness, double period, double lag) {
+    const int fine = 100, samples = 30000;
+    const double step = period / fine;
+    double place = 1, speed = 0, force = 0, early = 0, late = 0;
+    for (int i = 0; i < samples && std::abs(place) < 1e6; ++i) {
+        const double given = -stiffness * place;
+        for (int j = 0; j < fine; ++j) { // midpoint rule
+            const double middle_force = force + (given - force) * step / (2 * lag),
+                         middle_speed = speed + (force - damping * speed) / mass * step / 2;
+            speed += (middle_force - damping * middle_speed) / mass * step;
+            place += middle_speed * step;
+            force += (given - middle_force) * step / lag;
+        }
+        double& most = i < samples / 2 ? early : late;
+        if (i > samples / 4)
+            most = std::max(most, std::abs(place));
+    }
+    return late > early;
+}
+
+TEST(LinearLoop, ALateForceOfTheDeviceLowersTheLimit) {
+    // Routh & Hurwitz, where the force is not held: K < b / lag + b^2 / m.
+    for (const double lag : {0.003, 0.02})
+        EXPECT_NEAR(wall_limit(bare_hand(0.1, 2), 1e5, lag) / (2 / lag + 40), 1, 3e-3) << lag;
+    EXPECT_NEAR(wall_limit(bare_hand(0.1, 2), 1000, 1e-7) / wall_limit(bare_hand(0.1, 2), 1000), 1, 1e-3);
+    for (const double lag : {2e-4, 2e-3, 2e-2}) {
+        const double limit = wall_limit(bare_hand(0.1, 2), 1000, lag);
+        EXPECT_FALSE(swings_out(0.1, 2, 0.98 * limit, 1e-3, lag)) << lag;
+        EXPECT_TRUE(swings_out(0.1, 2, 1.02 * limit, 1e-3, lag)) << lag;
+    }
+}
+
 // `slope` is -dF/dp per N/m of K, of the plane x-z. N/m above which its pair of complex modes grows where the force is
 // not held but continuous: b^2 sigma / (m omega^2).
 double flutter_stiffness(const glm::dmat3& slope, double mass, double damping) {

@@ -120,6 +120,11 @@ function drawLine(target, points, x, y, colour, dash, width = 1.6) {
     .attr("d", d3.line().defined(([, b]) => b !== null && Number.isFinite(b)).x(([a]) => x(a)).y(([, b]) => y(b))(points));
 }
 
+// [x, y, low, high]
+function drawBand(target, points, x, y) {
+  target.append("path").attr("fill", "var(--plot-ink)").attr("fill-opacity", 0.16).attr("d", d3.area().x(([a]) => x(a)).y0(([, , low]) => y(low)).y1(([, , , high]) => y(high))(points));
+}
+
 // Lines of numbers, null where missing, against a place: [{name, values, colour, dash}].
 function drawProfile(element, places, lines, label, placeLabel) {
   element.replaceChildren();
@@ -139,31 +144,43 @@ function drawScatter(element, study, figure) {
   const all = rowsOf(study, figure.table, figure.where);
   const shown = (some) => some.filter((row) => canShow(figure.x, row[figure.x.column]) && canShow(figure.y, row[figure.y.column]));
   const rows = shown(all), spanned = figure.span ? shown(rowsOf(study, figure.table, figure.span)) : rows;
-  const curves = figure.curves.map((curve) => ({ ...curve, points: rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
-    .filter(([a, b]) => canShow(figure.x, a) && canShow(figure.y, b)) })).filter((curve) => curve.points.length);
+  const curves = figure.curves.map((curve) => ({ ...curve, points: rowsOf(study, curve.table, curve.where)
+    .filter((row) => canShow(figure.x, row[curve.x]) && canShow(figure.y, row[curve.y]))
+    .map((row) => [row[curve.x], row[curve.y], ...(curve.low ? [row[curve.low], row[curve.high]] : [])]) })).filter((curve) => curve.points.length);
   const spread = (axis, column) => spanned.map((row) => row[column]).filter((value) => canShow(axis, value));
   const frame = new FigureFrame(element, figure);
   const x = scaleOf(figure.x, [...spanned.map((row) => row[figure.x.column]), ...curves.flatMap((c) => c.points.map((p) => p[0])), ...spread(figure.x, figure.x_low), ...spread(figure.x, figure.x_high)],
     [PLOT.left, frame.right]);
-  const y = scaleOf(figure.y, [...spanned.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
+  const y = scaleOf(figure.y, [...spanned.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.flatMap((p) => p.slice(1))), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
     [frame.bottom, PLOT.top]);
   const valuesOf = (axis) => spanned.map((row) => row[axis.column]);
   frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90, valuesOf(figure.x)), ticksOf(y, figure.y, 7, valuesOf(figure.y)));
   const names = d3.set(rows, (row) => row[figure.series] === undefined || row[figure.series] === null ? "" : row[figure.series]).values();
   // A curve of a series' name, or of that and more, is that series' own; others differ by their dashes.
   let plain = 0;
+  const over = []; // lines with a band are drawn last, over thinner ones
   curves.forEach((curve, i) => {
     const own = names.includes(curve.label), of = own ? curve.label : names.find((name) => name && curve.label.startsWith(name + ", "));
+    if (curve.low)
+      drawBand(frame.body, curve.points, x, y);
     const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : of ? null : CURVE_DASHES[plain++ % 5];
-    drawLine(frame.body, curve.points, x, y, of ? styleOf(of).colour : "var(--plot-ink)", dash, 1.2);
+    const line = (target, points, across, up) => drawLine(target, points, across, up, of ? styleOf(of).colour : "var(--plot-ink)", dash, curve.low ? 2 : 1.2);
+    if (curve.low)
+      over.push(() => line(frame.body, curve.points, x, y));
+    else
+      line(frame.body, curve.points, x, y);
     if (!own)
-      frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, of ? styleOf(of).colour : "var(--plot-ink)", dash, 1.2));
+      frame.addLegend(curve.label, (key) => {
+        if (curve.low)
+          drawBand(key, [[-12, 0, -5, 5], [12, 0, -5, 5]], (v) => v, (v) => v);
+        line(key, [[-12, 0], [12, 0]], (v) => v, (v) => v);
+      });
   });
   for (const name of names) {
     const style = styleOf(name), own = rows.filter((row) => !figure.series || String(row[figure.series] || "") === name);
     const at = (row) => [x(row[figure.x.column]), y(row[figure.y.column])];
     if (figure.joined)
-      drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, null);
+      drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, null, over.length ? 0.9 : undefined);
     for (const row of own) {
       const [px, py] = at(row);
       const whisker = (axis, low, high, line) => {
@@ -175,18 +192,25 @@ function drawScatter(element, study, figure) {
       const pick = figure.picks && figure.picks.includes(row[figure.pick]);
       frame.body.append("path").attr("class", "mark").classed("pick", pick).classed("line", figure.joined && own.length > MOST_MARKS)
         .attr("tabindex", pick ? 0 : -1).attr("role", pick ? "button" : null).attr("transform", `translate(${px},${py})`)
-        .attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour).attr("stroke", "var(--plot-paper)").attr("stroke-width", 0.7)
+        .attr("d", d3.symbol().type(figure.shape ? styleOf(String(row[figure.shape])).symbol : style.symbol).size(46)()).attr("fill", style.colour).attr("stroke", "var(--plot-paper)").attr("stroke-width", 0.7)
         .datum(() => ({ study, figure, row }))
-        .append("title").text(rowText(study, figure.table, row, ["way", figure.label, figure.series, figure.x.column, figure.y.column, figure.low, figure.high,
+        .append("title").text(rowText(study, figure.table, row, ["way", figure.label, figure.series, figure.shape, figure.x.column, figure.y.column, figure.low, figure.high,
           ...study.tables.find((one) => one.name === figure.table).columns.slice(0, 12).map((column) => column.name)]));
     }
     if (figure.series)
       frame.addLegend(name, (key) => {
         if (figure.joined)
           drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, style.colour, null);
-        key.append("path").attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour);
+        if (figure.shape)
+          key.append("rect").attr("x", -6).attr("y", -6).attr("width", 12).attr("height", 12).attr("fill", style.colour);
+        else
+          key.append("path").attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour);
       });
   }
+  if (figure.shape)
+    for (const name of new Set(rows.map((row) => String(row[figure.shape]))))
+      frame.addLegend(name, (key) => key.append("path").attr("d", d3.symbol().type(styleOf(name).symbol).size(46)()).attr("fill", "var(--plot-quiet)"));
+  over.forEach((draw) => draw());
   placeLabels(frame, rows.filter((row) => figure.label && row[figure.label]).map((row) =>
     ({ text: String(row[figure.label]), x: x(row[figure.x.column]), y: y(row[figure.y.column]) })), rows.map((row) => [x(row[figure.x.column]), y(row[figure.y.column])]));
   if (rows.length < all.length)
@@ -278,6 +302,8 @@ function drawMap(element, study, figure) {
   figure.curves.forEach((curve, i) => {
     const points = rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
       .filter(([a, b]) => a !== null && b !== null && a >= xs[0] && a <= xs[xs.length - 1] && b >= ys[0] && b <= ys[ys.length - 1]);
+    if (curve.low)
+      drawBand(frame.body, curve.points, x, y);
     const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
     if (points.length)
       drawLine(frame.body, points, along(x, xs), along(y, ys), "var(--plot-ink)", dash, 1.8);

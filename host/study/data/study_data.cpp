@@ -200,9 +200,9 @@ void from_json(const Json& json, FigureKind& kind) {
 }
 
 FORCESHADE_FIELDS(FigureAxis, column, label, logarithmic)
-FORCESHADE_FIELDS(Curve, table, where, x, y, label, dashed)
+FORCESHADE_FIELDS_READ_BY(NLOHMANN_JSON_FROM_WITH_DEFAULT, Curve, table, where, x, y, label, dashed, low, high)
 FORCESHADE_FIELDS_READ_BY(NLOHMANN_JSON_FROM_WITH_DEFAULT, Figure, name, title, caption, kind, table, where, x, y,
-                          series, label, low, high, x_low, x_high, joined, value, value_label, value_logarithmic,
+                          series, label, shape, low, high, x_low, x_high, joined, value, value_label, value_logarithmic,
                           value_limit, value_words, curves, panels, pick, linked)
 FORCESHADE_FIELDS(Finding, name, text, figure, place, condition, interval)
 FORCESHADE_FIELDS(RunFacts, engine, device, driver, software, cpu, cores, quick, fingerprint, seconds)
@@ -385,6 +385,7 @@ void add_row(picture::Chart& chart, const Figure& figure, const Table& table, st
     point.x_low = end_of(table, row, figure.x_low);
     point.x_high = end_of(table, row, figure.x_high);
     point.label = text_of(table, row, figure.label);
+    point.shape = text_of(table, row, figure.shape);
     series_named(chart, text_of(table, row, figure.series), figure.joined).points.push_back(std::move(point));
 }
 

@@ -113,6 +113,7 @@ struct Curve {
     std::string x, y; /* columns */
     std::string label;
     bool dashed = false;
+    std::string low{}, high{}; /* columns with the ends of a band about y, which pages show; empty: none */
 };
 
 struct Figure {
@@ -125,6 +126,7 @@ struct Figure {
     FigureAxis x{}, y{};
     std::string series{};          /* scatter, bars: column whose words name the series; empty: one */
     std::string label{};           /* scatter: column with the words to stand at points; empty: none */
+    std::string shape{};           /* scatter: column whose words give the marks' shapes; empty: the series' */
     std::string low{}, high{};     /* columns with the ends of a spread about y; empty: none */
     std::string x_low{}, x_high{}; /* the same about x */
     bool joined = false;           /* scatter: points of a series are joined in the order of rows */

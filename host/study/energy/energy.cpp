@@ -1,6 +1,7 @@
 // The study and its surfaces.
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include <fmt/format.h>
 
@@ -139,12 +140,15 @@ StudyData study_energy(StudyRun& run) {
         results.surfaces = {own_bump(run.options().quick), own_mesh(run.options().quick)};
     std::vector<FileRecord> volumes;
     std::vector<Part> parts;
+    std::deque<std::vector<LoopRow>> loops; // of each law
     for (EnergySurface& surface : results.surfaces) {
         surface.strokes = drawn_strokes(surface.region, extents.loops);
         for (const EnergyLaw& law : surface.laws) {
             const std::string of = fmt::format("{}{}, {}", surface.name,
                                                law.elements ? fmt::format(" of {}", *law.elements) : "", law.scheme);
-            parts.push_back({"loops on " + of, [&] { add_loops_of(law, surface.strokes, extents, results.loops); }});
+            parts.push_back({"loops on " + of,
+                             [&, &rows = loops.emplace_back()] { add_loops_of(law, surface.strokes, extents, rows); },
+                             true});
             if (is_mapped(law, run.scene()))
                 parts.push_back({"curl of " + of, [&] {
                                      append(results.curl, curl_map(run.engine(), law, surface.region, extents.columns,
@@ -153,6 +157,8 @@ StudyData study_energy(StudyRun& run) {
         }
     }
     run.run(parts);
+    for (const std::vector<LoopRow>& rows : loops)
+        append(results.loops, rows);
     if (results.loops.empty())
         throw UsageError(
             "no loop over the scene's region stays in contact with its surface: set paths.centre to the middle of it, "

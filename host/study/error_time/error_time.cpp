@@ -1,6 +1,8 @@
 #include "host/study/error_time/error_time.h"
 
 #include <algorithm>
+#include <iterator>
+#include <mutex>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -60,51 +62,74 @@ MethodErrors over_all(std::vector<MethodErrors> all) {
     return errors;
 }
 
+// The errors of one draw, by method.
+std::map<std::string, MethodErrors> errors_by_method(std::span<const Method> methods, const KindPlaces& places,
+                                                     const Subject& subject, const Variant& drawn, double typical) {
+    const Forces truth = true_forces(subject, places.at);
+    KindOf kind_of(subject, drawn);
+    std::map<std::string, Forces> in_double; // of the static law and of the god-object
+    std::map<std::string, MethodErrors> all;
+    for (const Method& method : methods) {
+        if (!method.places) {
+            const Forces forces = method.forces(places.at);
+            const std::string law = method.family == "god-object" ? method.family : "direct";
+            if (method.family == law && method.precision == "f64")
+                in_double[law] = forces;
+            if (!in_double.contains(law))
+                in_double[law] = method.exact(places.at);
+            all[method.name] = errors_of(forces, in_double[law], places, truth, typical);
+            continue;
+        }
+        KindPlaces own{method.places(), {}, 0};
+        own.shared = own.at.size();
+        for (const TouchPlace& place : own.at)
+            own.kinds.push_back(kind_of(place));
+        all[method.name] =
+            errors_of(method.forces(own.at), method.exact(own.at), own, true_forces(subject, own.at), typical);
+    }
+    return all;
+}
+
 } // namespace
 
 void add_errors(std::vector<Method>& methods, const Subject& subject, const Variant& variant, const Extents& extents,
                 const Engines& engines, KnownPlaces& known) {
     const double typical = rms_of(true_forces(subject, subject.places));
-    std::map<std::string, std::vector<MethodErrors>> all; // by method
-    const bool is_drawn = std::ranges::any_of(
-        methods, [&](const Method& method) { return method.variant == &variant && method.forces && method.drawn; });
-    for (std::size_t draw = 0; draw < (is_drawn ? extents.draws : 1); ++draw) {
+    std::vector<Method> own; // that have errors
+    std::ranges::copy_if(methods, std::back_inserter(own),
+                         [&](const Method& method) { return method.variant == &variant && method.forces; });
+    const bool is_drawn = std::ranges::any_of(own, &Method::drawn);
+    std::vector<std::map<std::string, MethodErrors>> draws(is_drawn ? extents.draws : 1);
+    std::mutex known_mutex;
+    const auto take = [&](std::size_t draw) {
         const Variant& drawn = variant.at(draw);
         const auto key = std::tuple(&subject, variant.elements, &drawn == &variant ? 0 : draw);
+        std::unique_lock lock(known_mutex);
         auto at = known.find(key);
-        if (at == known.end())
-            at = known.emplace(key, places_of(subject, drawn, extents)).first;
-        const KindPlaces& places = at->second;
-        const Forces truth = true_forces(subject, places.at);
-        KindOf kind_of(subject, drawn);
-        std::map<std::string, Forces> in_double; // of the static law and of the god-object
-        std::vector<Method> moved;
-        if (draw > 0)
-            add_methods(moved, subject, variant, draw, engines);
-        for (const Method& method : draw > 0 ? moved : methods) {
-            if (!method.forces || (draw > 0 ? !method.drawn || !all.contains(method.name) : method.variant != &variant))
-                continue;
-            if (!method.places) {
-                const Forces forces = method.forces(places.at);
-                const std::string law = method.family == "god-object" ? method.family : "direct";
-                if (method.family == law && method.precision == "f64")
-                    in_double[law] = forces;
-                if (!in_double.contains(law))
-                    in_double[law] = method.exact(places.at);
-                all[method.name].push_back(errors_of(forces, in_double[law], places, truth, typical));
-                continue;
-            }
-            KindPlaces own{method.places(), {}, 0};
-            own.shared = own.at.size();
-            for (const TouchPlace& place : own.at)
-                own.kinds.push_back(kind_of(place));
-            all[method.name].push_back(
-                errors_of(method.forces(own.at), method.exact(own.at), own, true_forces(subject, own.at), typical));
+        if (at == known.end()) {
+            lock.unlock();
+            const KindPlaces places = places_of(subject, drawn, extents);
+            lock.lock();
+            at = known.emplace(key, places).first;
         }
-    }
+        lock.unlock();
+        std::vector<Method> moved;
+        if (draw > 0) {
+            add_methods(moved, subject, variant, draw, engines);
+            std::erase_if(moved, [](const Method& method) { return !method.forces || !method.drawn; });
+        }
+        draws[draw] = errors_by_method(draw > 0 ? moved : own, at->second, subject, drawn, typical);
+    };
+    take(0); // alone: it measures how long volumes take to make
+    on_all_cores(draws.size() - 1, [&](std::size_t i) { take(i + 1); });
     for (Method& method : methods)
-        if (method.variant == &variant && method.forces)
-            method.errors = over_all(std::move(all.at(method.name)));
+        if (method.variant == &variant && method.forces) {
+            std::vector<MethodErrors> all;
+            for (auto& draw : draws)
+                if (const auto found = draw.find(method.name); found != draw.end())
+                    all.push_back(std::move(found->second));
+            method.errors = over_all(std::move(all));
+        }
 }
 
 Round measure_round(std::span<const Method> methods, std::size_t number) {
@@ -196,7 +221,7 @@ StudyData study_error_time(StudyRun& run) {
     EngineOptions one_thread;
     one_thread.cpu = true;
     one_thread.threads = 1;
-    const std::unique_ptr<Engine> single_thread = make_engine(one_thread);
+    const std::unique_ptr<Engine> single_thread = shared_engine(make_engine(one_thread));
     std::vector<Method> methods;
     const Engines engines{run.engine(), *single_thread};
     for (const Subject& subject : subjects)

@@ -199,11 +199,53 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
          fmt::format("{}; {} places a law", kBootstrap, places)});
 }
 
+// The same law evaluated in two ways, one over the other: of each surface the thorough law that is shaded, in double.
+std::optional<std::pair<Interval, const Method*>> between(const Measured& measured, const Subject& subject,
+                                                          const std::string& family, const std::string& other) {
+    const auto find = [&](const std::string& name) {
+        const auto found = std::ranges::find_if(measured.methods, [&](const Method& method) {
+            return method.subject == &subject && method.family == name && method.precision == "f64" &&
+                   method.variant->thorough && method.variant->shading != "none";
+        });
+        return static_cast<std::size_t>(found - measured.methods.begin());
+    };
+    const std::size_t one = find(family), two = find(other);
+    if (one == measured.methods.size() || two == measured.methods.size())
+        return std::nullopt;
+    return std::pair(measured.times.ratio(one, two), &measured.methods[one]);
+}
+
+// What a hint saves, and what threads do.
+void add_ways_to_run(std::vector<Finding>& findings, const Measured& measured) {
+    const Subject& subject = measured.subjects.back();
+    if (const auto proxy = between(measured, subject, "god-object, without a hint", "god-object"))
+        findings.push_back({"hints",
+                            fmt::format("Without the triangles that the update before found about the proxy, a "
+                                        "god-object's update {}.",
+                                        times_as_long(proxy->first, "with them")),
+                            "", law_name(*proxy->second),
+                            touched_depths(subject) + ", approached from above, one thread", kBootstrap});
+    std::vector<std::string> batches;
+    const Method* of = nullptr;
+    for (const Subject& one : measured.subjects)
+        if (const auto batch = between(measured, one, "direct, a batch on all threads", "direct")) {
+            batches.push_back(fmt::format("{:.2f} [{:.2f}, {:.2f}] ({})", batch->first.median, batch->first.low,
+                                          batch->first.high, one.name));
+            of = batch->second;
+        }
+    if (of)
+        findings.push_back({"batches",
+                            fmt::format("A place in a batch of 65536 on all threads takes {} of the time of one alone.",
+                                        fmt::join(batches, ", ")),
+                            "", "the shaded laws that are also read from volumes", "direct evaluation in double",
+                            kBootstrap});
+}
+
 } // namespace
 
 std::vector<Finding> findings_of(const Measured& measured) {
     std::vector<Finding> findings;
-    for (const auto add : {add_lookup, add_shading, add_cheapest, add_precision})
+    for (const auto add : {add_lookup, add_shading, add_cheapest, add_ways_to_run, add_precision})
         add(findings, measured);
     return findings;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <numeric>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "host/field/engine.h"
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
+#include "host/reference/chunks.h"
 #include "host/study/error_time/volumes.h"
 
 namespace forceshade::study::error_time {
@@ -21,6 +23,8 @@ namespace {
 constexpr std::size_t kTimedPlaces = 2048;
 constexpr std::size_t kStride = 617;      // from one place evaluated alone to the next: no neighbour
 constexpr std::size_t kGridPlaces = 2000; // of a grid, at which it is compared with the truth
+constexpr std::size_t kBatch = 65536;     // places of a batch
+constexpr std::size_t kShare = 1024;      // of them that a thread takes at once
 constexpr double kShortest = 1e-3;        // s: of a measurement
 
 template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
@@ -55,6 +59,30 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
         return seconds / static_cast<double>(passes * count);
     };
 }
+
+// A god-object whose updates begin without the triangles about the one before.
+template <typename T> class ProxyWithoutHint {
+public:
+    ProxyWithoutHint(const PreparedCase& prepared, const TouchScale& scale) : scale_(scale), law_(prepared) {}
+    std::vector<glm::dvec3> input(const TouchPlace& place) const { return descent(place, scale_); }
+    reference::Vector<T> force(std::span<const glm::dvec3> approach) noexcept {
+        path_.begun = false;
+        reference::Vector<T> force(T(0));
+        for (const glm::dvec3& place : approach) {
+            around_.count = 0;
+            around_.box = reference::kNoBox;
+            around_.close.forget();
+            force = law_.follow(path_, around_, place).contact.force;
+        }
+        return force;
+    }
+
+private:
+    TouchScale scale_;
+    CaseLaw<T> law_;
+    typename CaseLaw<T>::Path path_;
+    reference::Neighbourhood<T> around_;
+};
 
 // How a volume is stored and read.
 enum class Reading { trilinear, tricubic, depth, band, adaptive };
@@ -196,6 +224,37 @@ public:
             return [&prepared = *variant_.prepared, &scale = subject_.scale] {
                 return std::make_unique<ProxyForce<T>>(prepared, scale);
             };
+        });
+    }
+    // Its errors are the god-object's, to the bit: it has none of its own.
+    void add_god_object_without_hint() {
+        const auto add_one = [&]<typename T>(T) {
+            set_law(add(Use::live, "god-object, without a hint", kPrecision<T>), kDescent,
+                    [&prepared = *variant_.prepared, &scale = subject_.scale] {
+                        return std::make_unique<ProxyWithoutHint<T>>(prepared, scale);
+                    })
+                .forces = nullptr;
+        };
+        add_one(0.0);
+        add_one(0.0F);
+    }
+    // Many places at once, as Python's force() takes them.
+    template <typename T> void add_batch() {
+        const auto law = lazily([&prepared = *variant_.prepared] { return std::make_unique<CaseLaw<T>>(prepared); });
+        const auto inputs = lazily([law, &places = subject_.places] {
+            std::vector<reference::Vector<T>> all;
+            for (std::size_t i = 0; i < kBatch; ++i)
+                all.push_back(law()->rounded(places[i % std::min(kTimedPlaces, places.size())].at));
+            return all;
+        });
+        add(Use::batch, "direct, a batch on all threads", kPrecision<T>).seconds = timed(kBatch, [law, inputs] {
+            std::vector<double> sums(kBatch / kShare);
+            reference::share_out(reference::threads_for(0), sums.size(), [&](std::size_t, std::size_t share) {
+                layout::uint hint = 0;
+                for (std::size_t i = share * kShare; i < (share + 1) * kShare; ++i)
+                    sums[share] += static_cast<double>(law()->at_rounded(inputs()[i], hint).force.z);
+            });
+            return std::accumulate(sums.begin(), sums.end(), 0.0);
         });
     }
     void add_lookups() {
@@ -354,7 +413,7 @@ private:
 } // namespace
 
 const char* name_of(Use use) {
-    constexpr const char* kNames[] = {"live", "volume", "loop"};
+    constexpr const char* kNames[] = {"live", "batch", "volume", "loop"};
     return kNames[static_cast<std::size_t>(use)];
 }
 
@@ -369,6 +428,10 @@ void add_methods(std::vector<Method>& methods, const Subject& subject, const Var
         law.add_god_object();
     if (!variant.thorough)
         return;
+    if (variant.prepared->images.mesh)
+        law.add_god_object_without_hint();
+    law.add_batch<float>();
+    law.add_batch<double>();
     law.add_lookups();
     law.add_field<float>(by, engine);
     if (report.f64)

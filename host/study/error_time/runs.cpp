@@ -415,7 +415,7 @@ std::vector<Finding> met_findings(const Measured& measured, const std::vector<As
     return {
         {"as_met",
          fmt::format("Waited for at 1 kHz, with sleeps between, every method's force takes at least {:.0f} times as "
-                     "long as in a warm loop (median); the longest of all waits was {:.1g} % of a sample.",
+                     "long as in a warm loop (median); the longest of all waits was {:.1f} % of a sample.",
                      std::floor(least), 100 * worst * kLoopRate),
          "", fmt::format("{} methods", methods), "one evaluation a millisecond, on a thread that sleeps between",
          fmt::format("{} samples and {} with empty caches of each method", met.front().ticks, met.front().colds)}};

@@ -96,8 +96,9 @@ KindPlaces places_of(const Subject& subject, const Variant& variant, const Exten
 
 // A method of computing a force: a law, its evaluation, and its errors.
 
-/// The use of a method. live: one place after the other on one thread; volume: whole grids; loop: steps with a hand.
-enum class Use { live, volume, loop };
+/// The use of a method. live: one place after the other on one thread; batch: many places at once; volume: whole grids;
+/// loop: steps with a hand.
+enum class Use { live, batch, volume, loop };
 const char* name_of(Use use);
 
 /// N, at places.

@@ -50,9 +50,13 @@ const ErrorColumns& method_columns() {
         {"way", "", "method: the law, and its evaluation", [](const R& r) { return r.method.name; }},
         {"surface", "", "the subject of comparison", [](const R& r) { return r.method.subject->name; }},
         {"against", "", "the reference of the errors", [](const R& r) { return r.method.subject->against; }},
-        {"use", "", "live: one place after the other on one thread; volume: whole grids; loop: steps with a hand",
+        {"use", "",
+         "live: one place after the other on one thread; batch: 65536 places at once on all threads; volume: whole "
+         "grids; loop: steps with a hand",
          [](const R& r) { return name_of(r.method.use); }},
         {"family", "", "kind of evaluation", [](const R& r) { return r.method.family; }},
+        {"method", "", "the family's kind",
+         [](const R& r) { return r.method.family.substr(0, r.method.family.find(',')); }},
         {"precision", "", "of the arithmetic, and of the stored forces", [](const R& r) { return r.method.precision; }},
         {"shading", "", "as in a scene's [force]", [](const R& r) { return r.method.variant->shading; }},
         {"elements", "1", "facets of a bump, cells of a mesh along a side",
@@ -317,22 +321,27 @@ constexpr std::pair<const char*, double> kBudgets[] = {
     {"loop of 4 kHz", 0.25e-3}, {"loop of 1 kHz", 1e-3}, {"1e9 voxels in 10 min", 600e-9}};
 
 Table budgets_table(const Measured& measured) {
-    double least = 1, most = kLeastShown;
-    for (const Method& method : measured.methods)
-        if (const double error = method.errors ? method.errors->shared.bounded_local() : NAN; std::isfinite(error)) {
-            least = std::min(least, shown(error));
-            most = std::max(most, error);
-        }
     struct R {
+        const std::string* surface;
         const char* name;
         double time, error;
     };
     std::vector<R> rows;
-    for (const auto& [name, seconds] : kBudgets)
-        for (const double end : {least, most})
-            rows.push_back({name, 1e9 * seconds, end});
+    for (const Subject& subject : measured.subjects) {
+        double least = 1, most = kLeastShown;
+        for (const Method& method : measured.methods)
+            if (const double error = method.errors ? method.errors->shared.bounded_local() : NAN;
+                method.subject == &subject && std::isfinite(error)) {
+                least = std::min(least, shown(error));
+                most = std::max(most, error);
+            }
+        for (const auto& [name, seconds] : kBudgets)
+            for (const double end : {least, most})
+                rows.push_back({&subject.name, name, 1e9 * seconds, end});
+    }
     return table_of<R>("budgets", "Lines of figures: the time budget of an evaluation",
-                       {{"budget", "", "of what", &R::name},
+                       {{"surface", "", "as in ways", [](const R& r) { return *r.surface; }},
+                        {"budget", "", "of what", &R::name},
                         {"time_ns", "ns", "for an evaluation", &R::time},
                         {"error", "1", "where the line begins and ends", &R::error}},
                        rows);
@@ -343,14 +352,15 @@ Figure error_over_time(const Subject& subject, bool own) {
         "error-time-" + subject.name,
         fmt::format("{}: error of the force against the time of an evaluation",
                     own ? subject.name == "bump" ? "Bump" : "Mesh" : "Scene"),
-        fmt::format(
-            "Each mark is a method of computing a force, where a hand touches; left is cheaper, down is closer to "
-            "{}. The error is the 95th percentile over the places, over the force there. Whiskers are 95 % "
-            "intervals of paired rounds. The lines join the methods that are significantly cheaper than all "
-            "closer ones. Methods that miss the force at more than 1 % of the places are left out.",
-            subject.against),
+        fmt::format("Each mark is a way of computing a force where a hand touches: its colour is the shading, its "
+                    "shape the method. Left is cheaper, down is closer to "
+                    "{}. The error is the 95th percentile over the places, over the force there. Whiskers are 95 % "
+                    "intervals of paired rounds. The lines join the methods that are significantly cheaper than all "
+                    "closer ones. Methods that miss the force at more than 1 % of the places are left out.",
+                    subject.against),
         FigureKind::scatter, "ways", {{"surface", subject.name}}, {"time_ns", "time of an evaluation / ns", true},
-        {"shown_local_1", "error over the force there, 95 % of places", true}, "family", "on_front");
+        {"shown_local_1", "error over the force there, 95 % of places", true}, "shading", "on_front");
+    figure.shape = "method";
     figure.x_low = "time_low_ns";
     figure.x_high = "time_high_ns";
     for (const Use use : kUses) {
@@ -359,7 +369,8 @@ Figure error_over_time(const Subject& subject, bool own) {
             {"front", front, "time_ns", "error", fmt::format("front, {}", name_of(use)), use == Use::volume});
     }
     for (const auto& [name, seconds] : kBudgets)
-        figure.curves.push_back({"budgets", {{"budget", name}}, "time_ns", "error", name, true});
+        figure.curves.push_back(
+            {"budgets", {{"surface", subject.name}, {"budget", name}}, "time_ns", "error", name, true});
     return figure;
 }
 

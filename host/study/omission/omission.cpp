@@ -158,7 +158,9 @@ std::string name_of(const Row& row) {
 
 // "takes 15 times as long", "takes 12 % longer".
 std::string longer(double ratio) {
-    return ratio >= 2 ? fmt::format("{:.2g} times as long", ratio) : fmt::format("{:.2g} % longer", 100 * (ratio - 1));
+    return ratio >= 10    ? fmt::format("{:.0f} times as long", ratio)
+           : ratio >= 1.5 ? fmt::format("{:.2g} times as long", ratio)
+                          : fmt::format("{:.2g} % longer", 100 * (ratio - 1));
 }
 
 std::string interval_of(const std::vector<Row>& rows, const Row& row) {

@@ -1,7 +1,10 @@
 #include "host/study/run/study_run.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
+#include <mutex>
 
 #include <fmt/format.h>
 
@@ -9,10 +12,57 @@
 #include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/program.h"
+#include "host/reference/chunks.h"
 #include "host/sweep/sweep.h"
 #include "host/threads.h"
 
 namespace forceshade::study {
+
+namespace {
+
+class SharedEngine final : public Engine {
+public:
+    explicit SharedEngine(std::unique_ptr<Engine> engine) : engine_(std::move(engine)) {}
+    EngineReport report() const override {
+        const std::lock_guard lock(mutex_);
+        return engine_->report();
+    }
+    EngineTimes run(const EngineWork& work) override {
+        const std::lock_guard lock(mutex_);
+        return engine_->run(work);
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::unique_ptr<Engine> engine_;
+};
+
+} // namespace
+
+std::unique_ptr<Engine> shared_engine(std::unique_ptr<Engine> engine) {
+    return std::make_unique<SharedEngine>(std::move(engine));
+}
+
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work) {
+    std::mutex mutex;
+    std::exception_ptr failed;
+    reference::share_out(std::min<std::size_t>(most_threads(), count), count, [&](std::size_t, std::size_t i) {
+        {
+            const std::lock_guard lock(mutex);
+            if (failed)
+                return;
+        }
+        try {
+            work(i);
+        } catch (...) {
+            const std::lock_guard lock(mutex);
+            if (!failed)
+                failed = std::current_exception();
+        }
+    });
+    if (failed)
+        std::rethrow_exception(failed);
+}
 
 StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
     if (options_.scene)
@@ -20,7 +70,7 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
     scene_text_ = scene_ ? scene_->scene : "";
     for (const Case& one : options_.cases)
         scene_text_ += resolved_toml(one) + "\n";
-    engine_ = make_engine(options_.engine);
+    engine_ = shared_engine(make_engine(options_.engine));
     make_subfolder(options_.folder.parent_path(), options_.folder.filename().string());
     clear_stale_temporaries(options_.folder);
     const EngineReport report = engine_->report();
@@ -31,11 +81,19 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
 
 void StudyRun::run(const std::vector<Part>& parts) {
     Stage stage("beginning", parts.size(), "parts");
-    std::size_t done = 0;
-    for (const Part& part : parts) {
+    std::atomic<std::size_t> done = 0;
+    const auto take = [&](const Part& part) {
         check_interrupt();
-        stage.update(done++, part.name);
+        stage.update(done, part.name);
         part.compute();
+        stage.update(++done);
+    };
+    for (auto part = parts.begin(); part != parts.end();) {
+        auto end = std::find_if(part, parts.end(), [](const Part& one) { return !one.shares_cores; });
+        end = std::max(end, part + 1);
+        on_all_cores(static_cast<std::size_t>(end - part),
+                     [&](std::size_t i) { take(part[static_cast<std::ptrdiff_t>(i)]); });
+        part = end;
     }
 }
 

@@ -27,7 +27,15 @@ struct StudyOptions {
 struct Part {
     std::string name; /* for the progress bar */
     std::function<void()> compute;
+    bool shares_cores = false; /* measures no time, and runs while others do; adds to nothing that they add to */
 };
+
+/// work(i) for every i below `count`, at the same time on all cores. \throws the first exception of one, once all that
+/// have begun have ended.
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work);
+
+/// The same engine, for one thread at a time: others wait.
+std::unique_ptr<Engine> shared_engine(std::unique_ptr<Engine> engine);
 
 class StudyRun {
 public:
@@ -35,6 +43,7 @@ public:
     /// compute::DeviceError.
     StudyRun(std::string study, const StudyOptions& options);
 
+    /// For any thread.
     Engine& engine() { return *engine_; }
     const StudyOptions& options() const { return options_; }
     /// The user's scene with its files, if given.
@@ -42,8 +51,8 @@ public:
     /// The user's scenes as resolved TOML; empty: none.
     const std::string& scene_text() const { return scene_text_; }
 
-    /// Takes the parts in their order. An interrupt ends it between parts. \throws Interrupted, and the exceptions
-    /// of parts.
+    /// Takes the parts in their order, neighbours that share cores at the same time. An interrupt ends it between
+    /// parts. \throws Interrupted, and the exceptions of parts.
     void run(const std::vector<Part>& parts);
 
     /// Equal where a run would do the same again: of the program, the device, the scene and the form.

@@ -50,7 +50,8 @@ const Quantity kQuantities[] = {
     {"damping", "N s/m", 0.03, 100, [](LoopCell& cell, double value) { cell = damped(cell, value); }},
     {"rate", "Hz", 1e2, 1e5, [](LoopCell& cell, double value) { cell.rate = value; }},
     {"delay", "samples", 0, 8,
-     [](LoopCell& cell, double value) { cell.hand.delay_samples = static_cast<std::uint64_t>(value); }}};
+     [](LoopCell& cell, double value) { cell.hand.delay_samples = static_cast<std::uint64_t>(value); }},
+    {"lag", "s", 1e-5, 0.1, [](LoopCell& cell, double value) { cell.lag = value; }}};
 
 std::vector<double> values_of(const Quantity& quantity, bool quick) {
     if (quantity.low == 0)
@@ -197,8 +198,9 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
     return run_rows(engine, surface, place, std::move(loops), fine.columns, run);
 }
 
-double friction_basin(double mass, double friction, double stiffness, double sample_time) {
-    return 8 * friction / (std::numbers::pi * stiffness * sample_time * std::sqrt(stiffness / mass));
+double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay) {
+    const double late = (0.5 + static_cast<double>(delay)) * sample_time; // s
+    return 4 * friction / (std::numbers::pi * stiffness * late * std::sqrt(stiffness / mass));
 }
 
 std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
@@ -215,7 +217,7 @@ std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const
             MapLoop loop{"basin", surface.name, cell, {}, false, 0};
             loop.kick = short_between(place.depth / 200, place.depth / 2, j, fine.rows);
             loop.cell.stiffness = short_between(highest / 100, highest, i, fine.columns);
-            loop.foreseen = loop.kick < friction_basin(cell.hand.mass, friction, loop.cell.stiffness, 1 / cell.rate);
+            loop.foreseen = loop.kick < friction_basin(cell.hand.mass, friction, loop.cell.stiffness, 1 / cell.rate, 0);
             loops.push_back(loop);
         }
     LoopRun run;
@@ -282,7 +284,7 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
         if (loop.map != "basin" || loop.kick != kicks.first)
             continue;
         const double basin =
-            friction_basin(loop.cell.hand.mass, loop.cell.hand.coulomb, loop.cell.stiffness, 1 / loop.cell.rate);
+            friction_basin(loop.cell.hand.mass, loop.cell.hand.coulomb, loop.cell.stiffness, 1 / loop.cell.rate, 0);
         if (basin >= kicks.first && basin <= kicks.second)
             points.push_back(
                 {.map = "basin", .curve = "8 f_c / (pi K T w)", .stiffness = loop.cell.stiffness, .kick = basin});
@@ -313,6 +315,10 @@ double AtlasPoint::mass_group() const {
 }
 double AtlasPoint::grip_group() const {
     return least.cell.hand.grip_stiffness / (damping_of(least.cell.hand) * least.cell.rate);
+}
+
+double AtlasPoint::lag_group() const {
+    return least.cell.lag * least.cell.rate;
 }
 
 std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick) {

@@ -298,15 +298,18 @@ std::vector<SearchedLaw> laws_of(PreparedCase scene) {
 
 } // namespace
 
-std::vector<Part> worst_rounding_parts(const PreparedCase* scene, bool quick, std::vector<LawRounding>& found) {
+std::vector<Part> worst_rounding_parts(const PreparedCase* scene, bool quick,
+                                       std::deque<std::vector<LawRounding>>& found) {
     std::vector<Part> parts;
     for (const SearchedLaw& law : scene ? laws_of(*scene) : own_laws())
-        parts.push_back({"single precision of " + law.name, [law, quick, &found] {
+        parts.push_back({"single precision of " + law.name,
+                         [law, quick, &rows = found.emplace_back()] {
                              const std::size_t places = quick ? 20'000 : 200'000;
                              for (const WorstRounding& one :
                                   worst_rounding(law.prepared, law.strokes ? places / 20 : places, law.strokes))
-                                 found.push_back({one, law.name});
-                         }});
+                                 rows.push_back({one, law.name});
+                         },
+                         true});
     return parts;
 }
 

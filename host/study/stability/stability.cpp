@@ -2,6 +2,7 @@
 #include "host/study/stability/stability.h"
 
 #include <algorithm>
+#include <deque>
 
 #include "host/touch/places.h"
 
@@ -123,15 +124,30 @@ StudyData study_stability(StudyRun& run) {
     LoopResults loops;
     loops.surfaces = run.scene() ? std::vector{scene_surface(*run.scene())} : own_surfaces();
     std::vector<Part> parts;
+    std::deque<LoopResults> by_surface;
     for (const LoopSurface& surface : loops.surfaces)
-        parts.push_back({"loops on " + surface.name, [&] { study_surface(run.engine(), surface, quick, loops); }});
-    parts.push_back({"maps of loops", [&] { add_maps(run.engine(), quick, loops); }});
-    std::vector<LawRounding> worst;
+        parts.push_back({"loops on " + surface.name,
+                         [&, &own = by_surface.emplace_back()] { study_surface(run.engine(), surface, quick, own); },
+                         true});
+    parts.push_back({"maps of loops", [&] {
+                         for (LoopResults& own : by_surface) {
+                             append(loops.limits, std::move(own.limits));
+                             append(loops.atlas, std::move(own.atlas));
+                             append(loops.swings, std::move(own.swings));
+                             append(loops.couplings, std::move(own.couplings));
+                             append(loops.profile, std::move(own.profile));
+                         }
+                         add_maps(run.engine(), quick, loops);
+                     }});
+    std::deque<std::vector<LawRounding>> by_law;
     std::vector<NumberRow> numbers;
     if (!run.scene()) // of plain surfaces of the study's own
         append(parts, number_parts(run.engine(), quick, numbers));
-    append(parts, worst_rounding_parts(run.scene() ? &*run.scene() : nullptr, quick, worst));
+    append(parts, worst_rounding_parts(run.scene() ? &*run.scene() : nullptr, quick, by_law));
     run.run(parts);
+    std::vector<LawRounding> worst;
+    for (const std::vector<LawRounding>& rows : by_law)
+        append(worst, rows);
     StudyData data = run.data();
     add_loops(data, loops);
     data.findings = loop_findings(loops);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -92,9 +93,10 @@ std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, co
 std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
 
 /// m: kicks up to here die out by friction, N, alone: of a mass, kg, without damping on a wall of `stiffness`, N/m,
-/// whose force is held for a sample, s. The hold feeds pi K T w A^2 / 2 a cycle, w = sqrt(K / m), and friction takes 4
-/// f_c A, so that A = 8 f_c / (pi K T w). Needs w T far below 1.
-double friction_basin(double mass, double friction, double stiffness, double sample_time);
+/// whose force is held for a sample, s, and `delay` samples late. Hold and delay feed pi K T w A^2 (1/2 + delay) a
+/// cycle, w = sqrt(K / m), and friction takes 4 f_c A, so that A = 4 f_c / (pi K T w (1/2 + delay)). Needs w T (1/2 +
+/// delay) far below 1.
+double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay);
 
 /// Loops on a wall without damping, over stiffness and kick; `foreseen` by friction_basin.
 std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
@@ -121,10 +123,11 @@ struct AtlasPoint {
     double limit_group() const;
     double mass_group() const;
     double grip_group() const;
+    double lag_group() const; // the lag over a sample
 };
 
 /// What is varied: mass from a gram to 10 kg, grip from 20 to 5000 N/m, damping from 0.03 to 100 N s/m, rate from 100
-/// Hz to 100 kHz, delay from 0 to 8 samples.
+/// Hz to 100 kHz, delay from 0 to 8 samples, lag of the device's force from 10 us to 0.1 s.
 struct Quantity {
     const char *name, *unit;
     double low, high; /* SI */
@@ -210,7 +213,8 @@ struct LawRounding : WorstRounding {
 
 /// A part for each law of the study's own, or of the scene; `found` must outlive them and receives two a law, at most:
 /// the worst of the same facet, and of another one.
-std::vector<Part> worst_rounding_parts(const PreparedCase* scene, bool quick, std::vector<LawRounding>& found);
+std::vector<Part> worst_rounding_parts(const PreparedCase* scene, bool quick,
+                                       std::deque<std::vector<LawRounding>>& found);
 
 /// Adds the table and its finding. `own`: of the study's laws, not of a scene's.
 void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, bool own);

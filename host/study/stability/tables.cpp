@@ -80,14 +80,15 @@ Table atlas_table(const LoopResults& results) {
          {"series", "", "surface and kind", [](const R& r) { return series_of(r); }},
          {"depth_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.least.place.depth; }},
          {"varied", "", "quantity that is varied; all else is the hand's own", &R::quantity},
-         {"value", "SI", "of that quantity: kg, N/m, N s/m, Hz or samples", &R::value},
+         {"value", "SI", "of that quantity: kg, N/m, N s/m, Hz, samples or s", &R::value},
          {"b_T_over_m_1", "1", "damping times sample over mass", &R::mass_group},
          {"kg_T_over_b_1", "1", "the grip's stiffness times sample over damping", &R::grip_group},
          {"delay_samples", "1", "from measurement to force",
           [](const R& r) { return r.least.cell.hand.delay_samples; }},
+         {"lag_over_T_1", "1", "time constant with which the device's force follows, over a sample", &R::lag_group},
          {"limit_N_per_m", "N/m", "as in loop_limits, at that place", [](const R& r) { return r.least.limit; }},
          {"K_T_over_b_1", "1", "the limit times sample over damping; 2 is passive without delay", &R::limit_group},
-         {"of_wall_1", "1", "of K_crit of a wall with this hand, rate and delay",
+         {"of_wall_1", "1", "of K_crit of a wall with this hand, rate, delay and lag",
           [](const R& r) { return r.least.limit.value_or(NAN) / r.least.wall; }},
          {"simulated_N_per_m", "N/m",
           "the limit of the loop stepped through the surface's own force, where that was done",
@@ -326,6 +327,8 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                                        {"kg_T_over_b_1", "k_g T / b", true}));
         figures.push_back(
             atlas_figure("delay", "The limit over the delay", places, {"delay_samples", "delay / samples"}));
+        figures.push_back(atlas_figure("lag", "The limit over the lag of the device's force, 0.01 to 100 ms", places,
+                                       {"lag_over_T_1", "lag / T", true}));
     }
     if (!results.couplings.empty())
         figures.push_back(
