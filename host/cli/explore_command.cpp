@@ -112,11 +112,14 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
 
 void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine, const Scene& scene) {
     print_note("{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, "
-               "work {:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it; {} of {} compared with the oracle, {} differ\n",
+               "work {:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it{}\n",
                out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device,
                record.steps_per_second() / 1e6, 100 * share(record.in_contact, record.samples), record.unstable,
-               record.largest_force, record.work, record.mean_depth, record.depth_deviation, record.error.paths,
-               plural(record.paths, "path"), record.error.differing + record.error.metrics);
+               record.largest_force, record.work, record.mean_depth, record.depth_deviation,
+               record.error.paths == 0
+                   ? ""
+                   : fmt::format("; {} of {} compared with the oracle, {} differ", record.error.paths,
+                                 plural(record.paths, "path"), record.error.differing + record.error.metrics));
     if (record.deviation)
         print_note("{}", deviation_text(*record.deviation));
     constexpr double kHardly = 0.1; // of the samples
