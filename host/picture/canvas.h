@@ -94,7 +94,8 @@ std::string known_series_json();
 Rgb8 series_colour(std::size_t number);
 /// Half way to white.
 Rgb8 lighter(Rgb8 colour);
-/// Seven shapes by number, again from the eighth on, in the order of d3: circle, square, triangle, diamond, cross, star, wye.
+/// Seven shapes by number, again from the eighth on, in the order of d3: circle, square, triangle, diamond, cross,
+/// star, wye.
 void draw_mark(Canvas& canvas, Rgb8 colour, std::size_t shape, Point at);
 
 } // namespace forceshade::picture

@@ -83,7 +83,8 @@ struct Reading {
     void check_figure(const std::string& folder, const StudyPart& part, const study::Figure& figure) {
         try {
             const study::Table& table = part.data.table(figure.table);
-            for (const std::string* column : {&figure.x.column, &figure.y.column, &figure.series, &figure.shape, &figure.value})
+            for (const std::string* column :
+                 {&figure.x.column, &figure.y.column, &figure.series, &figure.shape, &figure.value})
                 if (!column->empty())
                     table.index(*column);
             for (const study::Curve& curve : figure.curves)
