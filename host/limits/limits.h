@@ -103,11 +103,16 @@ struct SceneLimits {
     std::optional<double> coupling;  /* N/m: of the hand's virtual coupling */
     bool coupled_rests = false;      // with it, everywhere
     std::optional<double> safe;      /* N/m: of the safe coupling, where the loop is unstable */
+    double foot = 0;                 /* rad: the sharpest jump of the direction inwards, as at the foot of a bump, on
+                                        which no stiffness comes to rest; 0: none found */
+    std::optional<double> buzz;      /* N/m: above this friction does not hold a step of the measured position, 2 f_c /
+                                        quantum (Abbott & Okamura 2005); empty: it is not measured in steps */
 
     /// N/m: the lower of both.
     double limit() const { return least && least->limit ? std::min(*least->limit, wall) : wall; }
     bool stable() const { return coupling ? coupled_rests : stiffness < limit(); }
-    /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)".
+    /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)", but on a foot, and but for
+    /// steps of the measured position.
     std::string text() const;
     /// What would hold: "a lower force.stiffness, ...".
     std::string remedy() const;

@@ -49,12 +49,12 @@ struct LoopCell {
     double lag = 0;       /* s: time constant with which the device's force follows what it is given */
 };
 
-/// How that force goes over a sample during which what it is given is held: what is still missing of it at the start
-/// adds this much of itself to place and speed, and so much of it is missing at the end.
+/// Over a sample the device is given one force, and its own approaches that. Of each newton by which it is above that
+/// at the start:
 struct LagMap {
-    double place = 0; /* m/N */
-    double speed = 0; /* m/s/N */
-    double left = 0;  /* 1 */
+    double place = 0; /* m: what it adds to the place */
+    double speed = 0; /* m/s: to the speed */
+    double left = 0;  /* N: still there at the end */
 };
 /// Exactly, of the axis; all 0 without a lag.
 LagMap lag_map(const Axis& axis, double period, double lag);

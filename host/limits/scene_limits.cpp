@@ -6,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/limits/limits.h"
+#include "host/touch/force_errors.h"
 
 namespace forceshade {
 namespace {
@@ -121,6 +122,11 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
     for (const LeastLimit& one : least_limits(as_it_is.surface, as_it_is.places, {{bare, rate, 1}}))
         if (one.limit && (!found.least || *one.limit < *found.least->limit))
             found.least = one;
+    for (const RestPlace& place : as_it_is.places)
+        if (place.kind == PlaceKind::foot)
+            found.foot = std::max(found.foot, place.jump);
+    if (scene.hand.quantisation > 0)
+        found.buzz = 2 * scene.hand.coulomb / scene.hand.quantisation;
     // On a wall, too. Deeper, where a coupling gives way: for one that is not yet known as deep as it may be.
     const auto with_wall = [&](double stiffness) {
         std::vector<RestPlace> places = touched(prepared, rate, most, stiffness).places;
@@ -157,8 +163,14 @@ std::string SceneLimits::text() const {
                                displayed_stiffness(stiffness, *coupling), *coupling,
                                coupled_rests ? "at rest everywhere" : "not at rest everywhere")
                  : "";
-    return fmt::format("{:.6g} N/m{}; a {} comes to rest below {:.4g} N/m{}{}", stiffness, through, hand, limit(),
-                       place, coupling ? " without coupling" : "");
+    std::string text = fmt::format("{:.6g} N/m{}; a {} comes to rest below {:.4g} N/m{}{}", stiffness, through, hand,
+                                   limit(), place, coupling ? " without coupling" : "");
+    if (foot > 0)
+        text += fmt::format("; where the surface turns inwards (by {:.0f} deg) it may go on swinging at any stiffness",
+                            foot / kDegree);
+    if (buzz && stiffness > *buzz)
+        text += fmt::format("; above {:.4g} N/m it may go on by a step of the measured position", *buzz);
+    return text;
 }
 
 std::string SceneLimits::remedy() const {

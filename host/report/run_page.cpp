@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numbers>
 #include <unordered_map>
 
@@ -25,15 +26,15 @@ constexpr std::size_t kLeastOfBand = 5; // paths, and samples of a bin
 constexpr std::size_t kBins = 100;
 
 struct RunSample {
-    std::uint64_t path; // its place in RunSamples::paths
+    std::uint64_t path; // its number in the file
     double time;        /* s, NaN where it is not known */
     glm::dvec3 at, force;
 };
 
 struct RunSamples {
-    std::vector<std::string> paths; /* as in the file */
-    std::vector<RunSample> shown;   /* of a few paths, evenly chosen */
-    std::vector<RunSample> all;     /* of all paths, more thinly */
+    std::map<std::uint64_t, std::string> paths; /* names of those that are shown */
+    std::vector<RunSample> shown;               /* of a few paths, evenly chosen */
+    std::vector<RunSample> all;                 /* of all paths, more thinly */
     std::uint64_t paths_in_file = 0;
     std::size_t every = 1; /* of the file's samples of a path, every which one is shown */
 };
@@ -64,8 +65,16 @@ RunSamples samples_of_csv(const std::filesystem::path& file) {
     }
     RunSamples samples;
     std::unordered_map<std::string, std::uint64_t> numbers;
+    std::string name; // of the row's path
+    std::uint64_t number = 0;
     for (std::size_t row = 0; csv.next(); ++row) {
-        if (row % samples.every || csv.size() <= *std::ranges::max_element(cells))
+        if (csv.size() <= *std::ranges::max_element(cells))
+            continue;
+        if (numbers.empty() || csv.text(cells[0]) != name) {
+            name = csv.text(cells[0]);
+            number = numbers.try_emplace(name, numbers.size()).first->second;
+        }
+        if (row % samples.every)
             continue;
         std::array<double, cells.size()> values{};
         for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -73,21 +82,21 @@ RunSamples samples_of_csv(const std::filesystem::path& file) {
             values[i] = NAN;
             std::from_chars(text.data(), text.data() + text.size(), values[i]);
         }
-        const auto [entry, is_new] = numbers.try_emplace(std::string(csv.text(cells[0])), samples.paths.size());
-        if (is_new)
-            samples.paths.push_back("path " + entry->first);
         samples.all.push_back(
-            {entry->second, values[1], {values[2], values[3], values[4]}, {values[5], values[6], values[7]}});
+            {number, values[1], {values[2], values[3], values[4]}, {values[5], values[6], values[7]}});
         if (samples.all.size() == 2 * kMostRead) {
             halve(samples.all);
             samples.every *= 2;
         }
     }
-    samples.paths_in_file = samples.paths.size();
+    samples.paths_in_file = numbers.size();
     const std::uint64_t every_path = path_stride(samples.paths_in_file);
+    for (const auto& [path, at] : numbers)
+        if (at % every_path == 0)
+            samples.paths[at] = "path " + path;
     std::ranges::copy_if(samples.all, std::back_inserter(samples.shown),
                          [&](const RunSample& sample) { return sample.path % every_path == 0; });
-    for (; samples.shown.size() > kMostShown; samples.every *= 2)
+    for (; samples.shown.size() >= 2 * kMostShown; samples.every *= 2)
         halve(samples.shown);
     return samples;
 }
@@ -99,7 +108,6 @@ RunSamples samples_of_exr(const std::filesystem::path& file) {
         const double period = path_period(found.scene); /* s */
         samples.paths_in_file = found.paths_in_file;
         samples.every = found.every_step;
-        samples.paths.resize(found.paths_in_file);
         for (std::size_t i = 0; i < found.paths * found.steps; ++i) {
             const float *at = &found.position[3 * i], *force = &found.force[3 * i];
             const std::uint64_t path = i / found.steps * found.every_path;
@@ -188,7 +196,7 @@ void add_samples(study::StudyData& data, const std::filesystem::path& file) {
             fmt::format("One of {} samples is shown; {} has all.", samples.every, file.filename().string()));
     using R = RunSample;
     std::vector<study::ColumnOf<R>> columns{
-        {{"path", "", "as in the file"}, [&](const R& r) { return samples.paths[r.path]; }},
+        {{"path", "", "as in the file"}, [&](const R& r) { return samples.paths.at(r.path); }},
         {{"t_s", "s", "since the path began"}, kOver[0].value},
         {{"x_mm", "mm", "of the probe"}, kOver[1].value},
         {{"y_mm", "mm", "of the probe"}, [](const R& r) { return 1e3 * r.at.y; }},

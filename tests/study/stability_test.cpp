@@ -177,8 +177,20 @@ TEST(RestPlaces, KnowHowTheForceChanges) {
     EXPECT_GT(slopes, 50);
 }
 
+// On the crest of a texture, d deep, the force pushes aside as K_t d H (2 pi / L)^2 for each metre: what the grip
+// holds.
+TEST(LeastLimits, OfATextureAreTheGrips) {
+    const LoopSurface& textured = own("textured plane");
+    const std::vector<LeastLimit> limits =
+        least_limits(textured, places_on("textured plane"), settings_of(textured, true));
+    for (const double depth : {0.001, 0.002}) {
+        const double aside = depth * 1e-5 * std::pow(2 * std::numbers::pi / 0.002, 2);
+        EXPECT_NEAR(*worst_of(limits, "textured plane", depth)->limit * aside / textured.hand.grip_stiffness, 1, 0.01);
+    }
+}
+
 TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
-    for (const char* name : {"plane", "shaded bump", "map of a bump", "shaded mesh"}) {
+    for (const char* name : {"plane", "textured plane", "shaded bump", "map of a bump", "shaded mesh"}) {
         const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), settings_of(own(name), true));
         const LeastLimit& worst = *worst_of(limits);
         EXPECT_NEAR(simulated_limit(own(name), worst).value() / *worst.limit, 1, 2e-3) << name;
@@ -246,6 +258,23 @@ TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
 }
 
 // On a plane the wall's limit alone counts; on a curved one less, and less still where it is felt enlarged.
+TEST(SceneLimits, NameWhatNoStiffnessEnds) {
+    const auto text_of = [](const std::string& surface, const std::string& hand) {
+        return scene_limits(
+                   CasePreparation().prepare(parse_scene("[surface]\nkind = \"bump\"\nradius = \"600 mil\"\n" +
+                                                             surface + "\n[paths]\npress = \"1 N\"\n[hand]\n" + hand,
+                                                         "scene.toml")))
+            .text();
+    };
+    const std::string steps = "quantisation = \"10 um\"\ncoulomb = \"0.003 N\"\n";
+    EXPECT_NE(text_of("facets = 2", "").find("turns inwards (by 28 deg)"), std::string::npos)
+        << text_of("facets = 2", "");
+    EXPECT_EQ(text_of("facets = 1", "").find("turns inwards"), std::string::npos);
+    EXPECT_NE(text_of("facets = 1", steps).find("; above 600 N/m it may go on by a step"), std::string::npos)
+        << text_of("facets = 1", steps);
+    EXPECT_EQ(text_of("facets = 1", "").find("by a step"), std::string::npos);
+}
+
 TEST(SceneLimits, SayWhetherASceneIsStable) {
     const auto limits_of = [](const std::string& text, double scale = 1) {
         return scene_limits(CasePreparation().prepare(parse_scene(text, "scene.toml")), 1000, 8.5, scale);

@@ -13,11 +13,13 @@ struct StudiedSurface {
     const char* name;
     OwnSurface own;
     glm::dvec3 low, high; /* m */
+    double texture = 0;   /* m: peak of a sine of 2 mm, K_t = K */
 };
 
 // The box of a bump or map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
 const StudiedSurface kStudied[] = {
     {"plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
+    {"textured plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}, 1e-5},
     {"bump", {.radius = 0.01524, .facets = 2}, {-0.0152, -0.005, -0.003}, {0.0152, 0.005, 0.008}},
     {"shaded bump",
      {.shaded = true, .radius = 0.01524, .facets = 2},
@@ -78,11 +80,18 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
 
 std::vector<LoopSurface> own_surfaces() {
     std::vector<LoopSurface> surfaces;
-    for (const auto& [name, own, low, high] : kStudied) {
+    for (const auto& [name, own, low, high, texture] : kStudied) {
         LoopSurface& surface = surfaces.emplace_back();
         surface.name = name;
         surface.prepared = own_case(own);
         surface.prepared.one.scene.force.stiffness = 1;
+        if (texture > 0) {
+            TextureSpec& sine = surface.prepared.one.scene.texture.emplace();
+            sine.stiffness = 1;
+            sine.map.function = MapFunction::sine;
+            sine.map.width = 0.002;
+            sine.map.height = texture;
+        }
         surface.low = low;
         surface.high = high;
     }
