@@ -161,8 +161,8 @@ struct CouplingRow {
 /// Of 1e4, 1e5 and 1e6 N/m and the scene's own, if that is another.
 std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places);
 
-/// With the program's default hand: plane, the same textured, bump of 2 facets with and without shading, height map of a bump and of a
-/// dip, mesh with and without shading.
+/// With the program's default hand: plane, the same textured, bump of 2 facets with and without shading, height map of
+/// a bump and of a dip, mesh with and without shading.
 std::vector<LoopSurface> own_surfaces();
 
 struct LoopResults {
