@@ -47,16 +47,16 @@ public:
             const glm::dvec3 coupled_force =
                 reference::through_coupling(coupling, force, reference::length(force), lag);
             late[step % late.size()] = stiffness * glm::transpose(axes_) * (coupled_force - share * least_.place.force);
-            const glm::dvec3 given = late[(step + 1) % late.size()], missing = shown - given;
+            const glm::dvec3 given = late[(step + 1) % late.size()], excess = shown - given;
             for (int i = 0; i < 3; ++i) {
                 const auto& map = maps_[static_cast<std::size_t>(i)];
                 const LagMap& lag_of = lags_[static_cast<std::size_t>(i)];
                 const double before = at[i];
                 at[i] +=
-                    map.x_error * before + map.x_speed * speed[i] + map.x_force * given[i] + lag_of.place * missing[i];
+                    map.x_error * before + map.x_speed * speed[i] + map.x_force * given[i] + lag_of.place * excess[i];
                 speed[i] =
-                    map.v_error * before + map.v_speed * speed[i] + map.v_force * given[i] + lag_of.speed * missing[i];
-                shown[i] = given[i] + lag_of.left * missing[i];
+                    map.v_error * before + map.v_speed * speed[i] + map.v_force * given[i] + lag_of.speed * excess[i];
+                shown[i] = given[i] + lag_of.left * excess[i];
             }
             const double energy = glm::dot(speed, speed) + quick * glm::dot(at, at);
             if (energy > quick * far * far)

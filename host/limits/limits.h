@@ -103,8 +103,8 @@ struct SceneLimits {
     std::optional<double> coupling;  /* N/m: of the hand's virtual coupling */
     bool coupled_rests = false;      // with it, everywhere
     std::optional<double> safe;      /* N/m: of the safe coupling, where the loop is unstable */
-    double foot = 0;                 /* rad: the sharpest jump of the direction inwards, as at the foot of a bump, on
-                                        which no stiffness comes to rest; 0: none found */
+    double foot = 0;                 /* rad: the sharpest jump of the direction inwards, as at the foot of a bump, where
+                                        the limits do not hold; 0: none found */
     std::optional<double> buzz;      /* N/m: above this friction does not hold a step of the measured position, 2 f_c /
                                         quantum (Abbott & Okamura 2005); empty: it is not measured in steps */
 

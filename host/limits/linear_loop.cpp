@@ -42,7 +42,7 @@ LoopForce force_of(const HandSpec& hand, double period, const glm::dmat3& axes, 
 }
 
 // The loop's map of (place, speed times the sample, the forces under way in units of mass / sample^2, the lag of a
-// virtual coupling, and what the device still owes of the force that it was given last).
+// virtual coupling, and the device's own force where it lags).
 Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness,
                        double lag_time) {
     const glm::dmat3 axes = axes_of(hold);
@@ -149,7 +149,7 @@ std::vector<Hold> all_presses(const glm::dvec3& force, const glm::dmat3& slope) 
 LagMap lag_map(const Axis& axis, double period, double lag) {
     if (!(lag > 0))
         return {};
-    Eigen::Matrix3d rates; // of place, speed and what is missing, times the sample
+    Eigen::Matrix3d rates; // 1/s: of place, speed, and the force by which the device is above what it is given
     rates << 0, 1, 0, -axis.stiffness / axis.mass, -axis.damping / axis.mass, 1 / axis.mass, 0, 0, -1 / lag;
     const Eigen::Matrix3d after = (period * rates).exp();
     return {after(0, 2), after(1, 2), after(2, 2)};

@@ -166,10 +166,10 @@ std::string SceneLimits::text() const {
     std::string text = fmt::format("{:.6g} N/m{}; a {} comes to rest below {:.4g} N/m{}{}", stiffness, through, hand,
                                    limit(), place, coupling ? " without coupling" : "");
     if (foot > 0)
-        text += fmt::format("; where the surface turns inwards (by {:.0f} deg) it may go on swinging at any stiffness",
+        text += fmt::format("; not where the surface turns inwards (by {:.0f} deg), as at the foot of a bump",
                             foot / kDegree);
     if (buzz && stiffness > *buzz)
-        text += fmt::format("; above {:.4g} N/m it may go on by a step of the measured position", *buzz);
+        text += fmt::format("; above {:.4g} N/m friction does not hold a step of the measured position", *buzz);
     return text;
 }
 
