@@ -11,9 +11,9 @@
 namespace forceshade {
 
 template <typename T>
-CaseLaw<T>::CaseLaw(const PreparedCase& prepared)
+CaseLaw<T>::CaseLaw(const PreparedCase& prepared, Extent grid)
     : mesh_(prepared.images.mesh), origin_(scene_origin(prepared)),
-      tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing)), law_(tables_.law()) {}
+      tables_(make_tables<T>(prepared.one.scene, prepared.images, grid)), law_(tables_.law()) {}
 
 template <typename T> void CaseLaw<T>::find_obstacles() {
     if (!on_mesh())

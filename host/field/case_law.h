@@ -32,8 +32,9 @@ struct ProbeContact {
 /// Neither allocates nor throws once it is made; threads may share it.
 template <typename T> class CaseLaw {
 public:
-    /// Copies what it needs of the case. \throws UsageError if a value leaves the range of T.
-    explicit CaseLaw(const PreparedCase& prepared);
+    /// Copies what it needs of the case, and its grid to an extent. \throws UsageError if a value leaves the range of
+    /// T.
+    explicit CaseLaw(const PreparedCase& prepared, Extent grid = Extent::nothing);
     CaseLaw(CaseLaw&&) noexcept = default;
     CaseLaw& operator=(CaseLaw&&) noexcept = default;
 
@@ -41,6 +42,7 @@ public:
     void find_obstacles();
 
     const layout::Law<T>& law() const { return law_; }
+    const FieldTables<T>& tables() const { return tables_; }
     const glm::dvec3& origin() const { return origin_; } /* as scene_origin() */
     glm::dvec3 in_world(const reference::Vector<T>& place) const { return world_place(glm::dvec3(place), origin_); }
     ProbeContact widened(const reference::LawContact<T>& found) const noexcept;
@@ -60,6 +62,11 @@ public:
     reference::Contact<T> at(const glm::dvec3& place) const noexcept {
         layout::uint hint = 0;
         return at(place, hint);
+    }
+
+    /// A voxel of the grid, which must be in the extent.
+    reference::Vector<T> voxel(std::size_t x, std::size_t y, std::size_t z) const noexcept {
+        return {tables_.x[x], tables_.y[y], tables_.z[z]};
     }
 
     // With one.

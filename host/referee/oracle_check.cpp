@@ -26,9 +26,9 @@ constexpr double kJump = 0.02; // rad: of the direction between neighbours along
 // What a referee of one thread needs; bounds are made when they are first asked for.
 class VoxelReferee {
 public:
-    VoxelReferee(const PreparedCase& prepared, bool exact_bits, const FieldTables<double>& exact, bool single)
+    VoxelReferee(const PreparedCase& prepared, bool exact_bits, const CaseLaw<double>& exact, bool single)
         : prepared_(prepared), exact_bits_(exact_bits), single_(single),
-          mesh_(exact.features.surface == layout::kSurfaceMesh), law_(exact.law()) {}
+          mesh_(exact.law().features.surface == layout::kSurfaceMesh), law_(exact) {}
 
     // Both sides round, so the bound counts twice.
     bool is_beyond(const glm::dvec3& force, double off, const glm::dvec3& probe) {
@@ -53,7 +53,7 @@ public:
         const double allowed = bound().at(probe.x, probe.y, probe.z).force;
         if (norm(force - truth) <= allowed)
             return false;
-        const auto force_at = [&](const glm::dvec3& place) { return reference::evaluate(law_, place).force; };
+        const auto force_at = [&](const glm::dvec3& place) { return law_.at(place).force; };
         if (norm(force - force_at(probe)) <= allowed)
             return jumps_between(exact_probe, probe, force_at);
         if (!rounded_)
@@ -79,7 +79,7 @@ private:
 
     const PreparedCase& prepared_;
     const bool exact_bits_, single_, mesh_;
-    const layout::Law<double> law_;
+    const CaseLaw<double>& law_;
     std::optional<RoundingBound> bound_;
     std::optional<MeshBound> mesh_bound_;
     std::optional<FieldTables<double>> rounded_; // of the scene as single precision holds it
@@ -88,13 +88,13 @@ private:
 } // namespace
 
 OracleCheck::OracleCheck(const PreparedCase& prepared, bool exact_bits)
-    : prepared_(prepared), exact_bits_(exact_bits),
-      exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::what_varies)),
-      most_(exact_.features.surface == layout::kSurfaceMesh ? kOfMesh : kOfOthers) {
+    : prepared_(prepared), exact_bits_(exact_bits), exact_(prepared, Extent::what_varies),
+      most_(exact_.law().features.surface == layout::kSurfaceMesh ? kOfMesh : kOfOthers) {
     if (prepared.one.scene.precision == Precision::f32)
-        single_ = make_tables<float>(prepared.one.scene, prepared.images, Extent::what_varies);
-    touched_.resize(exact_.x.size() * exact_.y.size());
-    const double voxels = static_cast<double>(touched_.size()) * static_cast<double>(exact_.z.size());
+        single_.emplace(prepared, Extent::what_varies);
+    const FieldTables<double>& grid = exact_.tables();
+    touched_.resize(grid.x.size() * grid.y.size());
+    const double voxels = static_cast<double>(touched_.size()) * static_cast<double>(grid.z.size());
     last_row_ = static_cast<std::uint64_t>(0x1p63 * std::min(1.0, kLookedAt / voxels));
 }
 
@@ -118,7 +118,7 @@ bool OracleCheck::draws_from(std::size_t row) const {
 // Neighbours are looked up on both sides along x, and towards lower y and z.
 template <typename T> void OracleCheck::add(const layout::FieldChunk<T>& chunk) {
     const T least = static_cast<T>(std::cos(kJump) * std::cos(kJump));
-    const std::size_t y_rows = exact_.y.size(), x_count = chunk.x_count;
+    const std::size_t y_rows = exact_.tables().y.size(), x_count = chunk.x_count;
     for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
         const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
         const std::size_t number = z * y_rows + y;
@@ -167,17 +167,16 @@ template void OracleCheck::add<float>(const layout::FieldChunk<float>&);
 template void OracleCheck::add<double>(const layout::FieldChunk<double>&);
 
 template <typename T>
-OracleError OracleCheck::compare_some(std::span<const Voxel> voxels, const FieldTables<T>& same) const {
+OracleError OracleCheck::compare_some(std::span<const Voxel> voxels, const CaseLaw<T>& same) const {
     OracleError error;
-    const layout::Law<T> law = same.law();
-    const layout::Law<double> exact = exact_.law();
     VoxelReferee referee(prepared_, exact_bits_, exact_, single_.has_value());
+    layout::uint same_hint = 0, exact_hint = 0;
     for (const Voxel& voxel : voxels) {
         const auto [x, y, z] = voxel.at;
-        const glm::vec<3, T> probe(same.x[x], same.y[y], same.z[z]);
-        const glm::dvec3 exact_probe(exact_.x[x], exact_.y[y], exact_.z[z]);
-        const reference::Contact<T> contact = reference::evaluate(law, probe);
-        const reference::Contact<double> exact_contact = reference::evaluate(exact, exact_probe);
+        const reference::Vector<T> probe = same.voxel(x, y, z);
+        const glm::dvec3 exact_probe = exact_.voxel(x, y, z);
+        const reference::Contact<T> contact = same.at_rounded(probe, same_hint);
+        const reference::Contact<double> exact_contact = exact_.at_rounded(exact_probe, exact_hint);
         const glm::dvec3 &force = voxel.force, &truth = exact_contact.force;
         const T stored[3] = {static_cast<T>(force.x), static_cast<T>(force.y), static_cast<T>(force.z)};
         const T bits[3] = {contact.force.x, contact.force.y, contact.force.z};
@@ -188,7 +187,8 @@ OracleError OracleCheck::compare_some(std::span<const Voxel> voxels, const Field
         ++error.compared;
         error.largest_force = std::max(error.largest_force, norm(truth));
         const double off = norm(force - truth);
-        const bool other_facet = law.features.surface == layout::kSurfaceMesh && contact.facet != exact_contact.facet;
+        const bool other_facet =
+            same.law().features.surface == layout::kSurfaceMesh && contact.facet != exact_contact.facet;
         if (other_facet || referee.is_on_edge(force, truth, exact_probe, glm::dvec3(probe)))
             ++error.on_edge;
         else

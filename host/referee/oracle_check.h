@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/field/case_law.h"
 #include "host/field/prepared_case.h"
 #include "host/output/record.h"
 #include "host/output/rows.h"
@@ -45,12 +46,12 @@ private:
 
     bool draws_from(std::size_t row) const;
     void keep(VoxelKind kind, const Voxel& voxel);
-    template <typename T> OracleError compare_some(std::span<const Voxel> voxels, const FieldTables<T>& same) const;
+    template <typename T> OracleError compare_some(std::span<const Voxel> voxels, const CaseLaw<T>& same) const;
 
     const PreparedCase& prepared_;
     const bool exact_bits_;
-    FieldTables<double> exact_;
-    std::optional<FieldTables<float>> single_;          // the oracle in single precision, where the run is
+    CaseLaw<double> exact_;
+    std::optional<CaseLaw<float>> single_;              // the oracle in single precision, where the run is
     const std::size_t most_;                            // voxels of a kind
     std::array<std::vector<Voxel>, kVoxelKinds> drawn_; // heaps, the highest rank first
     std::uint64_t last_row_;                            // half the largest rank of a row that is drawn from

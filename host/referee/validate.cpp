@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/field/case_law.h"
 #include "host/norm.h"
 #include "host/program.h"
 #include "host/referee/rounding_bound.h"
@@ -131,8 +132,8 @@ struct VoxelIndex {
     std::size_t x, y, z;
 };
 
-template <typename T> glm::dvec3 probe_at(const FieldTables<T>& tables, VoxelIndex at) {
-    return {double(tables.x[at.x]), double(tables.y[at.y]), double(tables.z[at.z])};
+template <typename T> glm::dvec3 probe_at(const CaseLaw<T>& law, VoxelIndex at) {
+    return glm::dvec3(law.voxel(at.x, at.y, at.z));
 }
 
 // What a referee says of a computed voxel.
@@ -160,65 +161,63 @@ public:
     static constexpr const char* kClosedForm = "the closed form";
 
     explicit SurfaceReferees(const PreparedCase& prepared)
-        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
-          exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)),
+        : law_(prepared, Extent::everything), exact_law_(prepared, Extent::everything),
           referee_(prepared.one.scene, prepared.images), rounded_(rounded_scene<T>(prepared.one.scene)),
           rounded_tables_(make_tables<double>(rounded_, prepared.images, Extent::what_varies)),
           rounded_referee_(rounded_, prepared.images), bound_(prepared, kPrecisionOf<T>) {}
 
-    const FieldTables<T>& tables() const { return tables_; }
+    const FieldTables<T>& tables() const { return law_.tables(); }
 
     // The closed form's columns are dear where there are many facets: made once for each (x, y) of the rows to come.
     void begin_rows(std::size_t y_first, std::size_t y_count) {
-        const bool extruded = !depends_on_y(tables_.features);
+        const bool extruded = !depends_on_y(tables().features);
         if (extruded && !columns_.empty())
             return;
         columns_y_ = y_first;
         columns_.clear();
         for (std::size_t y = 0; y < (extruded ? 1 : y_count); ++y)
-            for (const double x : exact_.x)
-                columns_.push_back(referee_.column(x, exact_.y[y_first + y]));
+            for (const double x : exact_grid().x)
+                columns_.push_back(referee_.column(x, exact_grid().y[y_first + y]));
         extruded_ = extruded;
     }
 
-    reference::Contact<T> same_precision(VoxelIndex at, Hints&) const {
-        return reference::evaluate(tables_.law(), {tables_.x[at.x], tables_.y[at.y], tables_.z[at.z]});
-    }
+    const CaseLaw<T>& law() const { return law_; }
 
     // Both sides round.
     Finding against_same_precision(const Reading& computed, const Reading& expected, VoxelIndex at) const {
-        const glm::dvec3 probe = probe_at(tables_, at);
+        const glm::dvec3 probe = probe_at(law_, at);
         const Bound allowed = 2 * bound_.at(probe.x, probe.y, probe.z);
         const layout::uint misfit = first_misfit(computed, expected, allowed, channels());
         if (!misfit)
             return {Verdict::within, expected};
-        const OracleReferee<T> oracle{tables_.law()};
+        const OracleReferee<T> oracle{law_.law()};
         return {is_on_edge<T>(computed, probe, oracle, bound_, 2, channels()) ? Verdict::on_edge : Verdict::beyond,
                 expected, misfit};
     }
 
     Finding against_oracle(const Reading& computed, layout::uint, VoxelIndex at, Hints&) const {
-        const OracleReferee<double> exact{exact_.law()}, rounded{rounded_tables_.law()};
-        return against(computed, at, exact.column(exact_.x[at.x], exact_.y[at.y]), exact, rounded);
+        const OracleReferee<double> exact{exact_law_.law()}, rounded{rounded_tables_.law()};
+        return against(computed, at, exact.column(exact_grid().x[at.x], exact_grid().y[at.y]), exact, rounded);
     }
 
     std::optional<Finding> against_closed_form(const Reading& computed, const Reading&, VoxelIndex at,
                                                RowMemory&) const {
         const ClosedFormReferee exact{referee_}, rounded{rounded_referee_};
         const std::size_t row = extruded_ ? 0 : at.y - columns_y_;
-        return against(computed, at, columns_[row * exact_.x.size() + at.x], exact, rounded);
+        return against(computed, at, columns_[row * exact_grid().x.size() + at.x], exact, rounded);
     }
 
 private:
-    layout::uint channels() const { return tables_.features.channels; }
+    const FieldTables<double>& exact_grid() const { return exact_law_.tables(); }
+    layout::uint channels() const { return tables().features.channels; }
 
     // A voxel beyond the bound is excused only if the referee gives it within a few ULP, for the scene as T holds it.
     template <typename Referee, typename Column>
     Finding against(const Reading& computed, VoxelIndex at, const Column& column, const Referee& exact,
                     const Referee& rounded) const {
-        const glm::dvec3 probe = probe_at(tables_, at);
+        const glm::dvec3 probe = probe_at(law_, at);
         const double x = probe.x, y = probe.y, z = probe.z;
-        const Reading truth = exact.at(column, exact_.z[at.z]);
+        const Reading truth = exact.at(column, exact_grid().z[at.z]);
         const Bound allowed = bound_.at(x, y, z);
         const layout::uint misfit = first_misfit(computed, truth, allowed, channels());
         if (!misfit)
@@ -229,13 +228,13 @@ private:
         const auto force_at = [&](const glm::dvec3& place) {
             return exact.at(exact.column(place.x, place.y), place.z).force;
         };
-        const bool on_edge = fits ? jumps_between(probe_at(exact_, at), probe, force_at)
+        const bool on_edge = fits ? jumps_between(probe_at(exact_law_, at), probe, force_at)
                                   : is_on_edge<T>(computed, probe, rounded, bound_, 1, channels());
         return {on_edge ? Verdict::on_edge : fits ? Verdict::within : Verdict::beyond, truth, misfit};
     }
 
-    FieldTables<T> tables_;
-    FieldTables<double> exact_;
+    CaseLaw<T> law_;
+    CaseLaw<double> exact_law_;
     brute::Referee referee_;
     Scene rounded_;
     FieldTables<double> rounded_tables_;
@@ -280,36 +279,31 @@ public:
     static constexpr const char* kClosedForm = "a loop over all triangles";
 
     explicit MeshReferees(const PreparedCase& prepared)
-        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
-          exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)), law_(tables_.law()),
-          exact_law_(exact_.law()), referee_(prepared.images.mesh->mesh, brute_law(prepared)),
-          bound_(prepared, kPrecisionOf<T>), centre_(prepared.images.mesh->structure.centre),
-          origin_(scene_origin(prepared)), channels_(tables_.features.channels) {
-        const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
-        const std::uint64_t affordable = std::max<std::uint64_t>(1, kBruteBudget / law_.mesh.params.triangles);
+        : law_(prepared, Extent::everything), exact_law_(prepared, Extent::everything),
+          referee_(prepared.images.mesh->mesh, brute_law(prepared)), bound_(prepared, kPrecisionOf<T>),
+          centre_(prepared.images.mesh->structure.centre), channels_(tables().features.channels) {
+        const std::uint64_t rows = std::uint64_t(tables().y.size()) * tables().z.size();
+        const std::uint64_t voxels = tables().x.size() * rows;
+        const std::uint64_t affordable = std::max<std::uint64_t>(1, kBruteBudget / law_.law().mesh.params.triangles);
         every_ = std::max<std::uint64_t>(1, voxels / affordable);
-        const std::uint64_t rows = std::uint64_t(tables_.y.size()) * tables_.z.size();
         row_every_ = rows / std::clamp<std::uint64_t>(affordable / (4 * kChosenOfRow), 1, kChosenRows) + 1;
     }
 
-    const FieldTables<T>& tables() const { return tables_; }
+    const FieldTables<T>& tables() const { return law_.tables(); }
     void begin_rows(std::size_t, std::size_t) {}
 
-    reference::Contact<T> same_precision(VoxelIndex at, Hints& hints) const {
-        const reference::Vector<T> probe(tables_.x[at.x], tables_.y[at.y], tables_.z[at.z]);
-        return reference::mesh_contact(law_, probe, hints.same);
-    }
+    const CaseLaw<T>& law() const { return law_; }
 
     Finding against_same_precision(const Reading& computed, const Reading& expected, VoxelIndex at) const {
-        return {bound_.compare(computed, probe_at(tables_, at), 1, channels_), expected,
+        return {bound_.compare(computed, probe_at(law_, at), 1, channels_), expected,
                 first_misfit(computed, expected, {}, channels_)};
     }
 
     // The error counts against the true position; the bound holds at the position that was rounded to T. Where rounding
     // chose another facet, the difference is not an error.
     Finding against_oracle(const Reading& computed, layout::uint facet, VoxelIndex at, Hints& hints) const {
-        const Reading truth = reading_of(reference::mesh_contact(exact_law_, probe_at(exact_, at), hints.exact));
-        const Point probe = probe_at(tables_, at);
+        const Reading truth = reading_of(exact_law_.at_rounded(probe_at(exact_law_, at), hints.exact));
+        const Point probe = probe_at(law_, at);
         Verdict verdict = bound_.compare(computed, probe, 1, channels_);
         if (verdict == Verdict::within &&
             (facet != truth.facet || bound_.is_ambiguous(computed.force, probe, truth.force)))
@@ -320,15 +314,15 @@ public:
     // Where rounding decides which facet is the nearest, the answer may be that of any of them.
     std::optional<Finding> against_closed_form(const Reading& computed, const Reading& same, VoxelIndex at,
                                                RowMemory& row) const {
-        const std::size_t number = at.z * tables_.y.size() + at.y;
+        const std::size_t number = at.z * tables().y.size() + at.y;
         const bool critical = number % row_every_ == 0 && is_critical(same, at, row);
-        if ((number * tables_.x.size() + at.x) % every_ != 0 && !critical)
+        if ((number * tables().x.size() + at.x) % every_ != 0 && !critical)
             return std::nullopt;
-        const Point probe = probe_at(tables_, at);
+        const Point probe = probe_at(law_, at);
         const Reading truth = from_origin(referee_.at(world_of(probe)));
         if (fits_brute(computed, truth, probe))
             return Finding{Verdict::within, truth};
-        const double tolerance = 2 * sides_of(probe) * bound_.reach(probe) * exact_law_.mesh.params.scale; /* m */
+        const double tolerance = 2 * sides_of(probe) * bound_.reach(probe) * frame().scale; /* m */
         for (const brute::Answer& answer : referee_.all_at(world_of(probe), tolerance))
             if (fits_brute(computed, from_origin(answer), probe))
                 return Finding{Verdict::on_edge, truth};
@@ -338,6 +332,8 @@ public:
 private:
     using Point = reference::Vector<double>;
 
+    const layout::MeshParams<double>& frame() const { return exact_law_.law().mesh.params; }
+
     // Whether the proxy jumped from one side to another since the last voxel of the row, as it does across the medial
     // axis, or is on an edge or a corner; of either the first ones of the row.
     bool is_critical(const Reading& same, VoxelIndex at, RowMemory& row) const {
@@ -346,20 +342,19 @@ private:
             std::exchange(row.proxy, touching ? std::optional(same.proxy) : std::nullopt);
         if (!touching || at.x == 0)
             return false;
-        const double step = (exact_.x[at.x] - exact_.x[at.x - 1]) * exact_law_.mesh.params.scale;
+        const double step = (exact_law_.tables().x[at.x] - exact_law_.tables().x[at.x - 1]) * frame().scale;
         if (last && norm(same.proxy - *last) > 2 * step)
             return row.jumps++ < kChosenOfRow;
         return row.features < kChosenOfRow &&
-               reference::nearest(exact_law_.mesh, probe_at(tables_, at)).feature != layout::kMeshFace &&
+               reference::nearest(exact_law_.law().mesh, probe_at(law_, at)).feature != layout::kMeshFace &&
                row.features++ < kChosenOfRow;
     }
 
     bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe) const {
-        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        const Point proxy = reference::to_mesh_frame(frame, Point(truth.proxy));
+        const Point proxy = reference::to_mesh_frame(frame(), Point(truth.proxy));
         const bool touching = truth.depth > 0;
         const reference::MeshTouch<double> touch{touching ? truth.facet : 0, Point(proxy - probe), proxy,
-                                                 truth.depth / frame.scale};
+                                                 truth.depth / frame().scale};
         Bound allowed = sides_of(probe) * bound_.at(probe, touch);
         if (!touching)
             allowed = {0, 0, 0, 0, allowed.proxy};
@@ -368,27 +363,24 @@ private:
 
     // One, and more for the rounding of the probe's place in the world.
     double sides_of(const Point& probe) const {
-        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        const double placed = 2 * kDoubleRoundoff * norm(centre_) / frame.scale;
+        const double placed = 2 * kDoubleRoundoff * norm(centre_) / frame().scale;
         return 1 + placed / bound_.reach(probe);
     }
 
-    glm::dvec3 world_of(const Point& probe) const { return probe * exact_law_.mesh.params.scale + centre_; }
+    glm::dvec3 world_of(const Point& probe) const { return probe * frame().scale + centre_; }
 
     // The brute referee's proxies are of the world, those of engines from the scene's origin.
     Reading from_origin(const brute::Answer& answer) const {
         Reading reading = reading_of(answer);
-        reading.proxy -= origin_;
+        reading.proxy -= exact_law_.origin();
         return reading;
     }
 
-    FieldTables<T> tables_;
-    FieldTables<double> exact_;
-    layout::Law<T> law_;
-    layout::Law<double> exact_law_;
+    CaseLaw<T> law_;
+    CaseLaw<double> exact_law_;
     brute::MeshReferee referee_;
     MeshBound bound_;
-    glm::dvec3 centre_, origin_; /* m, in the world: of the mesh's frame, of places */
+    glm::dvec3 centre_; /* m, in the world: of the mesh's frame */
     layout::uint channels_;
     std::uint64_t every_;     // voxels: every n-th goes to the brute referee
     std::uint64_t row_every_; // rows: in every n-th, critical voxels do
@@ -443,7 +435,8 @@ template <typename T, typename Referees> struct VoxelComparison {
 private:
     void compare_voxel(const layout::FieldChunk<T>& chunk, std::size_t sample, VoxelIndex at, Hints& hints,
                        RowMemory& memory) {
-        const reference::Contact<T> same = referees.same_precision(at, hints);
+        const reference::Contact<T> same =
+            referees.law().at_rounded(referees.law().voxel(at.x, at.y, at.z), hints.same);
         const Reading computed = reading_of(chunk, sample);
         ++result.voxels;
         if (!same_bits(chunk, sample, same))
