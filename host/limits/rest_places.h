@@ -22,6 +22,7 @@ struct LoopSurface {
     double stiffness = 0;       /* N/m: the scene's own; 0: of the study's own surfaces */
     double deepest = 2e-3;      /* m */
     glm::dvec3 low{0}, high{0}; /* m: places are within this box */
+    bool limits_alone = false;  // the study examines nothing else of it
 
     /// m: depths to which probes are pressed: the force over the stiffness.
     TouchScale scale() const { return {deepest}; }

@@ -29,8 +29,9 @@ constexpr Scheme kSchemes[] = {
     {"bump, shaded", "it stands for a cylinder", "bump", "reference", "shaded bump", "shaded", 16, 8},
     {"mesh, unshaded", "its edges should be felt", "mesh", "none", "mesh", "unshaded", 8, 16},
     {"mesh, mean_value", "it should feel round", "mesh", "mean_value", "shaded mesh", "mean_value", 8, 16},
-    {"mesh, morgenbesser", "the paper is to be repeated", "mesh", "morgenbesser", "", "morgenbesser", 8, 16},
-    {"mesh, two_pass", "all of its edges are blunt", "mesh", "two_pass", "", "two_pass", 8, 16}};
+    {"mesh, morgenbesser", "the paper is to be repeated", "mesh", "morgenbesser", "morgenbesser mesh", "morgenbesser",
+     8, 16},
+    {"mesh, two_pass", "all of its edges are blunt", "mesh", "two_pass", "two_pass mesh", "two_pass", 8, 16}};
 
 const StudyData* own_study(const Contents& contents, const char* name) {
     for (const StudyPart& part : contents.studies)

@@ -239,6 +239,7 @@ PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift) {
         scene.force.shading = own.kind == SurfaceKind::height_map ? Shading::height_map
                               : own.kind == SurfaceKind::mesh     ? Shading::mean_value
                                                                   : Shading::reference;
+    scene.force.shading = own.shading.value_or(scene.force.shading);
     if (own.kind == SurfaceKind::mesh) {
         surface.mesh.file = "bump";
         prepared.images.mesh = bump_mesh({kOwnHalfWidth, own.radius, own.facets, own.rows}, shift);

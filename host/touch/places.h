@@ -107,6 +107,7 @@ struct OwnSurface {
     std::uint32_t facets = 8;                     /* of a bump; of a mesh the cells along x */
     std::uint32_t rows = 8;                       /* of a mesh: cells along y */
     double stiffness = 1000;                      /* N/m */
+    std::optional<Shading> shading{};             /* other than those that `shaded` chooses */
 };
 
 /// `shift`, m: of a mesh.

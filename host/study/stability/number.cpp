@@ -181,13 +181,14 @@ NumberCase number_case(const std::string& surface, const std::string& axis, doub
     return result;
 }
 
-std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow>& rows) {
+std::vector<Part> number_parts(Engine& engine, bool quick, std::deque<std::vector<NumberRow>>& found) {
     std::vector<Part> parts;
     for (const std::string& surface : number_surfaces())
         for (const std::string axis : kAxes) {
             if (number_values(surface, axis, quick).empty())
                 continue;
-            parts.push_back({fmt::format("numbers: {} over {}", surface, axis), [&engine, &rows, surface, quick, axis] {
+            parts.push_back({fmt::format("numbers: {} over {}", surface, axis),
+                             [&engine, &rows = found.emplace_back(), surface, quick, axis] {
                                  const double most_looped =
                                      surface == "mesh" ? 512 : 1e5; /* facets that a referee takes a short time for */
                                  for (const double value : number_values(surface, axis, quick)) {
@@ -196,7 +197,8 @@ std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow
                                      if (engine.report().f64 && !(axis == "facets" && value > most_looped))
                                          rows.push_back({surface, axis, value, "f64", double_errors(engine, one)});
                                  }
-                             }});
+                             },
+                             true});
         }
     return parts;
 }

@@ -12,11 +12,13 @@ namespace {
 struct StudiedSurface {
     const char* name;
     OwnSurface own;
-    glm::dvec3 low, high; /* m */
-    double texture = 0;   /* m: peak of a sine of 2 mm, K_t = K */
+    glm::dvec3 low, high;      /* m */
+    double texture = 0;        /* m: peak of a sine of 2 mm, K_t = K */
+    bool limits_alone = false; // nothing else is examined
 };
 
 // The box of a bump or map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
+constexpr glm::dvec3 kMeshLow{-0.0105, -0.008, -0.003}, kMeshHigh{0.0105, 0.008, 0.008};
 const StudiedSurface kStudied[] = {
     {"plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
     {"textured plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}, 1e-5},
@@ -33,20 +35,28 @@ const StudiedSurface kStudied[] = {
      {.kind = SurfaceKind::height_map, .function = MapFunction::dip, .shaded = true},
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.002}},
-    {"mesh", {.kind = SurfaceKind::mesh}, {-0.0105, -0.008, -0.003}, {0.0105, 0.008, 0.008}},
-    {"shaded mesh", {.kind = SurfaceKind::mesh, .shaded = true}, {-0.0105, -0.008, -0.003}, {0.0105, 0.008, 0.008}},
+    {"mesh", {.kind = SurfaceKind::mesh}, kMeshLow, kMeshHigh},
+    {"shaded mesh", {.kind = SurfaceKind::mesh, .shaded = true}, kMeshLow, kMeshHigh},
+    {"morgenbesser mesh", {.kind = SurfaceKind::mesh, .shading = Shading::morgenbesser}, kMeshLow, kMeshHigh, 0, true},
+    {"barycentric mesh", {.kind = SurfaceKind::mesh, .shading = Shading::barycentric}, kMeshLow, kMeshHigh, 0, true},
+    {"two_pass mesh", {.kind = SurfaceKind::mesh, .shading = Shading::two_pass}, kMeshLow, kMeshHigh, 0, true},
 };
 
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
     const std::vector<RestPlace> places = rest_places(surface, points);
-    append(results.limits, least_limits(surface, places, settings_of(surface, quick), true));
+    std::vector<LoopCell> settings = settings_of(surface, quick);
+    if (surface.limits_alone)
+        settings.resize(1); // the surface's own hand
+    append(results.limits, least_limits(surface, places, settings, true));
     for (LeastLimit& one : results.limits)
         if (&one == worst_of(results.limits, surface.name, {}, one.place.kind)) {
             one.simulated = simulated_limit(surface, one);
             one.kick = largest_kick(surface, one);
         }
+    if (surface.limits_alone)
+        return;
     append(results.atlas, atlas_of(surface, results.limits, quick));
     append(results.swings, edge_swings(engine, surface, places));
     append(results.couplings, couplings_on(surface, places));
@@ -76,11 +86,18 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
     results.curves = curves_over(results.maps, held);
 }
 
+template <typename T> std::vector<T> joined(std::deque<std::vector<T>>& parts) {
+    std::vector<T> all;
+    for (std::vector<T>& part : parts)
+        append(all, std::move(part));
+    return all;
+}
+
 } // namespace
 
 std::vector<LoopSurface> own_surfaces() {
     std::vector<LoopSurface> surfaces;
-    for (const auto& [name, own, low, high, texture] : kStudied) {
+    for (const auto& [name, own, low, high, texture, limits_alone] : kStudied) {
         LoopSurface& surface = surfaces.emplace_back();
         surface.name = name;
         surface.prepared = own_case(own);
@@ -94,6 +111,7 @@ std::vector<LoopSurface> own_surfaces() {
         }
         surface.low = low;
         surface.high = high;
+        surface.limits_alone = limits_alone;
     }
     return surfaces;
 }
@@ -132,12 +150,18 @@ StudyData study_stability(StudyRun& run) {
     const bool quick = run.options().quick;
     LoopResults loops;
     loops.surfaces = run.scene() ? std::vector{scene_surface(*run.scene())} : own_surfaces();
-    std::vector<Part> parts;
     std::deque<LoopResults> by_surface;
+    std::deque<std::vector<LawRounding>> by_law;
+    std::deque<std::vector<NumberRow>> by_number;
+    std::vector<Part> parts;
     for (const LoopSurface& surface : loops.surfaces)
         parts.push_back({"loops on " + surface.name,
                          [&, &own = by_surface.emplace_back()] { study_surface(run.engine(), surface, quick, own); },
                          true});
+    append(parts, worst_rounding_parts(run.scene() ? &*run.scene() : nullptr, quick, by_law));
+    std::ranges::reverse(parts); // the longest first: thin meshes, dips
+    if (!run.scene())            // of plain surfaces of the study's own
+        append(parts, number_parts(run.engine(), quick, by_number));
     parts.push_back({"maps of loops", [&] {
                          for (LoopResults& own : by_surface) {
                              append(loops.limits, std::move(own.limits));
@@ -148,21 +172,13 @@ StudyData study_stability(StudyRun& run) {
                          }
                          add_maps(run.engine(), quick, loops);
                      }});
-    std::deque<std::vector<LawRounding>> by_law;
-    std::vector<NumberRow> numbers;
-    if (!run.scene()) // of plain surfaces of the study's own
-        append(parts, number_parts(run.engine(), quick, numbers));
-    append(parts, worst_rounding_parts(run.scene() ? &*run.scene() : nullptr, quick, by_law));
     run.run(parts);
-    std::vector<LawRounding> worst;
-    for (const std::vector<LawRounding>& rows : by_law)
-        append(worst, rows);
     StudyData data = run.data();
     add_loops(data, loops);
     data.findings = loop_findings(loops);
     if (!run.scene())
-        add_numbers(data, numbers);
-    add_worst_rounding(data, worst, !run.scene());
+        add_numbers(data, joined(by_number));
+    add_worst_rounding(data, joined(by_law), !run.scene());
     return data;
 }
 

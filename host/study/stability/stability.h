@@ -162,7 +162,7 @@ struct CouplingRow {
 std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places);
 
 /// With the program's default hand: plane, the same textured, bump of 2 facets with and without shading, height map of
-/// a bump and of a dip, mesh with and without shading.
+/// a bump and of a dip, mesh with and without shading, and of the other shadings of a mesh the limits alone.
 std::vector<LoopSurface> own_surfaces();
 
 struct LoopResults {
@@ -200,8 +200,8 @@ struct NumberRow {
     PrecisionErrors errors;
 };
 
-/// A part for each surface and axis; `rows` must outlive them.
-std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow>& rows);
+/// A part for each surface and axis; `found` must outlive them and receives the rows of each.
+std::vector<Part> number_parts(Engine& engine, bool quick, std::deque<std::vector<NumberRow>>& found);
 
 /// Adds table, figures and notes.
 void add_numbers(StudyData& data, const std::vector<NumberRow>& rows);
