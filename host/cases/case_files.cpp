@@ -52,21 +52,29 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
 
 namespace {
 
-// Of a field; force is always among the channels.
-void add_field_files(const std::string& stem, std::uint32_t channels, bool mesh, AlsoFormats also,
+// Of a field; force is always among the channels. `along_y`: it depends on y.
+struct FieldKind {
+    std::uint32_t channels;
+    bool mesh, along_y;
+};
+void add_field_files(const std::string& stem, const FieldKind& field, AlsoFormats also,
                      std::vector<std::string>& names) {
     names.push_back(stem + ".exr");
     if (also.vti)
         names.push_back(stem + ".vti");
     if (also.npy)
         for (const layout::uint channel : kFieldChannels)
-            if ((channels | layout::kChannelForce) & channel)
+            if ((field.channels | layout::kChannelForce) & channel)
                 names.push_back(stem + npy_kind(channel));
     if (also.vtp)
         names.push_back(stem + ".vtp");
-    for (const char* kind : {".mosaic", ".arrows", ".stroke", ".turns", ".shading"})
-        if ((kind != std::string_view(".shading") || (channels & layout::kChannelUnshaded)) &&
-            (kind != std::string_view(".turns") || mesh))
+    const std::pair<const char*, bool> pictures[] = {{".mosaic", field.along_y},
+                                                     {".arrows", true},
+                                                     {".stroke", true},
+                                                     {".turns", field.mesh},
+                                                     {".shading", field.channels & layout::kChannelUnshaded}};
+    for (const auto& [kind, made] : pictures)
+        if (made)
             std::ranges::move(picture::names_with(stem + kind, also.pictures), std::back_inserter(names));
 }
 
@@ -81,7 +89,9 @@ void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats
 std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also) {
     std::vector<std::string> names;
     if (scene.field)
-        add_field_files(stem, written_channels(scene), scene.surface.kind == SurfaceKind::mesh, also, names);
+        add_field_files(
+            stem, {written_channels(scene), scene.surface.kind == SurfaceKind::mesh, depends_on_y(features_of(scene))},
+            also, names);
     if (scene.paths)
         add_path_files(stem, written_channels(scene), also, names);
     return names;
@@ -90,7 +100,7 @@ std::vector<std::string> file_names(const std::string& stem, const Scene& scene,
 std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also) {
     std::vector<std::string> names;
     constexpr std::uint32_t kAll = ~0u;
-    add_field_files(stem, kAll, true, also, names);
+    add_field_files(stem, {kAll, true, true}, also, names);
     add_path_files(stem, kAll, also, names);
     return names;
 }

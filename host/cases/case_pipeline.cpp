@@ -119,10 +119,16 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
     const picture::FieldSlice &slice = slices_->slice(), &unshaded = slices_->unshaded();
     const picture::SurfaceLines lines =
         choice.axis == 1 ? surface_lines(prepared, slice.axes.at) : picture::SurfaceLines{};
+    constexpr double kPressed = 2e-3, kVoxels = 4;                                             /* m */
+    const double deep = std::max(kPressed, kVoxels * *std::ranges::max_element(grid.spacing)); /* m */
     const auto look = [&](bool with_shading, const char* more = "") {
-        return output_.look(picture::title_of(prepared.one, with_shading) + more);
+        picture::Look chosen = output_.look(picture::title_of(prepared.one, with_shading) + more);
+        if (chosen.full_scale == 0)
+            chosen.full_scale = output_.scene().force.stiffness * deep;
+        return chosen;
     };
-    output_.draw(".mosaic", picture::draw_mosaic(look(true), slices_->tiles(), choice.quantity), record);
+    if (depends_on_y(features_of(output_.scene())))
+        output_.draw(".mosaic", picture::draw_mosaic(look(true), slices_->tiles(), choice.quantity), record);
     output_.draw(".arrows", picture::draw_arrows(look(true), slice, lines, choice.quantity, unshaded), record);
     const std::uint64_t middle = (grid.size[1] - 1) / 2; // sample, rounded down
     const double y =

@@ -165,6 +165,14 @@ void describe(Options& options, FieldArguments& arguments) {
         [&](const std::string& text) { arguments.pictures.slice.quantity = quantity_named(text); },
         "that the colours show: magnitude (default), a component, the direction, or the turn: the angle between the "
         "forces with and without shading");
+    options.read(
+        "--full-scale FORCE",
+        [&](const std::string& text) {
+            arguments.pictures.look.full_scale = parse_quantity(text, Dimension::force);
+            if (!(arguments.pictures.look.full_scale > 0))
+                throw UsageError("--full-scale {}: write a force above 0, as in 5 N", text);
+        },
+        "where the colours of forces end; by default the force of a hand that presses 2 mm deep");
     options.optional("--slice PLANE", arguments.slice,
                      "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");
     options.optional("--view X,Y,Z", arguments.view,

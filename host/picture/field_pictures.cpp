@@ -324,7 +324,7 @@ Picture draw_slices(const Look& look, std::vector<Panel> panels, const std::vect
     }
     const SliceAxes& whole = values[0].axes;
     for (std::size_t i = 0; i < quantities.size(); ++i)
-        sheet.scales.push_back(scale_for(quantities[i], censuses[i].largest, whole.axis));
+        sheet.scales.push_back(scale_for(quantities[i], censuses[i].largest, whole.axis, look.full_scale));
     const Window window = contact_window(values, reach_of(lines, whole));
     for (Panel& panel : panels)
         sheet.panels.push_back({panel.label, cropped(panel.values, window), panel.scale, cropped(panel.force, window)});
@@ -368,7 +368,8 @@ Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantit
     if (empty)
         filled.push_back(tiles[0]);
     const Window window = contact_window(filled);
-    PanelSheet sheet{look, {}, {}, {scale_for(quantity, census.largest, tiles[0].axes.axis)}, {}, census};
+    PanelSheet sheet{look, {},    {}, {scale_for(quantity, census.largest, tiles[0].axes.axis, look.full_scale)},
+                     {},   census};
     std::vector<double> heights;
     for (std::size_t i = 0; i < filled.size(); i += (filled.size() + kShownTiles - 1) / kShownTiles) {
         heights.push_back(filled[i].axes.at);

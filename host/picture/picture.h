@@ -51,9 +51,10 @@ struct Picture {
 
 /// What the user may choose of any picture.
 struct Look {
-    std::string title;   // UTF-8, wrapped if it is long
-    int width = 1400;    // pixels; texts keep their size
-    int most_height = 0; // pixels: plots become smaller to keep it, as far as they can; 0: as high as they need
+    std::string title;     // UTF-8, wrapped if it is long
+    int width = 1400;      // pixels; texts keep their size
+    int most_height = 0;   // pixels: plots become smaller to keep it, as far as they can; 0: as high as they need
+    double full_scale = 0; /* N: where the colours of forces end; 0: at the largest */
     friend bool operator==(const Look&, const Look&) = default;
 };
 

@@ -97,11 +97,12 @@ Rgb8 ColourScale::of(double value) const {
     return colour_at(map, shows() ? (value / high - low / high) / (1 - low / high) : 0);
 }
 
-ColourScale scale_for(Quantity quantity, double largest, const std::array<std::size_t, 3>& axis) {
+ColourScale scale_for(Quantity quantity, double largest, const std::array<std::size_t, 3>& axis, double full_scale) {
+    const double end = full_scale > 0 ? std::min(largest, full_scale) : largest; /* N */
     const std::string_view name = kQuantityNames[static_cast<std::size_t>(quantity)];
     switch (quantity) {
     case Quantity::magnitude:
-        return {quantity, ColourMap::sequential, 0, largest, "force magnitude |F|", "force magnitude", "N"};
+        return {quantity, ColourMap::sequential, 0, end, "force magnitude |F|", "force magnitude", "N"};
     case Quantity::angle:
         return {quantity, ColourMap::second, 0, largest, "angle between unshaded and shaded force", "angle", "°"};
     case Quantity::direction: { // beyond a quarter turn the colours go round, too
@@ -113,8 +114,8 @@ ColourScale scale_for(Quantity quantity, double largest, const std::array<std::s
     default:
         return {quantity,
                 ColourMap::diverging,
-                -largest,
-                largest,
+                -end,
+                end,
                 fmt::format("force along {}", name),
                 fmt::format("force along {}", name),
                 "N"};
@@ -126,7 +127,9 @@ std::string largest_note(const ColourScale& scale, double largest) {
         return "";
     if (scale.unit == "°")
         return fmt::format(" (at most {}°)", three_digits(largest));
-    return fmt::format(" (at most {})", quantity_text(largest, scale.unit));
+    const std::string end =
+        scale.high < largest ? fmt::format("; the colours end at {}", quantity_text(scale.high, scale.unit)) : "";
+    return fmt::format(" (at most {}{})", quantity_text(largest, scale.unit), end);
 }
 
 std::vector<std::size_t> nearest_samples(const std::vector<double>& samples, double spacing, int pixels) {

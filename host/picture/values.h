@@ -105,10 +105,10 @@ struct ColourScale {
     bool shows() const { return high > low; }
 };
 
-/// The scale for values up to `largest` in a plane with those directions.
-ColourScale scale_for(Quantity quantity, double largest, const std::array<std::size_t, 3>& axis);
+/// The scale for values up to `largest` in a plane with those directions; of forces to `full_scale`, N, unless 0.
+ColourScale scale_for(Quantity quantity, double largest, const std::array<std::size_t, 3>& axis, double full_scale = 0);
 
-/// " (at most 16.8 N)"; empty without values, and for directions.
+/// " (at most 16.8 N; the colours end at 2 N)"; empty without values, and for directions.
 std::string largest_note(const ColourScale& scale, double largest);
 
 /// The sample nearest to the middle of each of `pixels` equal parts of an axis, from its low end.

@@ -91,7 +91,7 @@ TEST_F(Account, GivesTheHashAndSizeOfEveryFile) {
             EXPECT_EQ(listed.count(name), 1u) << name;
         }
     }
-    EXPECT_EQ(listed.size(), 51u + 6 * 5);
+    EXPECT_EQ(listed.size(), 51u + 6 * 4);
 }
 
 TEST_F(Account, GivesTheLargestForceAndWhereItIs) {

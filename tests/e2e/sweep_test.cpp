@@ -52,8 +52,8 @@ TEST_F(Sweep, OfThePapersStudyHas51CasesAndTheSecondRunChangesNoByte) {
     const Tree before = tree_of(path("out"));
     const json manifest = json::parse(before.at("manifest.json"));
     EXPECT_EQ(manifest["cases"].size(), 51u);
-    // A volume, an array, two ParaView files, three pictures and a record each; study, summary, manifest, report.
-    EXPECT_EQ(before.size(), 51u * 8 + 4);
+    // A volume, an array, two ParaView files, two pictures and a record each; study, summary, manifest, report.
+    EXPECT_EQ(before.size(), 51u * 7 + 4);
     expect_counts(sweep({"--also", "npy,vti,vtp,png"}, "paper.toml"), 0, 51);
     EXPECT_EQ(differences(before, tree_of(path("out"))), std::set<std::string>{}) << "the manifest included";
 }
@@ -64,14 +64,14 @@ TEST_F(Sweep, IntoAnotherFolderAndFromItsOwnStudyGivesTheSameBytes) {
     sweep({"--only", only, "--also", "npy,vti,vtp,png"}, "paper.toml");
     sweep({"--only", only, "--also", "png,vtp,vti", "--also", "npy"}, "paper.toml", "elsewhere/deep");
     sweep({"--only", only, "--also", "npy,vti,vtp,png"}, "out/study.toml", "again");
-    EXPECT_EQ(results_in(path("out")).size(), 17u * 7 + 2);
+    EXPECT_EQ(results_in(path("out")).size(), 17u * 6 + 2);
     EXPECT_EQ(differences(results_in(path("out")), results_in(path("elsewhere/deep"))), std::set<std::string>{});
     EXPECT_EQ(differences(results_in(path("out")), results_in(path("again"))), std::set<std::string>{});
 }
 
 TEST_F(Sweep, DoesADamagedOrMissingFileAgainAndNoOther) {
     sweep({"--also", "npy,vti,vtp,png"});
-    for (const char* name : {".exr", ".force.npy", ".vti", ".vtp", ".mosaic.png", ".arrows.png"}) {
+    for (const char* name : {".exr", ".force.npy", ".vti", ".vtp", ".stroke.png", ".arrows.png"}) {
         expect_repaired(kCase + name, [](const auto& file) { std::filesystem::remove(file); });
         expect_repaired(kCase + name, [](const auto& file) { std::filesystem::resize_file(file, 0); });
         expect_repaired(kCase + name, [](const auto& file) { std::filesystem::resize_file(file, 300); });

@@ -127,6 +127,16 @@ TEST(Values, OfAForceInThePlaneOfTheSlice) {
     EXPECT_EQ(value_of(Quantity::angle, force, {}, {0, 2, 1}), kNoForce);
 }
 
+TEST(Values, OfForcesAreColouredUpToTheFullScale) {
+    const ColourScale deep = scale_for(Quantity::magnitude, 16.7, {0, 2, 1}, 2),
+                      part = scale_for(Quantity::x, 1, {0, 2, 1}, 2);
+    EXPECT_EQ(deep.high, 2);
+    EXPECT_EQ(largest_note(deep, 16.7), " (at most 16.7 N; the colours end at 2 N)");
+    EXPECT_EQ(part.high, 1);
+    EXPECT_EQ(largest_note(part, 1), " (at most 1 N)");
+    EXPECT_EQ(scale_for(Quantity::angle, 30, {0, 2, 1}, 2).high, 30);
+}
+
 TEST(Values, AreCroppedToTheContactWithABorder) {
     ValueSlice slice{{{}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, 1, 1, 1, 0}, std::vector<double>(200, kNoForce)};
     for (int i = 0; i < 20; ++i)
