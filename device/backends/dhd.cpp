@@ -130,7 +130,6 @@ struct Model {
                         delta 400 mm, sigma 190 mm, lambda 240 mm, Falcon 102 mm) and half of it more, because
                         devices are mounted in different ways */
 };
-constexpr Model kUnknownModel{0, 0, kUnknown, 0.5};
 constexpr std::array kModels{
     Model{33, 37, 12, 0.12},         // omega.3, omega.6, omega.7
     Model{60, 60, 8, 0.08},          // Falcon
@@ -139,6 +138,16 @@ constexpr std::array kModels{
     Model{106, 107, kUnknown, 0.15}, // others of its size
     Model{108, 109, kUnknown, 0.18}, // lambda.7
 };
+
+// Of a type of a later SDK: the arm of its family, as sigma.3 and lambda.3 have it; its largest force is not known.
+Model family_of(std::string_view name) {
+    constexpr std::array<std::pair<std::string_view, double>, 4> kFamilies{
+        {{"omega", 0.12}, {"delta", 0.3}, {"sigma", 0.15}, {"lambda", 0.18}}};
+    for (const auto& [family, reach] : kFamilies)
+        if (name.starts_with(family))
+            return {0, 0, kUnknown, reach};
+    return {0, 0, kUnknown, 0.5};
+}
 
 // Why a device in this state must not display forces; null: it may, once they are enabled.
 const char* objection(const DhdLibrary::Status& status) {
@@ -301,7 +310,7 @@ private:
         const auto known = std::find_if(kModels.begin(), kModels.end(), [type](const Model& model) {
             return model.first <= type && type <= model.last;
         });
-        const Model& model = known == kModels.end() ? kUnknownModel : *known;
+        const Model model = known == kModels.end() ? family_of(name ? name : "") : *known;
         facts.max_force = model.force;
         facts.silence = kDhdSilence;
         facts.buttons = library_.get_button_mask ? kDhdButtons : 0;

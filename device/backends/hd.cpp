@@ -25,7 +25,7 @@ using HdCallback = unsigned (*)(void* user);
 
 /// Arguments and results of the calls, by their names without HD_.
 struct HdValue {
-    static constexpr unsigned success = 0, invalid_handle = 0xFFFFFFFF;
+    static constexpr unsigned success = 0, warm_motors = 0x0200, invalid_handle = 0xFFFFFFFF;
     static constexpr unsigned callback_done = 0, callback_continue = 1;
     static constexpr unsigned current_buttons = 0x2000; // as an integer: button 1 to 4 as bit 0 to 3
     static constexpr unsigned current_position = 0x2050, current_force = 0x2700;
@@ -112,6 +112,12 @@ constexpr unsigned kHdButtons = 4;    // that HDAPI names
 /// If no force was put for this long, none is displayed: more than three samples of the slowest loop, 100 Hz.
 constexpr std::int64_t kHdSilence = 50'000'000; /* ns */
 
+constexpr std::int64_t kCooling = 5'000'000'000;      /* ns: without force after motors were too warm */
+constexpr std::int64_t kAskCalibration = 500'000'000; /* ns */
+constexpr const char* kWarm = "the device's motors are too warm: let them cool down, forces come back by themselves";
+constexpr const char* kUncalibrated = "the device lost its calibration: put its stylus into the inkwell (an arm "
+                                      "without one: end the run, and start again at its reset position)";
+
 /// Runs in the vendor's scheduler: reads the position and displays the newest force, once a millisecond.
 class Servo {
 public:
@@ -121,7 +127,9 @@ public:
         std::uint32_t buttons = 0;
     };
 
-    Servo(const HdLibrary& library, unsigned device) noexcept : library_(library), device_(device) {}
+    /// `style`: by which a calibration that needs it is brought up to date; 0: by none.
+    Servo(const HdLibrary& library, unsigned device, int style) noexcept
+        : library_(library), device_(device), style_(style) {}
 
     /// The scheduler's callback, `servo` a Servo. Neither waits nor throws.
     static unsigned tick(void* servo) noexcept { return static_cast<Servo*>(servo)->frame(); }
@@ -141,8 +149,11 @@ public:
     /// call any more, or the device refused the last one.
     bool put(const glm::dvec3& force) noexcept {
         commands_.put({force, now()});
-        return runs() && displayed_;
+        return runs() && displayed_ && (withheld() == nullptr || force == glm::dvec3(0));
     }
+
+    /// As BackEnd's.
+    const char* withheld() const noexcept { return withheld_.load(); }
 
     /// No force from the next frame on until the next put(). From any thread.
     void rest() noexcept { rested_ = now(); }
@@ -185,11 +196,14 @@ private:
         commands_.take(command_);
         const bool old = time - command_.time > kHdSilence || command_.time <= rested_;
         const bool silent = halted_; // read as late as possible
-        const glm::dvec3 force = silent || old || !frame.valid ? glm::dvec3(0) : command_.force;
+        withheld_ = uncalibrated_ ? kUncalibrated : time < cool_ ? kWarm : nullptr;
+        const glm::dvec3 force =
+            silent || old || !frame.valid || withheld() != nullptr ? glm::dvec3(0) : command_.force;
         const double axes[3]{force.x, force.z, -force.y};
         library_.set_doublev(HdValue::current_force, axes);
         library_.end_frame(device_);
-        displayed_ = succeeded();
+        displayed_ = shown(time);
+        follow_calibration(time);
         called_ = time;
         frames_.put(frame);
         silent_ = silent;
@@ -198,9 +212,33 @@ private:
         return last ? HdValue::callback_done : HdValue::callback_continue;
     }
 
-    // True if no call failed since the last check.
-    bool succeeded() noexcept {
+    // Warm motors are no failure: forces are withheld until they have cooled down.
+    bool shown(std::int64_t time) noexcept {
         const unsigned code = library_.drain_errors();
+        if (code != HdValue::warm_motors)
+            return succeeded(code);
+        cool_ = time + kCooling;
+        withheld_ = kWarm;
+        return true;
+    }
+
+    void follow_calibration(std::int64_t time) noexcept {
+        if (time - asked_ < kAskCalibration)
+            return;
+        asked_ = time;
+        const unsigned state = library_.check_calibration();
+        if (library_.drain_errors() != HdValue::success)
+            return; // asked again
+        uncalibrated_ = state != HdValue::calibration_ok;
+        if (state == HdValue::calibration_needs_update && style_ != 0) {
+            library_.update_calibration(static_cast<unsigned>(style_));
+            library_.drain_errors();
+        }
+    }
+
+    // True if no call failed since the last check.
+    bool succeeded() noexcept { return succeeded(library_.drain_errors()); }
+    bool succeeded(unsigned code) noexcept {
         if (code != HdValue::success)
             error_text_ = library_.get_error_string(code);
         return code == HdValue::success;
@@ -216,9 +254,14 @@ private:
 
     const HdLibrary& library_;
     const unsigned device_;
+    const int style_;
     Newest<Frame> frames_;
     Newest<Command> commands_;
-    Command command_;                      // the scheduler's
+    // The scheduler's.
+    Command command_;
+    bool uncalibrated_ = false;
+    std::int64_t cool_ = 0, asked_ = now(); /* ns: motors are cool from then on; of the calibration */
+    std::atomic<const char*> withheld_ = nullptr;
     std::atomic<std::int64_t> called_ = 0; // ns: when the last frame began
     std::atomic<std::int64_t> rested_ = 0; // ns: when rest() was called last
     std::atomic<pthread_t> thread_{};      // the scheduler's
@@ -310,7 +353,7 @@ std::string name_of(const HdLibrary& library) {
 class Hd final : public BackEnd {
 public:
     explicit Hd(const std::string& name)
-        : session_(library_, name), facts_(read_facts()), servo_(library_, session_.device),
+        : session_(library_, name), facts_(read_facts()), servo_(library_, session_.device, style_in_a_run()),
           schedule_(library_, servo_) {
         await_position();
     }
@@ -338,6 +381,7 @@ public:
     void halt() noexcept override { servo_.halt(kFramePatience); }
     void rest() noexcept override { servo_.rest(); }
     const char* error_text() const noexcept override { return servo_.error_text(); }
+    const char* withheld() const noexcept override { return servo_.withheld(); }
 
 private:
     DeviceFacts read_facts() const {
@@ -402,17 +446,29 @@ private:
                 facts.name, why);
     }
 
+    // The device states a set of them and accepts one: the last that it has.
+    int calibration_style() const {
+        int styles = 0, chosen = 0;
+        library_.get_integerv(HdValue::calibration_style, &styles);
+        for (const int style :
+             {HdValue::calibrate_by_reset, HdValue::calibrate_in_inkwell, HdValue::calibrate_by_itself})
+            if (styles & style)
+                chosen = style;
+        return chosen;
+    }
+
+    // Where a hand holds it, it stands at no reset position.
+    int style_in_a_run() const {
+        const int style = calibration_style();
+        return library_.error().empty() && style != HdValue::calibrate_by_reset ? style : 0;
+    }
+
     // Empty: it is calibrated, perhaps by us.
     std::string why_uncalibrated(DeviceFacts& facts) const {
         unsigned state = library_.check_calibration();
         std::string error = library_.error();
         if (error.empty() && state == HdValue::calibration_needs_update) {
-            int styles = 0, chosen = 0; // the device states a set of them and accepts one: the last that it has
-            library_.get_integerv(HdValue::calibration_style, &styles);
-            for (const int style :
-                 {HdValue::calibrate_by_reset, HdValue::calibrate_in_inkwell, HdValue::calibrate_by_itself})
-                if (styles & style)
-                    chosen = style;
+            const int chosen = calibration_style();
             if (error = library_.error(); !error.empty() || chosen == 0)
                 return "it does not state how: " + error;
             library_.update_calibration(static_cast<unsigned>(chosen));

@@ -125,6 +125,13 @@ TEST_F(Dhd, DoesWithoutWhatItCanDoWithout) {
     EXPECT_EQ(old.force(), dvec3(0, 0, 1));
 }
 
+TEST_F(Dhd, OfALaterTypeHasTheArmOfItsFamily) {
+    stub_.fail("sigma.3");
+    const auto device = open_dhd("");
+    EXPECT_EQ(device->facts().high, dvec3(0.15));
+    EXPECT_EQ(device->facts().max_force, 8) << "that the device states";
+}
+
 TEST_F(Dhd, TellsOfCallsThatFailInMidLoopAndGoesOnWhenTheyDo) {
     const auto device = open_dhd("");
     EXPECT_TRUE(device->write({0, 0, 1}));

@@ -234,6 +234,31 @@ TEST_F(Hd, TellsOfCallsThatFailInMidLoopAndGoesOnWhenTheyDo) {
     EXPECT_STREQ(device->error_text(), "Maximum force exceeded") << "the cause, not what came of it";
 }
 
+TEST_F(Hd, WithholdsForcesWhileItsMotorsAreTooWarm) {
+    const auto device = open_hd("");
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+    stub_.fail("warm motors", 1, 2);
+    EXPECT_TRUE(comes_true([&] { return !device->write({0, 0, 1}); }));
+    expect_words(device->withheld(), {"too warm"});
+    EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+    EXPECT_TRUE(device->write({0, 0, 0})) << "it waits";
+    EXPECT_EQ(device->read().answer == Answer::failed, false);
+    EXPECT_TRUE(comes_true([&] { return device->withheld() == nullptr; })) << "after five seconds";
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+}
+
+TEST_F(Hd, FollowsItsCalibration) {
+    const auto device = open_hd("");
+    const auto calibration = stub_.call<void(long)>("stub_calibration");
+    calibration(0x5002);
+    EXPECT_TRUE(comes_true([&] { return device->withheld() != nullptr; }));
+    expect_words(device->withheld(), {"calibration", "inkwell"});
+    EXPECT_FALSE(device->write({0, 0, 1}));
+    calibration(0x5001); // the stylus is in the inkwell
+    EXPECT_TRUE(comes_true([&] { return device->withheld() == nullptr; }));
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+}
+
 TEST_F(Hd, DisplaysNoForceWhenNoneWasWrittenForAWhile) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));

@@ -165,10 +165,10 @@ void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
     *revision = 1;
 }
 const char* dhdGetSystemName(char) {
-    return stub::fails("dhdGetSystemName") ? nullptr : "omega.3";
+    return stub::fails("dhdGetSystemName") ? nullptr : stub::fails("sigma.3") ? "sigma.3" : "omega.3";
 }
 int dhdGetSystemType(char) {
-    return answer("dhdGetSystemType") < 0 ? -1 : 33;
+    return answer("dhdGetSystemType") < 0 ? -1 : stub::fails("sigma.3") ? 112 : 33;
 }
 int dhdGetSerialNumber(unsigned short* number, char) {
     *number = 417;

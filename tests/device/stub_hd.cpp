@@ -99,7 +99,7 @@ void hdBeginFrame(unsigned device) {
     wanted = {};
 }
 void hdEndFrame(unsigned) {
-    if (!failed("hdEndFrame", 0x0201) && enabled)
+    if (!failed("warm motors", 0x0200) && !failed("hdEndFrame", 0x0201) && enabled)
         stub::display(wanted[0], wanted[1], wanted[2]);
 }
 void hdEnable(unsigned what) {
@@ -150,11 +150,15 @@ ErrorInfo hdGetError() {
     return {code, -1, 7};
 }
 const char* hdGetErrorString(unsigned code) {
-    constexpr std::pair<unsigned, const char*> kTexts[]{
-        {0x0100, "Invalid enumeration"}, {0x0201, "Maximum force exceeded"},
-        {0x0204, "Force error"},         {0x0300, "Device fault"},
-        {0x0302, "Communication error"}, {0x0303, "Communication configuration error"},
-        {0x0304, "Timer error"},         {0x0501, "Scheduler full"}};
+    constexpr std::pair<unsigned, const char*> kTexts[]{{0x0100, "Invalid enumeration"},
+                                                        {0x0200, "Warm motors"},
+                                                        {0x0201, "Maximum force exceeded"},
+                                                        {0x0204, "Force error"},
+                                                        {0x0300, "Device fault"},
+                                                        {0x0302, "Communication error"},
+                                                        {0x0303, "Communication configuration error"},
+                                                        {0x0304, "Timer error"},
+                                                        {0x0501, "Scheduler full"}};
     for (const auto& [known, text] : kTexts)
         if (code == known)
             return text;
