@@ -18,7 +18,7 @@ namespace forceshade {
 namespace {
 
 struct ExperimentArguments {
-    std::string file, out, session = "1", participant = "person", check;
+    std::string file, out, session = "1", participant = "person", check, age, hand;
     std::optional<int> port;
     DeviceArguments device;
     std::vector<std::string> folders, subjects, compare, buttons;
@@ -77,6 +77,13 @@ experiment::ObserverParameters observer_named(const std::string& participant) {
     return {};
 }
 
+experiment::ParticipantFacts participant_facts(const ExperimentArguments& arguments) {
+    experiment::ParticipantFacts facts{number_in<unsigned>(arguments.age, 1, 120), arguments.hand};
+    if (!arguments.age.empty() && !facts.age)
+        throw UsageError("--age: years from 1 to 120, got \"{}\"", arguments.age);
+    return facts;
+}
+
 int run_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
     if (arguments.out.empty())
         throw UsageError("--out is empty: name the folder of the data");
@@ -86,6 +93,9 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
         throw UsageError("--check and --answer-buttons are of a device: they are for --participant person");
     if (person && arguments.subjects.size() > 1)
         throw UsageError("--subject: one person at a time; several are for --participant observer");
+    if (!person && (!arguments.age.empty() || !arguments.hand.empty()))
+        throw UsageError("--age and --hand are of a person: they are for --participant person");
+    participant_facts(arguments); // errors now, not after a session has begun
     const std::unique_ptr<experiment::Participant> participant =
         person ? experiment::make_person(experiment, person_options(arguments, experiment, common))
                : experiment::make_observer(experiment, observer_named(arguments.participant));
@@ -99,6 +109,7 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
         options.info = {subject, session_number(arguments.session), arguments.participant, participant->device(),
                         person && !arguments.check.empty() ? "passed" : "none"};
         options.paths = person || arguments.paths;
+        options.participant = participant_facts(arguments);
         const std::size_t answered = experiment::run_session(experiment, *participant, options);
         note(common, "subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),
              arguments.out);
@@ -172,6 +183,8 @@ void describe_run(Options& options, ExperimentArguments& arguments) {
     options.optional("--participant person|observer|observer-two-noises|observer-base-kinks", arguments.participant,
                      "person: at a device, answers in a page (default); observer: a simulated one; the others are its "
                      "older form, with two noises, and its rival");
+    options.optional("--age YEARS", arguments.age, "of the person, kept in documentation/participants.csv");
+    options.optional("--hand left|right|both", arguments.hand, "that the person writes with, kept likewise");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
     options.list("--answer-buttons BUTTON", arguments.buttons,
                  "buttons of the device in the order of the answers, between commas: they answer as the keys do");

@@ -506,6 +506,29 @@ std::vector<double> Answers::counts(std::size_t condition, const std::string& su
     return counts;
 }
 
+namespace {
+
+void exclude_by_catch_trials(Answers& answers) {
+    const std::size_t all = answers.rows.size();
+    for (const std::string& subject : answers.subjects()) {
+        std::size_t caught = 0, right = 0;
+        for (const TrialRow& row : answers.rows)
+            if (row.subject == subject && answers.experiment.is_catch(row.condition)) {
+                ++caught;
+                right += row.correct.value_or(false);
+            }
+        if (static_cast<double>(right) >= answers.experiment.spec.catch_least * static_cast<double>(caught))
+            continue;
+        answers.excluded.push_back(fmt::format("{} ({} of {} catch trials right)", subject, right, caught));
+        std::erase_if(answers.rows, [&](const TrialRow& row) { return row.subject == subject; });
+    }
+    if (answers.rows.empty() && all > 0)
+        throw UsageError("every subject is left out: {}; catch_least is {}", fmt::join(answers.excluded, ", "),
+                         answers.experiment.spec.catch_least);
+}
+
+} // namespace
+
 Answers read_answers(const std::vector<std::filesystem::path>& folders) {
     std::optional<Answers> answers;
     std::string first;
@@ -537,6 +560,7 @@ Answers read_answers(const std::vector<std::filesystem::path>& folders) {
     }
     if (!answers || answers->rows.empty())
         throw UsageError("{} holds no answered trial yet", folders.empty() ? "." : folders[0].string());
+    exclude_by_catch_trials(*answers);
     return *answers;
 }
 
@@ -575,8 +599,11 @@ study::StudyData analyse(const Answers& answers) {
     data.device = answers.rows.front().device;
     data.cores = most_threads();
     data.scene = resolved_toml(answers.experiment);
-    const std::string left_out =
+    std::string left_out =
         fmt::format("{} rows that do not count (practice, trials without an answer) are left out.", answers.left_out);
+    if (!answers.excluded.empty())
+        left_out += fmt::format(" Subjects left out by their catch trials, of which {:.3g} % are to be right: {}.",
+                                100 * spec.catch_least, fmt::join(answers.excluded, ", "));
     if (spec.task == Task::compare) {
         data.study = "comparison";
         data.notes.push_back(left_out);

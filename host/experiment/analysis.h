@@ -20,6 +20,8 @@ struct Answers {
     Experiment experiment;
     std::vector<TrialRow> rows; /* those that count */
     std::size_t left_out = 0;   /* rows of practice or without an answer */
+    std::vector<std::string>
+        excluded{}; /* subjects whose rows are left out, and why: "03 (2 of 8 catch trials right)" */
 
     std::vector<std::string> subjects() const; /* sorted */
     /// Of a condition (its index) and a subject, or all if it is empty: by answer.

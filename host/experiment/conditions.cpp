@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "host/error.h"
+#include "host/paths/path_reader.h"
 #include "host/random.h"
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
@@ -99,23 +100,27 @@ std::vector<std::string> varying_keys_of(const Experiment& experiment) {
     return varying;
 }
 
-std::string axis_of(const std::string& word, const std::vector<std::string>& varying) {
+// `key`: of the experiment, that names it.
+std::string axis_of(const std::string& word, const std::vector<std::string>& varying, const char* key_name,
+                    bool numbers) {
     std::vector<std::string> found;
     for (const std::string& path : varying)
         if (path == word || path.substr(path.find('.') + 1) == word)
             found.push_back(path);
     if (found.size() > 1)
-        throw UsageError("track = \"{}\" may be {}; say which", word, fmt::join(found, " or "));
+        throw UsageError("{} = \"{}\" may be {}; say which", key_name, word, fmt::join(found, " or "));
     if (found.empty()) {
         std::vector<std::string> names = varying;
         for (const std::string& path : varying)
             names.push_back(path.substr(path.find('.') + 1));
         const std::string near = did_you_mean(word, names);
-        throw UsageError("track = \"{}\": the stimuli do not differ in it{}", word,
+        throw UsageError("{} = \"{}\": the stimuli do not differ in it{}", key_name, word,
                          !near.empty()     ? near
                          : varying.empty() ? std::string("; give a key of the study several values")
                                            : fmt::format("; they differ in {}", fmt::join(varying, ", ")));
     }
+    if (!numbers)
+        return found.front();
     const Key& key = schema_keys()[key_index(found.front())];
     const bool numeric =
         key.kind == ValueKind::quantity || key.kind == ValueKind::number || key.kind == ValueKind::integer;
@@ -207,7 +212,118 @@ void place_standards(const Experiment& experiment, std::vector<Trial>& trials, R
     }
 }
 
+// Subjects are rows of a Latin square by their number; without one by chance.
+std::uint64_t ordinal_of(const std::string& subject, std::uint64_t session) {
+    std::uint64_t number = 0;
+    const auto digits = subject.find_last_not_of("0123456789") + 1; // npos + 1: all are
+    const char* const end = subject.data() + subject.size();
+    const auto [last, error] = std::from_chars(subject.data() + digits, end, number);
+    if (error != std::errc() || number == 0)
+        number = Random(0, subject).word() >> 1;
+    return number + session - 2;
+}
+
+// Indices below `count`, each `times`, in the order that is asked for; balanced is that of a block.
+std::vector<std::size_t> arranged(Order order, std::size_t count, std::uint64_t times, std::uint64_t ordinal,
+                                  Random& random) {
+    if (order == Order::random || order == Order::balanced)
+        return shuffled(count, times, random);
+    std::vector<std::size_t> all;
+    for (std::uint64_t i = 0; i < times; ++i)
+        for (std::size_t place = 0; place < count; ++place)
+            all.push_back(order == Order::latin ? latin_row(count, ordinal + i)[place] : place);
+    return all;
+}
+
+// Of listed conditions: those that share a value of block_by, in the order of the values' first condition.
+std::vector<std::vector<std::size_t>> blocks_of(const Experiment& experiment) {
+    std::vector<std::string> values;
+    std::vector<std::vector<std::size_t>> blocks;
+    const std::string axis = axis_of(experiment.spec.block_by, varying_keys_of(experiment), "block_by", false);
+    for (std::size_t i = 0; i < experiment.listed.size(); ++i) {
+        const Condition& condition = experiment.conditions[experiment.listed[i]];
+        const std::string value = literal_of(experiment.stimulus(condition), axis);
+        auto place = std::ranges::find(values, value);
+        if (place == values.end()) {
+            place = values.insert(place, value);
+            blocks.emplace_back();
+        }
+        blocks[static_cast<std::size_t>(place - values.begin())].push_back(i);
+    }
+    return blocks;
+}
+
+// Of a conditions file: the key that a column names; empty: it is "case".
+std::string key_of_column(const CsvReader& csv, std::size_t cell, const std::vector<std::string>& varying) {
+    const std::string name(csv.text(cell));
+    if (name == "case")
+        return "";
+    for (const std::string& path : varying)
+        if (path == name || path.substr(path.find('.') + 1) == name)
+            return path;
+    std::vector<std::string> names = varying;
+    names.emplace_back("case");
+    fail(csv.source(), csv.where(cell), "the column \"{}\" is nothing in which the stimuli differ; columns are {}",
+         name, fmt::join(names, ", "));
+}
+
+bool is_value(const Case& one, const std::string& path, std::string_view cell) {
+    return path.empty() ? one.name == cell : unquoted(literal_of(one, path)) == cell;
+}
+
 } // namespace
+
+std::vector<std::size_t> latin_row(std::size_t n, std::uint64_t row) {
+    // 0, 1, n - 1, 2, n - 2, ...: neighbours differ by another number each time. Of an odd n every second square is
+    // read from its end.
+    const std::size_t turn = static_cast<std::size_t>(row % n);
+    std::vector<std::size_t> places(n);
+    for (std::size_t i = 0; i < n; ++i)
+        places[i] = ((i % 2 == 1 ? (i + 1) / 2 : n - i / 2) + turn) % n;
+    if (n % 2 == 1 && row / n % 2 == 1)
+        std::ranges::reverse(places);
+    return places;
+}
+
+bool Experiment::is_catch(const std::string& name) const {
+    return !spec.catch_trials.empty() && fnmatch(spec.catch_trials.c_str(), name.c_str(), 0) == 0;
+}
+
+void list_conditions(Experiment& experiment) {
+    for (std::size_t i = 0; i < experiment.conditions.size(); ++i)
+        experiment.listed.push_back(i);
+    if (experiment.spec.conditions.bytes.empty())
+        return;
+    experiment.listed.clear();
+    CsvReader csv(experiment.spec.conditions.path);
+    const std::vector<std::string> varying = varying_keys_of(experiment);
+    std::vector<std::string> columns;
+    csv.next();
+    for (std::size_t cell = 0; cell < csv.size(); ++cell)
+        columns.push_back(key_of_column(csv, cell, varying));
+    while (csv.next()) {
+        if (csv.size() != columns.size())
+            fail(csv.source(), csv.end(), "the row has {} cells, and the header names {} columns", csv.size(),
+                 columns.size());
+        std::vector<std::size_t> found;
+        for (std::size_t i = 0; i < experiment.conditions.size(); ++i) {
+            std::size_t cell = 0;
+            while (cell < columns.size() &&
+                   is_value(experiment.stimulus(experiment.conditions[i]), columns[cell], csv.text(cell)))
+                ++cell;
+            if (cell == columns.size())
+                found.push_back(i);
+        }
+        if (found.size() != 1)
+            fail(csv.source(), csv.where(0),
+                 "the row is of {} of the {} stimuli; a row names one, as \"{}\" in a column \"case\"",
+                 found.empty() ? "none" : std::to_string(found.size()), experiment.conditions.size(),
+                 experiment.stimulus(experiment.conditions.front()).name);
+        experiment.listed.push_back(found.front());
+    }
+    if (experiment.listed.empty())
+        fail(csv.source(), csv.end(), "there is no row below the header");
+}
 
 std::optional<std::size_t> Experiment::correct_answer(const Case& stimulus) const {
     const std::optional<unsigned> facets = facets_of(stimulus);
@@ -248,7 +364,7 @@ void find_tracks(Experiment& experiment) {
     if (experiment.spec.track.empty())
         return;
     const std::vector<std::string> varying = varying_keys_of(experiment);
-    experiment.track_key = axis_of(experiment.spec.track, varying);
+    experiment.track_key = axis_of(experiment.spec.track, varying, "track", true);
     const Key& key = schema_keys()[key_index(experiment.track_key)];
     experiment.track_unit = key.kind == ValueKind::quantity ? dimension_info(key.dimension).unit : "1";
     experiment.tracks = tracks_of(experiment, varying);
@@ -258,14 +374,15 @@ std::vector<Trial> trials_of(const Experiment& experiment, const std::string& su
     const ExperimentSpec& spec = experiment.spec;
     const bool tracked = !experiment.tracks.empty();
     const std::size_t conditions = experiment.conditions.size(),
-                      units = tracked ? experiment.tracks.size() : conditions;
+                      units = tracked ? experiment.tracks.size() : experiment.listed.size();
+    const std::uint64_t ordinal = ordinal_of(subject, session);
     Random random(spec.seed, subject + "/" + std::to_string(session));
     std::vector<Trial> trials;
     const auto add = [&](std::uint64_t block, std::size_t condition) {
         trials.push_back({trials.size() + 1, block, condition, random.word()});
     };
     const auto add_unit = [&](std::uint64_t block, std::size_t unit) {
-        add(block, tracked ? 0 : unit);
+        add(block, tracked ? 0 : experiment.listed[unit]);
         if (tracked)
             trials.back().track = unit;
     };
@@ -273,12 +390,20 @@ std::vector<Trial> trials_of(const Experiment& experiment, const std::string& su
         for (const std::size_t condition : shuffled(conditions, 1, random))
             if (done++ < spec.practice)
                 add(0, condition);
-    if (spec.order == Order::balanced) {
+    if (!spec.block_by.empty()) {
+        const std::vector<std::vector<std::size_t>> blocks = blocks_of(experiment);
+        std::uint64_t number = 0;
+        for (const std::size_t block : arranged(spec.order, blocks.size(), 1, ordinal, random)) {
+            ++number;
+            for (const std::size_t unit : arranged(spec.order, blocks[block].size(), spec.trials, ordinal, random))
+                add_unit(number, blocks[block][unit]);
+        }
+    } else if (spec.order == Order::balanced) {
         for (std::uint64_t block = 1; block <= spec.blocks; ++block)
             for (const std::size_t unit : shuffled(units, spec.trials / spec.blocks, random))
                 add_unit(block, unit);
     } else {
-        const auto order = shuffled(units, spec.trials, random);
+        const auto order = arranged(spec.order, units, spec.trials, ordinal, random);
         for (std::size_t i = 0; i < order.size(); ++i)
             add_unit(1 + i * spec.blocks / order.size(), order[i]);
     }

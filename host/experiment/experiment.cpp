@@ -15,6 +15,7 @@
 #include <png.h>
 
 #include "host/error.h"
+#include "host/experiment/page_text.h"
 #include "host/output/files.h"
 #include "host/scene/document.h"
 #include "host/scene/schema.h"
@@ -29,6 +30,7 @@ constexpr std::uint64_t kMostTrials = 10000, kMostBlocks = 1000;
 constexpr std::size_t kMostAnswers = 9; // keys 1 to 9
 constexpr std::uint64_t kMostAnswerFacets = 1000;
 constexpr std::uint64_t kLargestPicture = 1u << 20;    // bytes
+constexpr std::uint64_t kLargestText = 1u << 16;       // bytes
 constexpr std::uint64_t kMostPicturePixels = 1u << 22; // of a PNG
 constexpr const char* kSource = "the paper's experiment";
 
@@ -46,6 +48,7 @@ constexpr ValueKind kKindOf = std::is_same_v<T, std::string>     ? ValueKind::te
                               : std::is_enum_v<T>                ? ValueKind::choice
                               : std::is_floating_point_v<T>      ? ValueKind::quantity
                               : std::is_same_v<T, AnswerPicture> ? ValueKind::file
+                              : std::is_same_v<T, GivenFile>     ? ValueKind::file
                                                                  : ValueKind::integer;
 
 bool is_name(const std::string& text) {
@@ -85,18 +88,22 @@ bool is_svg(std::string_view text) {
            (text.ends_with("</svg>") || text.ends_with("/>"));
 }
 
+// Of at most `most` bytes; `what` it is, and where it belongs.
+std::string read_given(const Value& given, const std::string& source, std::uint64_t most, const char* what) {
+    std::error_code error;
+    if (const auto size = std::filesystem::file_size(given.path, error); !error && size > most)
+        fail(source, given.where, "the {} {} has {} bytes, and {} are the most", what, given.path, size, most);
+    try {
+        return read_file(given.path);
+    } catch (const Error& failure) {
+        fail(source, given.where, "{}; a {} file stands in the experiment's folder", failure.what(), what);
+    }
+}
+
 AnswerPicture read_picture(const Value& given, const std::string& source) {
     const std::filesystem::path file = given.path;
-    std::error_code error;
-    if (const auto size = std::filesystem::file_size(file, error); !error && size > kLargestPicture)
-        fail(source, given.where, "the picture {} has {} bytes, and {} are the most", file.string(), size,
-             kLargestPicture);
     AnswerPicture picture;
-    try {
-        picture.bytes = read_file(file);
-    } catch (const Error& failure) {
-        fail(source, given.where, "{}; a picture is a PNG or SVG file in the experiment's folder", failure.what());
-    }
+    picture.bytes = read_given(given, source, kLargestPicture, "picture");
     constexpr std::string_view kPng = "\x89PNG\r\n\x1a\n";
     if (picture.bytes.starts_with(kPng)) {
         picture.extension = ".png";
@@ -122,6 +129,11 @@ void assign(std::optional<unsigned>& to, const Value& value, const std::string&)
 void assign(AnswerPicture& to, const Value& value, const std::string& source) {
     to = read_picture(value, source);
 }
+void assign(GivenFile& to, const Value& value, const std::string& source) {
+    to = {value.path, read_given(value, source, kLargestText, "text")};
+    if (to.bytes.empty())
+        fail(source, value.where, "the text {} is empty", value.path);
+}
 template <typename T> void assign(T& to, const Value& value, const std::string&) {
     to = static_cast<T>(value.integers.front());
 }
@@ -135,12 +147,32 @@ std::string literal_of(const Key&, const std::optional<unsigned>& value) {
 std::string literal_of(const Key&, const AnswerPicture&) {
     return ""; // the answer's name has a part in it
 }
+std::string literal_of(const Key& key, const GivenFile& value) {
+    return value.bytes.empty() ? "" : toml_string(text_file_name(key.name));
+}
 template <typename T> std::string literal_of(const Key& key, const T& value) {
     if constexpr (std::is_enum_v<T>)
         return toml_string(key.choices[static_cast<std::size_t>(value)]);
     else
         return key.kind == ValueKind::quantity ? fmt::format("\"{} s\"", value) : fmt::format("{}", value);
 }
+
+} // namespace
+
+std::string text_file_name(std::string_view key) {
+    return std::string(key) + (key == "conditions" ? ".csv" : ".md");
+}
+
+std::vector<std::pair<std::string, std::string>> texts_of(const ExperimentSpec& spec) {
+    std::vector<std::pair<std::string, std::string>> texts;
+    for (const auto& [key, file] :
+         {std::pair("consent", &spec.consent), {"instructions", &spec.instructions}, {"conditions", &spec.conditions}})
+        if (!file->bytes.empty())
+            texts.emplace_back(text_file_name(key), file->bytes);
+    return texts;
+}
+
+namespace {
 
 template <typename Spec, typename T>
 Row<Spec>& add(std::vector<Row<Spec>>& keys, T Spec::*member, std::string_view name, std::string_view doc,
@@ -162,7 +194,8 @@ Row<Spec>& add(std::vector<Row<Spec>>& keys, T Spec::*member, std::string_view n
 
 std::vector<SpecKey> make_spec_keys() {
     using S = ExperimentSpec;
-    static constexpr std::array<std::string_view, 2> kTasks{"name", "compare"}, kOrders{"random", "balanced"};
+    static constexpr std::array<std::string_view, 2> kTasks{"name", "compare"};
+    static constexpr std::array<std::string_view, 4> kOrders{"random", "balanced", "latin", "sequential"};
     std::vector<SpecKey> keys;
     add(keys, &S::task, "task", "name what one stimulus is, or compare two that are felt one after the other").choices =
         kTasks;
@@ -172,8 +205,34 @@ std::vector<SpecKey> make_spec_keys() {
     add(keys, &S::practice, "practice", "trials before, which do not count", {.smallest = 0}).largest = kMostTrials;
     add(keys, &S::blocks, "blocks", "with a break between").largest = kMostBlocks;
     add(keys, &S::order, "order",
-        "of trials: over the session, or so that each block has every condition equally often")
+        "of trials: random, over the session; balanced: each block has every condition equally often; latin: each "
+        "repetition is a row of a balanced Latin square, whose rows go round the subjects by their numbers; "
+        "sequential: as conditions are listed")
         .choices = kOrders;
+    add(keys, &S::conditions, "conditions",
+        "CSV of up to 64 KiB: a header of \"case\" or of keys in which the stimuli differ, as PsychoPy's, and a row a "
+        "condition, which is asked about as often as it stands there; without it each stimulus is one",
+        {.example = "\"conditions.csv\""});
+    add(keys, &S::block_by, "block_by", "key of the study: a block for each of its values, in place of blocks",
+        {.example = "\"force.shading\""});
+    add(keys, &S::break_every, "break_every", "trials between breaks, besides those between blocks; 0: none",
+        {.smallest = 0})
+        .largest = kMostTrials;
+    add(keys, &S::break_after, "break_after", "time since the last break; 0 s: none", {.sign = Sign::not_negative});
+    add(keys, &S::break_least, "break_least", "the shortest break", {.sign = Sign::not_negative});
+    add(keys, &S::consent, "consent",
+        "Markdown of up to 64 KiB (headings, paragraphs, lists, *emphasis*, **strong**): what a participant agrees to "
+        "before the first trial",
+        {.example = "\"consent.md\""});
+    add(keys, &S::instructions, "instructions", "likewise, to read at each start", {.example = "\"instructions.md\""});
+    add(keys, &S::familiarise, "familiarise",
+        "whether each answer's stimulus is felt before the first trial, with its name");
+    add(keys, &S::catch_trials, "catch", "shell pattern of the cases whose answer is beyond doubt",
+        {.example = "\"*facets-2*\""});
+    add(keys, &S::catch_least, "catch_least",
+        "share of these that a subject has to answer right; who has less is left out of the analysis",
+        {.sign = Sign::not_negative})
+        .kind = ValueKind::number;
     add(keys, &S::feedback, "feedback", "whether a participant is told if the answer was right");
     add(keys, &S::longest_trial, "longest_trial",
         "after which a trial ends without an answer and is repeated at the end", {.sign = Sign::positive});
@@ -344,6 +403,31 @@ void settle_task(const std::string& source, const TomlNode& table, ExperimentSpe
                  answer.name);
 }
 
+void read_texts(const std::string& source, const TomlNode& table, ExperimentSpec& spec) {
+    if (table.type != TomlNode::Type::table)
+        fail(source, table.key_where, "[experiment.text] is a table of sentences");
+    Errors errors;
+    for (const TomlNode& member : table.items)
+        errors.attempt([&] {
+            const PageText* const sentence = page_text(member.key);
+            if (!sentence) {
+                std::vector<std::string> names;
+                for (const PageText& one : page_texts())
+                    names.emplace_back(one.key);
+                const std::string near = did_you_mean(member.key, names);
+                fail(source, member.key_where, "unknown sentence \"{}\"{}", member.key,
+                     near.empty() ? fmt::format("; there are {}", fmt::join(names, ", ")) : near);
+            }
+            const Key key{{}, "experiment.text", sentence->key, ValueKind::text, {}, sentence->place, nullptr};
+            const std::string& text = spec.text[member.key] =
+                read_values(key, member, source, "").front().texts.front();
+            if (const std::string word = unknown_word(*sentence, text); !word.empty())
+                fail(source, member.where, "nothing stands for {} here; the English is \"{}\"", word,
+                     sentence->english);
+        });
+    errors.report();
+}
+
 ExperimentSpec read_spec(const Document& document, const std::filesystem::path& folder) {
     ExperimentSpec spec;
     spec.answers = paper_answers();
@@ -356,8 +440,10 @@ ExperimentSpec read_spec(const Document& document, const std::filesystem::path& 
         errors.attempt([&] {
             if (member.key == "answer")
                 read_answers(document.source, folder, member, spec);
+            else if (member.key == "text")
+                read_texts(document.source, member, spec);
             else
-                read_key(spec_keys(), member, document.source, folder, spec, {"answer"});
+                read_key(spec_keys(), member, document.source, folder, spec, {"answer", "text"});
         });
     errors.report();
     settle_task(document.source, *document.experiment, spec);
@@ -365,7 +451,7 @@ ExperimentSpec read_spec(const Document& document, const std::filesystem::path& 
 }
 
 Experiment checked(ExperimentSpec given, Study study) {
-    Experiment experiment{std::move(given), std::move(study), {}, {}, {}, {}};
+    Experiment experiment{std::move(given), std::move(study), {}, {}, {}, {}, {}};
     const std::string& source = experiment.study.document->source;
     const ExperimentSpec& spec = experiment.spec;
     const auto at = [&](std::string_view key, void (*arrange)(Experiment&)) {
@@ -378,6 +464,7 @@ Experiment checked(ExperimentSpec given, Study study) {
     };
     at("standard", find_conditions);
     at("track", find_tracks);
+    list_conditions(experiment);
     const char* const what = experiment.tracks.empty() ? "condition" : "track";
     const std::size_t units = experiment.size() / spec.trials;
     if (experiment.size() > kMostTrials * 10)
@@ -389,6 +476,42 @@ Experiment checked(ExperimentSpec given, Study study) {
              spec.trials, what, spec.blocks);
     if (spec.blocks > experiment.size())
         fail(source, {}, "{} blocks are more than there are trials ({})", spec.blocks, experiment.size());
+    const auto needs = [&](bool used, std::string_view key, bool met, std::string_view what_is_wrong) {
+        const TomlNode* member =
+            experiment.study.document->experiment ? experiment.study.document->experiment->find(key) : nullptr;
+        if (used && !met)
+            fail(source, member ? member->key_where : Location{}, "{}", what_is_wrong);
+    };
+    const bool tracked = !experiment.tracks.empty();
+    needs(spec.order >= Order::latin, "order", !tracked, "a track chooses its levels itself: order = \"random\"");
+    needs(!spec.conditions.bytes.empty(), "conditions", !tracked,
+          "a track chooses its levels itself, without a list of conditions");
+    needs(!spec.block_by.empty(), "block_by", !tracked && spec.blocks == 1 && spec.order != Order::balanced,
+          "block_by makes the blocks: without a track, blocks and order = \"balanced\"");
+    if (!spec.block_by.empty())
+        at("block_by", [](Experiment& of) { trials_of(of, "1", 1); });
+    needs(spec.break_least > 0, "break_least",
+          spec.blocks > 1 || spec.break_every > 0 || spec.break_after > 0 || !spec.block_by.empty(),
+          "there is no break: say break_every, break_after or blocks, too");
+    needs(spec.familiarise, "familiarise",
+          spec.task == Task::name &&
+              std::ranges::any_of(experiment.study.cases,
+                                  [&](const Case& one) { return experiment.correct_answer(one).has_value(); }),
+          "no answer names a stimulus that could be made known: give answers facets or correct_for, with task = "
+          "\"name\"");
+    needs(true, "catch_least", spec.catch_least <= 1, "catch_least is a share, at most 1");
+    for (const Condition& condition : experiment.conditions)
+        needs(experiment.is_catch(experiment.stimulus(condition).name), "catch",
+              experiment.correct_answer(Trial{1, 1, std::size_t(&condition - experiment.conditions.data()), 0})
+                  .has_value(),
+              fmt::format("{} has no right answer: give answers facets or correct_for",
+                          experiment.stimulus(condition).name));
+    needs(!spec.catch_trials.empty(), "catch",
+          std::ranges::any_of(
+              experiment.conditions,
+              [&](const Condition& condition) { return experiment.is_catch(experiment.stimulus(condition).name); }),
+          fmt::format("\"{}\" names no stimulus; the first is {}", spec.catch_trials,
+                      experiment.stimulus(experiment.conditions.front()).name));
     for (const Answer& answer : spec.answers)
         if (!answer.correct_for.empty() && std::ranges::none_of(experiment.study.cases, [&](const Case& one) {
                 return fnmatch(answer.correct_for.c_str(), one.name.c_str(), 0) == 0;
@@ -462,6 +585,10 @@ std::string resolved_toml(const Experiment& experiment) {
         if (const std::string literal = kept ? key.literal(key, spec) : ""; !literal.empty())
             text += fmt::format("{} = {}\n", key.name, literal);
     }
+    if (!spec.text.empty())
+        text += "\n[experiment.text]\n";
+    for (const auto& [key, sentence] : spec.text)
+        text += fmt::format("{} = {}\n", key, toml_string(sentence));
     for (const Answer& answer : spec.answers) {
         text += "\n[[experiment.answer]]\n";
         for (const AnswerKey& key : answer_keys())
@@ -474,13 +601,18 @@ std::string resolved_toml(const Experiment& experiment) {
 std::string experiment_schema() {
     std::string text = "# Of forceshade experiment. Stimuli are the cases of the other tables.\n[experiment]\n";
     for (const SpecKey& key : spec_keys())
-        text += key_text(key, key.example.empty() ? key.default_text : key.example, key.subject != Subject::task);
+        text += key_text(key, key.example.empty() ? key.default_text : key.example,
+                         key.subject != Subject::task && !key.default_text.empty());
     text += comment_text(fmt::format("Tables [[experiment.answer]], 2 to {}, in the order of their keys. Default: the "
                                      "paper's four pictures; of the task compare \"the first\" and \"the second\". "
                                      "Their keys:",
                                      kMostAnswers));
     for (const AnswerKey& key : answer_keys())
         text += comment_text(fmt::format("{}: {}: {}", key.name, describe_values(key), key.doc));
+    text += comment_text("Table [experiment.text]: the sentences of the participant's page, in any language. What it "
+                         "does not have is English:");
+    for (const PageText& one : page_texts())
+        text += comment_text(fmt::format("{} = {}   {}", one.key, toml_string(std::string(one.english)), one.place));
     return text;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,14 +21,25 @@ namespace forceshade::experiment {
 /// Which answer a stimulus is named by, or which of two, felt one after the other, is asked for.
 enum class Task { name, compare };
 
-/// Over a whole session, or so that each block has every condition equally often.
-enum class Order { random, balanced };
+/// random: over a whole session. balanced: each block has every condition equally often. latin: a repetition after the
+/// other, each a row of a balanced Latin square (Williams 1949), so that over the subjects every condition stands at
+/// every place and follows every other equally often. sequential: as the conditions are listed.
+enum class Order { random, balanced, latin, sequential };
 
 /// A picture file, PNG or SVG, as read.
 struct AnswerPicture {
     std::string extension; /* ".png" or ".svg" */
     std::string bytes;     /* empty: none */
 };
+
+/// A text file beside the experiment's, as read.
+struct GivenFile {
+    std::filesystem::path path;
+    std::string bytes; // empty: none is given
+};
+
+/// The name that such a file of a key has in materials/: "consent.md".
+std::string text_file_name(std::string_view key);
 
 /// An answer, in the order of its key: 1 for the first.
 struct Answer {
@@ -58,6 +70,16 @@ struct ExperimentSpec {
     double least_contact = 0.2;    /* s: an answer after less is none */
     std::uint64_t max_repeats = 3; /* of a trial that does not count; then it is left out */
     std::uint64_t seed = 1996;
+    std::map<std::string, std::string> text; /* sentences of the participant's page, by their keys: page_texts() */
+    GivenFile consent, instructions;         /* Markdown: pages before the first trial */
+    bool familiarise = false;                /* each answer's stimulus is felt once before, with its name */
+    std::uint64_t break_every = 0;           /* trials between breaks, besides those between blocks; 0: none */
+    double break_after = 0;                  /* s since the last break; 0: none */
+    double break_least = 0;                  /* s: the shortest break */
+    GivenFile conditions;      /* CSV: a row a condition, as often as it stands there; else each case once */
+    std::string block_by;      /* key of the study: a block for each of its values; empty: blocks */
+    std::string catch_trials;  /* shell pattern of the cases whose answer is beyond doubt; empty: none */
+    double catch_least = 0.75; /* 1: share of these that a subject answers right; who has less is left out */
     /* of the task compare: */
     std::string standard;            /* shell pattern of the cases that the others are compared with */
     std::string correct = kSmoother; /* or a shell pattern of the case names that are right */
@@ -65,6 +87,9 @@ struct ExperimentSpec {
     std::string track;               /* key of the study whose levels are chosen adaptively; empty: none */
     double track_ratio = 1;          /* of the ends of a threshold's interval, which end its track; 1: trials do */
 };
+
+/// The text files that are given: their names in materials/ and what they hold.
+std::vector<std::pair<std::string, std::string>> texts_of(const ExperimentSpec& spec);
 
 /// What is asked about in a trial: indices of the study's cases.
 struct Condition {
@@ -95,7 +120,8 @@ struct Experiment {
     ExperimentSpec spec;
     Study study;
     std::vector<Condition> conditions; /* of the task name: the study's cases as they are */
-    std::vector<Track> tracks;         /* empty: each condition is equally frequent */
+    std::vector<std::size_t> listed; /* conditions that are asked about equally often: each once, or as the file says */
+    std::vector<Track> tracks;       /* empty: each condition is equally frequent */
     std::string track_key, track_unit; /* "surface.radius", "m" or "1" */
 
     /// Which answer names a stimulus' nominal shape; nothing if none does.
@@ -105,8 +131,10 @@ struct Experiment {
     /// Whether the answers are the paper's four.
     bool has_papers_answers() const { return std::ranges::equal(spec.answers, kPictureNames, {}, &Answer::name); }
     const Case& stimulus(const Condition& condition) const { return study.cases[condition.stimulus]; }
+    /// Whether the right answer to a case is beyond doubt.
+    bool is_catch(const std::string& name) const;
     /// Trials that count; with tracks the most.
-    std::size_t size() const { return (tracks.empty() ? conditions.size() : tracks.size()) * spec.trials; }
+    std::size_t size() const { return (tracks.empty() ? listed.size() : tracks.size()) * spec.trials; }
 };
 
 /// Reads an experiment, or with an empty path the paper's; "-" is standard input. \throws IoError, UsageError
@@ -133,6 +161,13 @@ std::vector<Trial> trials_of(const Experiment& experiment, const std::string& su
 /// From the spec and the study. \throws UsageError without a place in the file: the standard names no case or all, or
 /// a stimulus is as much like one standard as another.
 void find_conditions(Experiment& experiment);
+
+/// After the conditions. \throws UsageError `file:line:column: ...` for a row of the file that names no condition or
+/// several.
+void list_conditions(Experiment& experiment);
+
+/// Of a balanced Latin square over n: 2 n rows if n is odd. Counted from 0, on and on.
+std::vector<std::size_t> latin_row(std::size_t n, std::uint64_t row);
 
 /// After the conditions, if the spec has a track. \throws UsageError likewise: the axis is none, or no track can have
 /// its levels.

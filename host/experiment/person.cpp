@@ -16,6 +16,7 @@
 #include "experiment_pages.h"
 #include "host/clock.h"
 #include "host/error.h"
+#include "host/experiment/page_text.h"
 #include "host/program.h"
 #include "host/server/page_server.h"
 #include "shaders/shared/law.h"
@@ -111,10 +112,11 @@ public:
         record_ = &record;
         trial_ = &trial;
         if (!block_)
-            wait_for_go("welcome");
-        else if (*block_ != trial.block && !paused_) // a pause is a break, too
-            wait_for_go("rest");
+            begin();
+        else if ((*block_ != trial.block || is_break_due()) && !paused_) // a pause is a break, too
+            rest();
         block_ = trial.block;
+        since_break_ += trial.is_practice() ? 0 : 1;
         TrialOutcome outcome;
         for (const Shown& one : shown) {
             const bool is_first = &one == &shown.front(), is_last = &one == &shown.back();
@@ -149,13 +151,26 @@ public:
 
 private:
     static std::vector<ServedPage> served(const Experiment& experiment) {
-        std::vector<ServedPage> pages{{kParticipant, std::string(pages::participant_html), true},
+        std::vector<ServedPage> pages{{kParticipant, participants_page(experiment.spec), true},
                                       {kOperator, std::string(pages::operator_html), false}};
         for (const Answer& answer : experiment.spec.answers)
             if (const std::string name = answer.picture_file(); !name.empty())
                 pages.push_back({name, answer.picture.bytes, false,
                                  answer.picture.extension == ".png" ? "image/png" : "image/svg+xml"});
         return pages;
+    }
+
+    // With the experiment's own words in it.
+    static std::string participants_page(const ExperimentSpec& spec) {
+        constexpr std::string_view kPlace = "{/* words */}";
+        std::string words = dumped({{"text", texts_with(spec.text)},
+                                    {"title", spec.title},
+                                    {"consent", spec.consent.bytes},
+                                    {"instructions", spec.instructions.bytes}});
+        for (std::size_t at = words.find('<'); at != words.npos; at = words.find('<', at))
+            words.replace(at, 1, "\\u003c"); // or "</script>" would end the script
+        std::string page(pages::participant_html);
+        return page.replace(page.find(kPlace), kPlace.size(), words);
     }
 
     // Of the case that is furthest above its limit.
@@ -243,9 +258,11 @@ private:
             loop_.suspend(true);
     }
 
-    void enter(const char* phase, const std::string& message = {}) {
+    // `why`: the key of a sentence beside the phase's own; `values`: of words in braces, and what else the page needs.
+    void enter(const char* phase, const std::string& why = {}, Json values = Json::object()) {
         phase_ = phase;
-        message_ = message;
+        why_ = why;
+        values_ = std::move(values);
         tell_participant();
         tell_operator(true);
     }
@@ -257,7 +274,7 @@ private:
         while (const std::optional<PageEvent> event = server_.next_event())
             handle(*event);
         if (server_.is_open(kParticipant) && seconds_since(heard_) > kSilence)
-            pause("The page does not answer.");
+            pause("page_silent");
         take_samples();
         tell_operator(false);
     }
@@ -276,7 +293,7 @@ private:
         }
         if (event.kind == PageEvent::Kind::closed) {
             if (event.page == kParticipant && !server_.is_open(kParticipant))
-                pause("The page was closed.");
+                pause("page_closed");
             return;
         }
         const Json json = Json::parse(event.text, nullptr, false);
@@ -291,7 +308,7 @@ private:
 
     void hear_participant(const std::string& type, const Json& json) {
         heard_ = Clock::now();
-        if (type == "go" && !held_)
+        if (type == "go" && !held_ && Clock::now() >= rest_until_)
             go_ = true;
         const auto answer = json.find("answer"), sequence = json.find("sequence");
         if (type == "answer" && sequence != json.end() && sequence->is_number_unsigned() && *sequence == sequence_ &&
@@ -320,9 +337,10 @@ private:
         if (type == "pause") {
             held_ = !held_;
             if (held_)
-                pause("The operator has paused the experiment.");
+                pause("operator_paused");
             else
                 go_ = true;
+            tell_participant();
         } else if (type == "repeat") {
             said_ = record_ && record_->withdraw_last() ? "The last trial comes again at the end."
                                                         : "There is no trial to repeat.";
@@ -339,13 +357,69 @@ private:
     void pause(const std::string& why) {
         loop_.suspend(true);
         paused_ = true;
-        pause_message_ = why;
+        pause_why_ = why;
     }
 
-    void wait_for_go(const char* phase, const std::string& message = {}) {
+    void begin() {
+        const ExperimentSpec& spec = experiment_.spec;
+        const bool is_new = record_->rows().empty();
+        if (is_new && !spec.consent.bytes.empty()) {
+            wait_for_go("consent");
+            record_->note("the participant agreed to the page of consent");
+        }
+        if (!spec.instructions.bytes.empty())
+            wait_for_go("instructions");
+        if (is_new && spec.familiarise)
+            familiarise();
+        wait_for_go("welcome");
+        rested_ = Clock::now();
+    }
+
+    bool is_break_due() const {
+        const ExperimentSpec& spec = experiment_.spec;
+        return (spec.break_every > 0 && since_break_ >= spec.break_every) ||
+               (spec.break_after > 0 && seconds_since(rested_) >= spec.break_after);
+    }
+
+    void rest() {
+        rest_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                         std::chrono::duration<double>(experiment_.spec.break_least));
+        wait_for_go("rest");
+        since_break_ = 0;
+        rested_ = Clock::now();
+    }
+
+    // Each answer with its first stimulus.
+    void familiarise() {
+        const std::vector<Case>& cases = experiment_.study.cases;
+        CasePreparation preparation;
+        for (std::size_t answer = 0; answer < experiment_.spec.answers.size(); ++answer) {
+            const auto one = std::ranges::find_if(
+                cases, [&](const Case& stimulus) { return experiment_.correct_answer(stimulus) == answer; });
+            if (one == cases.end())
+                continue;
+            const PreparedCase stimulus = preparation.prepare(*one);
+            condition_ = one->name;
+            do {
+                do
+                    load(stimulus, false);
+                while (!until_free());
+                go_ = false;
+                show_force();
+                enter("familiar", {}, {{"familiar", answer}});
+                while (!go_ && !paused_) {
+                    look();
+                    require_device();
+                }
+                hide();
+            } while (paused_);
+        }
+    }
+
+    void wait_for_go(const char* phase, const std::string& why = {}) {
         loop_.suspend(true);
         go_ = false;
-        enter(phase, message);
+        enter(phase, why);
         while (!go_ || held_ || !server_.is_open(kParticipant))
             look();
         paused_ = false;
@@ -361,11 +435,10 @@ private:
     // Hands over the law, without force.
     void load(const PreparedCase& stimulus, bool is_second) {
         if (paused_)
-            wait_for_go("pause", pause_message_);
+            wait_for_go("pause", pause_why_);
         require_device();
         const unsigned dead_man = opened_.settings.dead_man;
-        enter(is_second ? "between" : "loading",
-              dead_man != 0 ? fmt::format("Hold button {} of the device.", dead_man) : "");
+        enter(is_second ? "between" : "loading", dead_man != 0 ? "hold_button" : "", {{"button", dead_man}});
         const std::uint32_t laws = loop_.status().laws;
         loop_.offer(make_probe_law(stimulus));
         while (loop_.status().laws == laws) {
@@ -391,6 +464,11 @@ private:
         return true;
     }
 
+    void show_force() {
+        loop_.suspend(false);
+        displayed_ = true;
+    }
+
     void hide() {
         loop_.suspend(true);
         displayed_ = false;
@@ -407,12 +485,11 @@ private:
         std::optional<std::size_t> to;
         const std::string started = utc_now();
         const Clock::time_point begin = Clock::now();
-        loop_.suspend(false);
-        displayed_ = true;
+        show_force();
         enter(is_last ? "feel" : "first");
         asking_ = is_last;
         if (!server_.is_open(kParticipant)) // closed meanwhile: its suspend() may have come first
-            pause("The page was closed.");
+            pause("page_closed");
         const double interval = experiment_.spec.interval;
         bool late = false, over = false;
         while (!answer_ && !paused_ && !late && loop_.end() == device::LoopEnd::running) {
@@ -424,7 +501,7 @@ private:
                 to = samples_.size();
                 over = true;
                 if (is_last)
-                    enter("feel", "It is over.");
+                    enter("feel", "interval_over");
             }
             if (!is_last && (interval > 0 ? over : go_))
                 break;
@@ -466,15 +543,14 @@ private:
         last_ = fmt::format("does not count: {}", outcome.status);
         if (outcome.status != "no contact" && outcome.status != "too early")
             return tell_operator(true);
-        enter("again", outcome.status == "no contact" ? "Please touch the shape before you answer."
-                                                      : "Please take a little longer to feel the shape.");
+        enter("again", outcome.status == "no contact" ? "no_contact" : "too_early");
         look_for(kFeedback);
     }
 
     void thank(const TrialOutcome& outcome, const Trial& trial) {
         last_ = experiment_.spec.answers[*outcome.answer].label;
         const bool right = experiment_.correct_answer(trial) == outcome.answer;
-        enter(experiment_.spec.feedback ? "feedback" : "answered", right ? "Right." : "Not quite.");
+        enter(experiment_.spec.feedback ? "feedback" : "answered", right ? "right" : "wrong");
         look_for(experiment_.spec.feedback ? kFeedback : kThanks);
     }
 
@@ -494,7 +570,14 @@ private:
     void tell_participant() {
         if (!server_.is_open(kParticipant))
             return;
-        Json json{{"type", "state"}, {"phase", phase_}, {"message", message_}, {"sequence", sequence_}};
+        const double wait = std::chrono::duration<double>(rest_until_ - Clock::now()).count(); // s
+        Json json{{"type", "state"},
+                  {"phase", phase_},
+                  {"why", why_},
+                  {"sequence", sequence_},
+                  {"wait", std::max(0.0, wait)},
+                  {"operator", held_}};
+        json.update(values_);
         if (record_) {
             json["total"] = record_->order().size();
             json["done"] = record_->order().size() - record_->left();
@@ -575,7 +658,8 @@ private:
 
     SessionRecord* record_ = nullptr;
     const Trial* trial_ = nullptr;
-    std::string condition_, phase_ = "welcome", message_, pause_message_, said_, last_;
+    std::string condition_, phase_ = "connecting", why_, pause_why_, said_, last_;
+    Json values_ = Json::object();
     std::optional<std::uint64_t> block_;
     std::uint64_t sequence_ = 0; // of stimuli, so that an answer belongs to one
     std::uint32_t from_path_ = 0;
@@ -584,6 +668,8 @@ private:
     std::uint32_t held_buttons_ = 0; // of the last sample
     bool asking_ = false;            // a stimulus is felt
     Clock::time_point answered_, heard_, told_operator_;
+    Clock::time_point rested_, rest_until_; // the last break's end; before then none ends
+    std::uint64_t since_break_ = 0;         // trials
     bool go_ = false, paused_ = false, held_ = false, told_answers_ = false, displayed_ = false;
     std::vector<device::LiveSample> samples_;  // of the trial
     std::vector<std::array<double, 3>> shown_; // mm, N, N: for the operator

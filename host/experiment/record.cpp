@@ -365,6 +365,8 @@ void SessionRecord::write_materials() const {
         for (const Answer& answer : experiment_.spec.answers)
             if (const std::string name = answer.picture_file(); !name.empty())
                 require_same(name, read_file(materials / name) == answer.picture.bytes);
+        for (const auto& [name, bytes] : texts_of(experiment_.spec))
+            require_same(name, read_file(materials / name) == bytes);
     } else if (!set_up.was_begun()) {
         if (!std::filesystem::is_empty(folder_, error))
             throw UsageError("{} is not empty and holds no experiment; name a new folder", folder_.string());
@@ -405,6 +407,8 @@ void SessionRecord::write_materials() const {
     for (const Answer& answer : experiment_.spec.answers)
         if (const std::string name = answer.picture_file(); !name.empty())
             write_file_atomically(materials / name, answer.picture.bytes);
+    for (const auto& [name, bytes] : texts_of(experiment_.spec))
+        write_file_atomically(materials / name, bytes);
     write_file_atomically(folder_ / "dataset_description.json", description(experiment_));
     write_file_atomically(folder_ / "README.md", readme(experiment_));
     write_file_atomically(folder_ / ".psychds-ignore", "paths/\n"); // tables of samples, not of answers
@@ -572,17 +576,28 @@ bool SessionRecord::withdraw_last() {
 void SessionRecord::note(const std::string& text) const {
     CsvText line;
     line.add(utc_now()).add(rows_.size()).add(text).end();
-    document("_notes.csv", line.text());
+    document(stem() + "_notes.csv", line.text());
 }
 
 void SessionRecord::keep_device(const std::string& json) const {
-    document("_device.jsonl", json + "\n");
+    document(stem() + "_device.jsonl", json + "\n");
 }
 
-// Adds a line to a file of the session's in documentation/.
+void SessionRecord::keep_participant(const ParticipantFacts& facts) const {
+    CsvText header, line;
+    header.add("subject").add("session").add("age_years").add("hand").end();
+    line.add(info_.subject).add(info_.session).add(facts.age ? std::to_string(*facts.age) : "").add(facts.hand).end();
+    const std::filesystem::path file = folder_ / "documentation" / "participants.csv";
+    std::error_code error;
+    const std::string before = std::filesystem::exists(file, error) ? read_file(file) : "";
+    if (before.find("\n" + line.text()) == before.npos) // as at an earlier start of the session
+        document("participants.csv", before.empty() ? header.text() + line.text() : line.text());
+}
+
+// Adds a line to a file in documentation/.
 void SessionRecord::document(const std::string& name, const std::string& line) const {
     make_subfolder(folder_, "documentation");
-    const std::filesystem::path file = folder_ / "documentation" / (stem() + name);
+    const std::filesystem::path file = folder_ / "documentation" / name;
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     const bool whole = descriptor >= 0 && write_durably(descriptor, line);
     const int error = errno;

@@ -7,6 +7,8 @@
 //   materials/order/subject-03_session-1.csv its order, written before the first trial
 //   materials/stimuli/CASE.toml              the scene of each condition
 //   materials/edge.png                       the picture of an answer, under the answer's name
+//   materials/consent.md                     and the other texts of the experiment, under their keys' names
+//   documentation/participants.csv           subject, session, age, hand, where they were given
 //   documentation/subject-03_session-1_...   the operator's notes, and a line of JSON about the device for each start
 //   paths/subject-03_session-1_trial-12.csv  the probe's path, as `live` logs it, where paths are kept
 //   paths/subject-03_session-1_trial-12_interval-2.csv  likewise where two stimuli are compared
@@ -49,6 +51,12 @@ struct SessionInfo {
     std::string participant;           /* "person", or the simulated one's name */
     std::string device;                /* "simulated hand and device" */
     std::string device_check = "none"; /* of it before the session: "passed", or none was made */
+};
+
+/// What is kept of a person; no names.
+struct ParticipantFacts {
+    std::optional<unsigned> age; /* years */
+    std::string hand;            /* "left", "right", "both"; empty: unknown */
 };
 
 /// A row of the data.
@@ -115,6 +123,9 @@ public:
 
     /// Keeps a line of JSON about the device of this start, likewise. \throws IoError.
     void keep_device(const std::string& json) const;
+
+    /// Keeps a row in documentation/participants.csv, one for each session. \throws IoError.
+    void keep_participant(const ParticipantFacts& facts) const;
 
     /// Where the path of the next row belongs. `interval`: 1 or 2 where stimuli are compared, else 0.
     std::filesystem::path path_file(const Trial& trial, std::size_t interval = 0) const;

@@ -151,6 +151,8 @@ std::size_t run_session(const Experiment& experiment, Participant& participant, 
         print_note("warning: {}\n", record.repaired());
     if (const std::string about = participant.about_device(); !about.empty())
         record.keep_device(about);
+    if (options.participant.age || !options.participant.hand.empty())
+        record.keep_participant(options.participant);
     std::vector<std::optional<PreparedCase>> prepared(experiment.study.cases.size());
     CasePreparation preparation;
     const std::uint64_t all = record.left();

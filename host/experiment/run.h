@@ -54,6 +54,7 @@ struct RunOptions {
     std::filesystem::path folder;
     SessionInfo info;
     bool paths = false; /* keep them */
+    ParticipantFacts participant{};
 };
 
 /// Until no trial is left; returns how many trials of the session are answered. \throws as SessionRecord and

@@ -158,6 +158,113 @@ TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
     EXPECT_EQ(recorded, again);
 }
 
+// A lab's own words, consent, instructions, known answers, breaks: a session by keys in which no English is left.
+TEST_F(Session, IsHeldInAnotherLanguage) {
+    const std::map<std::string, std::string> german{{"language", "de"},
+                                                    {"space", "Leertaste"},
+                                                    {"progress", "erledigte Durchgänge"},
+                                                    {"connecting", "Verbindung …"},
+                                                    {"consent_hint", "Drücken Sie {space}, wenn Sie zustimmen."},
+                                                    {"instructions_hint", "Weiter mit {space}."},
+                                                    {"welcome", "Bereit?"},
+                                                    {"welcome_hint", "Beginnen Sie mit {space}."},
+                                                    {"familiar", "Das ist „{answer}“."},
+                                                    {"familiar_hint", "Fühlen Sie in Ruhe, dann weiter mit {space}."},
+                                                    {"lift", "Heben Sie die Sonde ab."},
+                                                    {"next_hint", "Die nächste Form kommt."},
+                                                    {"answer_hint", "Antworten Sie mit {first} bis {last}."},
+                                                    {"answered", "Danke."},
+                                                    {"right", "Richtig."},
+                                                    {"wrong", "Leider nicht."},
+                                                    {"rest", "Zeit für eine Pause."},
+                                                    {"rest_wait", "Weiter in {seconds} Sekunden."},
+                                                    {"rest_hint", "Weiter mit {space}, wann Sie möchten."},
+                                                    {"pause", "Pause."},
+                                                    {"pause_hint", "Weiter mit {space}, sobald Sie so weit sind."},
+                                                    {"page_closed", "Die Seite wurde geschlossen."},
+                                                    {"done", "Das war alles."},
+                                                    {"done_hint", "Sie können die Seite schließen."}};
+    std::string text;
+    std::vector<std::string> known{
+        "Welche Form war es?", "eine Kante",    "eine Fläche", "Einverständnis", "Ich nehme freiwillig teil.",
+        "Anleitung",           "Streichen Sie", "langsam",     "über die Form."};
+    for (const auto& [key, sentence] : german) {
+        text += key + " = \"" + sentence + "\"\n";
+        for (std::size_t from = 0; from < sentence.size();) {
+            const std::size_t open = std::min(sentence.find('{', from), sentence.size());
+            known.push_back(sentence.substr(from, open - from));
+            from = open < sentence.size() ? sentence.find('}', open) + 1 : open;
+        }
+    }
+    std::ranges::sort(known, std::ranges::greater(), &std::string::size);
+    std::ofstream(folder / "zu.md") << "# Einverständnis\n\nIch nehme freiwillig teil.\n";
+    std::ofstream(folder / "an.md") << "# Anleitung\n\n- Streichen Sie **langsam**\n- über die Form.\n";
+    std::ofstream(folder / "e.toml")
+        << "[experiment]\nleast_contact = \"0 s\"\ntrials = 1\nquestion = \"Welche Form war es?\"\nfeedback = true\n"
+           "consent = \"zu.md\"\ninstructions = \"an.md\"\nfamiliarise = true\nbreak_every = 1\nbreak_least = \"5 s\"\n"
+           "[experiment.text]\n"
+        << text
+        << "[[experiment.answer]]\nname = \"edge\"\nlabel = \"eine Kante\"\nfacets = 2\n[[experiment.answer]]\n"
+           "name = \"level\"\nlabel = \"eine Fläche\"\nfacets = 3\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n";
+    const auto expect_german = [&](const std::string& phase) {
+        ASSERT_TRUE(reaches(phase)) << browser.text("document.body.innerText");
+        std::string seen = browser.text("document.querySelector('main').innerText");
+        EXPECT_NE(seen.find_first_not_of(" \n"), std::string::npos) << phase;
+        for (const std::string& words : known)
+            for (std::size_t at = words.empty() ? seen.npos : seen.find(words); at != seen.npos; at = seen.find(words))
+                seen.erase(at, words.size());
+        EXPECT_TRUE(std::ranges::none_of(seen, [](unsigned char c) { return std::isalpha(c); }))
+            << phase << ": " << seen;
+    };
+    start("1", {"--age", "31", "--hand", "left"});
+    browser.open_address(address("participant"));
+    expect_german("consent");
+    EXPECT_EQ(browser.text("document.documentElement.lang"), "de");
+    EXPECT_EQ(browser.text("document.querySelector('#page h2').textContent"), "Einverständnis");
+    browser.press(" ");
+    expect_german("instructions");
+    EXPECT_EQ(browser.text("document.querySelector('#page li strong').textContent"), "langsam");
+    browser.press(" ");
+    for (const char* label : {"eine Kante", "eine Fläche"}) {
+        ASSERT_TRUE(browser.wait_for("document.getElementById('head').textContent === 'Das ist „" + std::string(label) +
+                                     "“.'"));
+        expect_german("familiar");
+        EXPECT_EQ(browser.text("[...document.querySelectorAll('.answer')].filter((one) => !one.hidden).length"), "1");
+        browser.press(" ");
+    }
+    expect_german("welcome");
+    browser.press(" ");
+    expect_german("feel");
+    browser.open_address("data:text/html,gone");
+    browser.open_address(address("participant"));
+    expect_german("pause");
+    EXPECT_NE(browser.text("document.getElementById('hints').innerText").find("sobald"), std::string::npos)
+        << "beside its reason, how to go on";
+    browser.press(" ");
+    expect_german("feel");
+    browser.press("1");
+    expect_german("rest");
+    EXPECT_NE(browser.text("document.getElementById('hints').innerText").find("Sekunden"), std::string::npos);
+    browser.press(" ");
+    EXPECT_EQ(browser.text(kPhase), "rest") << "the break has a least length";
+    ASSERT_TRUE(browser.wait_for("document.getElementById('hints').textContent.includes('möchten')"));
+    browser.press(" ");
+    for (int i = 0; i < 4 && !rows().empty() && browser.text(kPhase) != "done"; ++i) {
+        ASSERT_TRUE(browser.wait_for(std::string("['feel', 'rest', 'done'].includes(") + kPhase + ")"));
+        if (browser.text(kPhase) == "rest") {
+            ASSERT_TRUE(browser.wait_for("document.getElementById('hints').textContent.includes('möchten')"));
+            browser.press(" ");
+        } else if (browser.text(kPhase) == "feel") {
+            browser.press("2");
+            ASSERT_TRUE(browser.wait_for(std::string(kPhase) + " !== 'feel'"));
+        }
+    }
+    expect_german("done");
+    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
+    EXPECT_NE(read_file(data() / "documentation" / "subject-03_session-1_notes.csv").find("agreed"), std::string::npos);
+    EXPECT_NE(read_file(data() / "documentation" / "participants.csv").find("03,1,31,left"), std::string::npos);
+}
+
 // Two stimuli a trial, by keys, with a picture from a file; killed in the second trial's first interval.
 TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
     std::ofstream(folder / "one.svg") << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\"/>";
@@ -258,6 +365,8 @@ TEST_F(Session, PausesWhenThePageIsClosedAndRefusesASecondPage) {
     browser.press("1");
     ASSERT_TRUE(browser.wait_for(std::string(kPhase) + " !== 'feel'"));
     ASSERT_TRUE(reaches("feel"));
+    desk.press("r"); // a stray key does nothing
+    EXPECT_TRUE(desk.wait_for("document.getElementById('said').textContent.includes('again.')"));
     desk.press("r");
     EXPECT_TRUE(desk.wait_for("document.getElementById('said').textContent.includes('comes again')"));
     process->send(SIGINT);
@@ -303,7 +412,7 @@ TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
     start("1", right);
     begin();
     ASSERT_TRUE(reaches("feel")) << browser.text("document.body.textContent");
-    EXPECT_EQ(browser.text("document.querySelector('.answer span').textContent"), "flat (button 2)");
+    EXPECT_EQ(browser.text("document.querySelector('.answer').innerText.split('\\n').at(-1)"), "button 2");
     Browser desk;
     desk.open_address(address("operator"));
     EXPECT_TRUE(desk.wait_for("document.getElementById('manner').textContent.includes('along the device')"));
@@ -346,7 +455,8 @@ TEST_F(Session, WaitsForTheDeadMansButton) {
     start("1", {"--device", "sim:1@4 s..6 s,1@6.6 s..900 s", "--dead-man", "1"});
     begin();
     ASSERT_TRUE(reaches("loading"));
-    EXPECT_TRUE(browser.wait_for("document.getElementById('hint').textContent === 'Hold button 1 of the device.'"));
+    EXPECT_TRUE(
+        browser.wait_for("document.getElementById('hints').textContent.startsWith('Hold button 1 of the device.')"));
     ASSERT_TRUE(reaches("feel"));
     std::this_thread::sleep_for(std::chrono::milliseconds(3000));
     browser.press("1");
