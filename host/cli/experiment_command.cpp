@@ -98,7 +98,7 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
     participant_facts(arguments); // errors now, not after a session has begun
     const std::unique_ptr<experiment::Participant> participant =
         person ? experiment::make_person(experiment, person_options(arguments, experiment, common))
-               : experiment::make_observer(experiment, observer_named(arguments.participant));
+               : experiment::make_observer(experiment, observer_named(arguments.participant), true);
     ::umask(0077);                   // data of people are their experimenter's alone
     std::optional<LongRun> long_run; // a person is not left with a device that pushes
     if (!person)
@@ -121,10 +121,12 @@ int analyse_data(const ExperimentArguments& arguments, const CommonOptions& comm
     const LongRun long_run(common.quiet);
     const std::filesystem::path first = arguments.folders[0],
                                 out = arguments.out.empty() ? first / "analysis" : std::filesystem::path(arguments.out);
-    study::StudyData data =
-        experiment::analyse(experiment::read_answers({arguments.folders.begin(), arguments.folders.end()}));
+    const experiment::Answers answers = experiment::read_answers({arguments.folders.begin(), arguments.folders.end()});
+    study::StudyData data = experiment::analyse(answers);
     make_subfolder(out.has_parent_path() ? out.parent_path() : ".", out.filename().string());
     make_subfolder(out, data.study);
+    const std::string script = experiment::analysis_script(answers);
+    write_file_atomically(out / data.study / "analysis.R", script);
     std::vector<std::string> warnings;
     for (const std::string& name : study::write_data(out / data.study, data, study::figure_files(data)))
         warnings.push_back(fmt::format("{} is of an earlier analysis and was changed since, so it stays",
@@ -181,7 +183,8 @@ void describe_run(Options& options, ExperimentArguments& arguments) {
                  "who takes part: letters and digits, as 03, no person's name; several between commas", true);
     options.optional("--session N", arguments.session, "of the subject, from 1 on");
     options.optional("--participant person|observer|observer-two-noises|observer-base-kinks", arguments.participant,
-                     "person: at a device, answers in a page (default); observer: a simulated one; the others are its "
+                     "person: at a device, answers in a page (default); observer: a simulated one, whose subjects "
+                     "differ as the paper's; the others are its "
                      "older form, with two noises, and its rival");
     options.optional("--age YEARS", arguments.age, "of the person, kept in documentation/participants.csv");
     options.optional("--hand left|right|both", arguments.hand, "that the person writes with, kept likewise");

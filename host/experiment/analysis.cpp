@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "experiment_pages.h"
 #include "host/error.h"
 #include "host/experiment/statistics.h"
 #include "host/experiment/stroke.h"
@@ -179,34 +180,44 @@ struct Tested {
     double difference = 0;       /* percentage points: mean over subjects */
     Range range;                 /* likewise */
     double p = 1, corrected = 1; /* of all contrasts (Holm) */
+    double model_p = 1, model_corrected = 1;
     std::size_t subjects = 0;
 };
 
 std::vector<Tested> tests_of(const Answers& data, std::size_t answer) {
     std::vector<Tested> tests;
-    const auto share = [&](const std::vector<std::size_t>& conditions, const std::string& subject) {
-        double count = 0, all = 0;
+    const auto add = [&](const std::vector<std::size_t>& conditions, const std::string& subject, double& count,
+                         double& all) {
         for (const std::size_t condition : conditions) {
             const std::vector<double> counts = data.counts(condition, subject);
             count += counts[answer];
             all += sum_of(counts);
         }
-        return all > 0 ? 100 * count / all : NAN;
     };
     for (const Contrast& contrast : contrasts_of(data.experiment)) {
-        std::vector<double> differences;
-        for (const std::string& subject : data.subjects())
-            if (const double d = share(contrast.more, subject) - share(contrast.less, subject); !std::isnan(d))
-                differences.push_back(d);
+        std::vector<double> differences; // percentage points
+        std::vector<SubjectCounts> counts;
+        for (const std::string& subject : data.subjects()) {
+            SubjectCounts& one = counts.emplace_back();
+            add(contrast.more, subject, one.more, one.of_more);
+            add(contrast.less, subject, one.less, one.of_less);
+            if (one.of_more > 0 && one.of_less > 0)
+                differences.push_back(100 * (one.more / one.of_more - one.less / one.of_less));
+        }
         if (!differences.empty())
             tests.push_back({contrast.name, sum_of(differences) / double(differences.size()),
-                             mean_interval(differences), sign_flip_p(differences), 1, differences.size()});
+                             mean_interval(differences), sign_flip_p(differences), 1, likelihood_ratio_p(counts), 1,
+                             differences.size()});
     }
-    std::vector<double> all;
-    std::ranges::transform(tests, std::back_inserter(all), &Tested::p);
-    const std::vector<double> corrected = holm(all);
-    for (std::size_t i = 0; i < tests.size(); ++i)
-        tests[i].corrected = corrected[i];
+    const auto correct = [&](double Tested::*p, double Tested::*corrected) {
+        std::vector<double> all;
+        std::ranges::transform(tests, std::back_inserter(all), p);
+        const std::vector<double> by_holm = holm(all);
+        for (std::size_t i = 0; i < tests.size(); ++i)
+            tests[i].*corrected = by_holm[i];
+    };
+    correct(&Tested::p, &Tested::corrected);
+    correct(&Tested::model_p, &Tested::model_corrected);
     return tests;
 }
 
@@ -223,8 +234,66 @@ Table test_table(const std::vector<Tested>& tests, const std::string& answer) {
           &Tested::p},
          {{"p_holm", "1", "corrected for the number of contrasts (Holm): of whichever is reported"},
           &Tested::corrected},
+         {{"p_model", "1",
+           "of the likelihood ratio of a beta-binomial model (subjects differ) against 999 experiments drawn from it "
+           "without a difference; also of few subjects"},
+          &Tested::model_p},
+         {{"p_model_holm", "1", "corrected likewise"}, &Tested::model_corrected},
          {{"subjects", "1", "n"}, [](const Tested& one) { return cell(double(one.subjects)); }}},
         tests);
+}
+
+// Of keys in which the stimuli differ, as columns: "surface_facets".
+std::vector<std::string> varied_keys(const Experiment& experiment) {
+    std::vector<std::string> keys;
+    for (const std::string& path : varying_keys_of(experiment))
+        keys.push_back(path);
+    std::ranges::for_each(keys, [](std::string& key) { std::ranges::replace(key, '.', '_'); });
+    return keys;
+}
+
+// For other programs: a row a subject and condition, with counts of answers, or of right ones where two were compared.
+Table wide_table(const Answers& data) {
+    const Experiment& experiment = data.experiment;
+    const bool compares = experiment.spec.task == Task::compare;
+    Table table{"wide", "Counts of answers, a row a subject and condition", {}, {}};
+    table.columns = {{"subject", "", "who"}, {"condition", "", "stimulus"}};
+    for (const std::string& key : varied_keys(experiment))
+        table.columns.push_back({key, "", "the stimulus' value, with its unit; empty: it has none"});
+    if (compares)
+        table.columns.push_back({"standard", "", "that it was compared with"});
+    table.columns.push_back({"trials", "1", "with an answer"});
+    if (compares)
+        table.columns.push_back({"right", "1", "of these"});
+    for (const Answer& answer : experiment.spec.answers)
+        if (!compares)
+            table.columns.push_back({"answered_" + answer.name, "1", "of these"});
+    for (const std::string& subject : data.subjects())
+        for (const Condition& condition : experiment.conditions) {
+            std::vector<double> counts(compares ? 1 : experiment.spec.answers.size());
+            double trials = 0;
+            for (const TrialRow& row : data.rows)
+                if (row.subject == subject && row.condition == experiment.stimulus(condition).name) {
+                    ++trials;
+                    const auto answer = std::ranges::find(experiment.spec.answers, row.answer, &Answer::name);
+                    if (compares)
+                        counts[0] += row.correct.value_or(false);
+                    else if (answer != experiment.spec.answers.end())
+                        ++counts[static_cast<std::size_t>(answer - experiment.spec.answers.begin())];
+                }
+            if (trials == 0)
+                continue;
+            const Case& stimulus = experiment.stimulus(condition);
+            std::vector<Cell> row{subject, stimulus.name};
+            for (const std::string& path : varying_keys_of(experiment))
+                row.emplace_back(value_text(stimulus, path));
+            if (compares)
+                row.emplace_back(experiment.study.cases[*condition.standard].name);
+            row.emplace_back(trials);
+            row.insert(row.end(), counts.begin(), counts.end());
+            table.rows.push_back(std::move(row));
+        }
+    return table;
 }
 
 Table stroke_table(const Answers& data) {
@@ -443,9 +512,12 @@ std::string evidence_of(const Tested& test) {
     const std::string range =
         fmt::format("95 % over subjects: {:.0f} to {:.0f} points", test.range.low, test.range.high);
     if (test.subjects < kLeastSubjects)
-        return fmt::format("{}; sign flips of {} subjects cannot be significant, {} are the fewest", range,
-                           test.subjects, kLeastSubjects);
-    return fmt::format("{}; sign flips: p = {:.2g}, corrected for all contrasts {:.2g}", range, test.p, test.corrected);
+        return fmt::format("{}; sign flips of {} subjects cannot be significant, {} are the fewest; by a beta-binomial "
+                           "model p = {:.2g}, corrected for all contrasts {:.2g}",
+                           range, test.subjects, kLeastSubjects, test.model_p, test.model_corrected);
+    return fmt::format(
+        "{}; sign flips: p = {:.2g}, corrected for all contrasts {:.2g}; by a beta-binomial model {:.2g}, {:.2g}",
+        range, test.p, test.corrected, test.model_p, test.model_corrected);
 }
 
 void add_findings(study::StudyData& data, const Answers& answers, const std::vector<Tested>& tests,
@@ -590,6 +662,21 @@ std::vector<std::size_t> shown_order(const Experiment& experiment) {
     return order;
 }
 
+std::string analysis_script(const Answers& answers) {
+    const ExperimentSpec& spec = answers.experiment.spec;
+    const std::string count =
+        spec.task == Task::compare
+            ? "right"
+            : "answered_" + spec.answers[smooth_answer(spec).value_or(spec.answers.size() - 1)].name;
+    std::string text(pages::analysis_r);
+    const auto fill = [&](std::string_view place, const std::string& with) {
+        text.replace(text.find(place), place.size(), with);
+    };
+    fill("@keys@", fmt::format("\"{}\"", fmt::join(varied_keys(answers.experiment), "\", \"")));
+    fill("@count@", count);
+    return text;
+}
+
 study::StudyData analyse(const Answers& answers) {
     const ExperimentSpec& spec = answers.experiment.spec;
     study::StudyData data;
@@ -609,6 +696,7 @@ study::StudyData analyse(const Answers& answers) {
         data.notes.push_back(left_out);
         add_comparisons(data, answers);
         data.tables.push_back(stroke_table(answers));
+        data.tables.push_back(wide_table(answers));
         return data;
     }
     const bool papers = answers.experiment.has_papers_answers();
@@ -629,6 +717,7 @@ study::StudyData analyse(const Answers& answers) {
     if (!tests.empty())
         data.tables.push_back(test_table(tests, smooth_label));
     data.tables.push_back(stroke_table(answers));
+    data.tables.push_back(wide_table(answers));
     if (papers) {
         data.tables.push_back(fit_table(fits));
         data.tables.push_back(parameter_table(fits));
@@ -640,7 +729,8 @@ study::StudyData analyse(const Answers& answers) {
         left_out,
         fmt::format(
             "Intervals of shares take trials as independent (Jeffreys) or are of the subjects' means (Student's "
-            "t); tests change the signs of whole subjects, so that of less than {} none can be significant.",
+            "t); tests change the signs of whole subjects, so that of less than {} none can be significant, or hold a "
+            "beta-binomial model, whose subjects differ, against itself without a difference.",
             kLeastSubjects)};
     if (papers) {
         data.notes.push_back(

@@ -87,7 +87,12 @@ std::size_t standard_for(const Study& study, const std::vector<std::size_t>& sta
     return best;
 }
 
-// Keys whose values differ among the stimuli that are asked about.
+} // namespace
+
+std::string value_text(const Case& one, const std::string& path) {
+    return unquoted(literal_of(one, path));
+}
+
 std::vector<std::string> varying_keys_of(const Experiment& experiment) {
     std::map<std::string, std::set<std::string>> values;
     for (const Condition& condition : experiment.conditions)
@@ -99,6 +104,8 @@ std::vector<std::string> varying_keys_of(const Experiment& experiment) {
             varying.push_back(path);
     return varying;
 }
+
+namespace {
 
 // `key`: of the experiment, that names it.
 std::string axis_of(const std::string& word, const std::vector<std::string>& varying, const char* key_name,

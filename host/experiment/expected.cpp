@@ -136,31 +136,6 @@ void add_findings(study::StudyData& data, const std::vector<Expected>& rows, con
 
 constexpr double kPower = 0.8;
 
-// How many of a subject's answers are a certain one: beta-binomial, drawn from its distribution function.
-class Counts {
-public:
-    Counts(double share, unsigned trials) {
-        constexpr double kSpread = 1 / kSubjectCorrelation - 1;
-        const double a = share * kSpread, b = (1 - share) * kSpread;
-        const auto log_beta = [](double x, double y) { return std::lgamma(x) + std::lgamma(y) - std::lgamma(x + y); };
-        double below = 0;
-        for (unsigned k = 0; k <= trials; ++k) {
-            const double ways = -std::log(trials + 1.0) - log_beta(trials - k + 1.0, k + 1.0);
-            below += std::exp(ways + log_beta(k + a, trials - k + b) - log_beta(a, b));
-            below_.push_back(below);
-        }
-    }
-    /// Of 1.
-    double share(Random& random) const {
-        const auto count = std::ranges::upper_bound(below_, random.uniform()) - below_.begin();
-        const auto trials = static_cast<double>(below_.size() - 1);
-        return std::min(static_cast<double>(count), trials) / trials;
-    }
-
-private:
-    std::vector<double> below_; // by count: the probability of that many or fewer
-};
-
 const Case& condition_named(const Experiment& experiment, const std::string& name) {
     std::vector<std::string> names;
     for (const Case& one : experiment.study.cases) {
@@ -238,12 +213,12 @@ double power_of(double first, double second, unsigned trials, unsigned subjects)
     if (subjects < kLeastSubjects)
         return 0;
     Random random(1, fmt::format("{} {} {} {}", first, second, trials, subjects));
-    const Counts of_first(first, trials), of_second(second, trials);
+    const BetaBinomial of_first(first, kSubjectCorrelation, trials), of_second(second, kSubjectCorrelation, trials);
     unsigned found = 0;
     for (unsigned i = 0; i < kExperiments; ++i) {
         std::vector<double> differences;
         for (unsigned subject = 0; subject < subjects; ++subject)
-            differences.push_back(of_first.share(random) - of_second.share(random));
+            differences.push_back(double(of_first(random)) - double(of_second(random)));
         found += sign_flip_p(differences) <= kSignificant;
     }
     return static_cast<double>(found) / kExperiments;

@@ -166,6 +166,12 @@ void find_conditions(Experiment& experiment);
 /// several.
 void list_conditions(Experiment& experiment);
 
+/// Keys of the study whose values differ among the stimuli that are asked about, "surface.facets".
+std::vector<std::string> varying_keys_of(const Experiment& experiment);
+
+/// A case's value of a key as text, "600 mil"; empty: it has none.
+std::string value_text(const Case& one, const std::string& path);
+
 /// Of a balanced Latin square over n: 2 n rows if n is odd. Counted from 0, on and on.
 std::vector<std::size_t> latin_row(std::size_t n, std::uint64_t row);
 

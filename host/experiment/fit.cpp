@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include <nlopt.hpp>
 
@@ -156,6 +157,17 @@ std::span<const FreeParameter> free_parameters(ObserverModel model) {
     default:
         return kOlderParameters;
     }
+}
+
+ObserverParameters observer_of(const ObserverParameters& mean, std::string_view subject) {
+    Random random(1996, subject);
+    ObserverParameters observer = mean;
+    for (const FreeParameter& one : free_parameters(mean.model)) {
+        const double normal = std::sqrt(-2 * std::log(1 - random.uniform())) *
+                              std::cos(2 * std::numbers::pi * random.uniform()); // Box & Muller 1958
+        observer.*one.member *= std::exp(kSubjectSpread * normal);
+    }
+    return observer;
 }
 
 ObserverParameters fitted(std::span<const ConditionAnswers> rows, const ObserverParameters& start) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace forceshade::experiment {
@@ -63,6 +64,13 @@ struct ObserverParameters {
     double level = 0;    /* 1: of two_noises rho, threshold for level; of base_kinks b, gain of such a kink */
     double lapse = 0.02; /* 1: lambda, answers by chance; not fitted */
 };
+
+/// How far the simulated subjects differ: the standard deviation of the logarithm of each fitted number. With it their
+/// shares of Table 2's answers differ as much as the paper's subjects' (kSubjectCorrelation).
+inline constexpr double kSubjectSpread = 0.5;
+
+/// One of many subjects: the fitted numbers of `mean`, each times a factor that is drawn from the subject's name.
+ObserverParameters observer_of(const ObserverParameters& mean, std::string_view subject);
 
 /// As published for each model.
 ObserverParameters published_observer(ObserverModel model);

@@ -100,6 +100,7 @@ public:
     SessionRecord(const SessionRecord&) = delete;
     SessionRecord& operator=(const SessionRecord&) = delete;
 
+    const SessionInfo& info() const { return info_; }
     const std::vector<Trial>& order() const { return order_; }
     const std::vector<TrialRow>& rows() const { return rows_; }
     /// What an earlier run left behind that is gone now; empty: nothing.

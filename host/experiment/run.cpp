@@ -32,11 +32,13 @@ std::uint64_t poisson(double mean, Random& random) {
 
 class Observer final : public Participant {
 public:
-    explicit Observer(const ObserverParameters& parameters) : parameters_(parameters) {}
+    Observer(const ObserverParameters& parameters, bool subjects_differ)
+        : parameters_(parameters), subjects_differ_(subjects_differ) {}
 
     std::string device() const override { return "simulated hand and device"; }
 
-    TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord&) override {
+    TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord& record) override {
+        const ObserverParameters own = subjects_differ_ ? observer_of(parameters_, record.info().subject) : parameters_;
         TrialOutcome outcome;
         std::vector<Cues> cues;
         for (const Shown& one : shown) {
@@ -49,47 +51,49 @@ public:
                 outcome = of_one;
             else
                 add_interval(outcome, of_one);
-            cues.push_back(mean_cues(passes_over(feature, samples), parameters_));
+            cues.push_back(mean_cues(passes_over(feature, samples), own));
             if (!one.path.empty())
                 log_path(samples, one.path, Precision::f64);
         }
         Random random(trial.seed, "");
         outcome.answer =
-            cues.size() == 1 ? random.among(shares_of(cues.front(), parameters_)) : smoother(cues[0], cues[1], random);
+            cues.size() == 1 ? random.among(shares_of(cues.front(), own)) : smoother(cues[0], cues[1], own, random);
         return outcome;
     }
 
 private:
     // Of each the edges and level tops are counted that it happens to notice: fewer are smoother, as many are guessed.
-    std::size_t smoother(const Cues& first, const Cues& second, Random& random) const {
+    static std::size_t smoother(const Cues& first, const Cues& second, const ObserverParameters& own, Random& random) {
         const auto noticed = [&](const Cues& cues) {
-            const Events events = events_of(cues, parameters_);
+            const Events events = events_of(cues, own);
             const bool felt = random.uniform() < events.felt;
             return felt ? poisson(events.edges + events.levels, random) : 0;
         };
         const std::uint64_t one = noticed(first), other = noticed(second);
-        if (one == other || random.uniform() < parameters_.lapse)
+        if (one == other || random.uniform() < own.lapse)
             return random.below(2);
         return one < other ? 0 : 1;
     }
 
     const ObserverParameters parameters_;
+    const bool subjects_differ_;
 };
 
 } // namespace
 
-std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters) {
+std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters,
+                                           bool subjects_differ) {
     if (experiment.spec.task == Task::compare) {
         if (experiment.spec.correct != kSmoother)
             throw UsageError("--participant observer: of two stimuli it knows which is smoother only; correct = \"" +
                              experiment.spec.correct + "\" asks something else");
-        return std::make_unique<Observer>(parameters);
+        return std::make_unique<Observer>(parameters, subjects_differ);
     }
     if (!experiment.has_papers_answers())
         throw UsageError("--participant observer: it knows the paper's four answers only, {}; these are "
                          "others",
                          fmt::join(kPictureNames, ", "));
-    return std::make_unique<Observer>(parameters);
+    return std::make_unique<Observer>(parameters, subjects_differ);
 }
 
 void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision,

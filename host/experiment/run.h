@@ -37,8 +37,10 @@ public:
 };
 
 /// The model observer: a simulated hand strokes, the answer is drawn from the shares that its cues give. Answers are
-/// the paper's four, or which of two is smoother. \throws UsageError for an experiment of others.
-std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters = {});
+/// the paper's four, or which of two is smoother. `subjects_differ`: each has an observer_of() its own. \throws
+/// UsageError for an experiment of others.
+std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters = {},
+                                           bool subjects_differ = false);
 
 /// Writes samples as `live --log` does. \throws IoError.
 void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision,

@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numeric>
 
 #include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/students_t.hpp>
+#include <nlopt.hpp>
 
 #include "host/random.h"
+#include "host/study/run/study_run.h"
 
 namespace forceshade::experiment {
 
@@ -89,6 +94,121 @@ double sign_flip_p(const std::vector<double>& values) {
         found += std::abs(sum) >= as_far;
     }
     return static_cast<double>(found) / static_cast<double>(count);
+}
+
+namespace {
+
+// Answers that are a certain one, of so many; a group.
+struct Group {
+    std::vector<std::pair<double, double>> counts;
+};
+
+// Up to what does not depend on the parameters: log of the beta-binomial probability of a group's counts.
+double log_likelihood(const Group& group, double share, double correlation) {
+    const double spread = 1 / correlation - 1, a = share * spread, b = (1 - share) * spread;
+    double sum = static_cast<double>(group.counts.size()) * (std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b));
+    for (const auto& [count, all] : group.counts)
+        sum += std::lgamma(a + count) + std::lgamma(b + all - count) - std::lgamma(a + b + all);
+    return sum;
+}
+
+// Shares and the correlation, as the search has them: their logits.
+double of_logit(double logit) {
+    return 1 / (1 + std::exp(-logit));
+}
+
+struct ShareFit {
+    double likelihood = 0; // its logarithm
+    double share = 0.5, correlation = 0;
+};
+
+// The likelihood at its maximum, of one share for all groups, or of one each; `share` is the first group's.
+ShareFit fitted_shares(const std::vector<Group>& groups, bool equal) {
+    constexpr double kLogit = 8, kLeastCorrelation = -7; // 0.03 %; 0.1 %: as good as binomial
+    const std::size_t shares = equal ? 1 : groups.size();
+    std::function<double(const std::vector<double>&)> cost = [&](const std::vector<double>& at) {
+        double sum = 0;
+        for (std::size_t i = 0; i < groups.size(); ++i)
+            sum += log_likelihood(groups[i], of_logit(at[equal ? 0 : i]), of_logit(at.back()));
+        return -sum;
+    };
+    nlopt::opt search(nlopt::LN_NELDERMEAD, static_cast<unsigned>(shares + 1));
+    search.set_min_objective(
+        [](const std::vector<double>& at, std::vector<double>&, void* data) {
+            return (*static_cast<std::function<double(const std::vector<double>&)>*>(data))(at);
+        },
+        &cost);
+    std::vector<double> low(shares + 1, -kLogit), high(shares + 1, kLogit), at;
+    low.back() = kLeastCorrelation;
+    for (std::size_t i = 0; i < shares; ++i) {
+        double count = 0.5, all = 1; // half an answer each: no share is 0 or 1
+        for (std::size_t g = equal ? 0 : i; g < (equal ? groups.size() : i + 1); ++g)
+            for (const auto& [one, of] : groups[g].counts) {
+                count += one;
+                all += of;
+            }
+        at.push_back(std::clamp(std::log(count / (all - count)), -kLogit, kLogit));
+    }
+    at.push_back(-2.5);
+    search.set_lower_bounds(low);
+    search.set_upper_bounds(high);
+    search.set_initial_step(0.5);
+    search.set_ftol_abs(1e-4);
+    search.set_maxeval(600);
+    double reached = 0;
+    search.optimize(at, reached);
+    return {-reached, of_logit(at.front()), of_logit(at.back())};
+}
+
+double likelihood_ratio(const std::vector<Group>& groups, const ShareFit& equal) {
+    return fitted_shares(groups, false).likelihood - equal.likelihood;
+}
+
+} // namespace
+
+BetaBinomial::BetaBinomial(double share, double correlation, unsigned trials) {
+    const double spread = 1 / correlation - 1, a = share * spread, b = (1 - share) * spread;
+    const auto log_beta = [](double x, double y) { return std::lgamma(x) + std::lgamma(y) - std::lgamma(x + y); };
+    double below = 0;
+    for (unsigned k = 0; k <= trials; ++k) {
+        const double ways = -std::log(trials + 1.0) - log_beta(trials - k + 1.0, k + 1.0);
+        below += std::exp(ways + log_beta(k + a, trials - k + b) - log_beta(a, b));
+        below_.push_back(below);
+    }
+}
+
+unsigned BetaBinomial::operator()(Random& random) const {
+    const auto count = std::ranges::upper_bound(below_, random.uniform()) - below_.begin();
+    return static_cast<unsigned>(std::min(count, std::ssize(below_) - 1));
+}
+
+double likelihood_ratio_p(const std::vector<SubjectCounts>& subjects, unsigned bootstraps) {
+    std::vector<Group> groups(2);
+    for (const SubjectCounts& one : subjects) {
+        if (one.of_more > 0)
+            groups[0].counts.emplace_back(one.more, one.of_more);
+        if (one.of_less > 0)
+            groups[1].counts.emplace_back(one.less, one.of_less);
+    }
+    if (groups[0].counts.empty() || groups[1].counts.empty())
+        return 1;
+    const ShareFit equal = fitted_shares(groups, true);
+    const double found = likelihood_ratio(groups, equal);
+    std::map<double, BetaBinomial> draws; // by the trials
+    for (const Group& group : groups)
+        for (const auto& [count, all] : group.counts)
+            draws.try_emplace(all, equal.share, equal.correlation, static_cast<unsigned>(all));
+    std::atomic<unsigned> as_large = 0;
+    study::on_all_cores(bootstraps, [&](std::size_t i) {
+        constexpr double kSame = 1e-3; // what the searches leave
+        Random random(i, "likelihood ratios");
+        std::vector<Group> drawn = groups;
+        for (Group& group : drawn)
+            for (auto& [count, all] : group.counts)
+                count = draws.at(all)(random);
+        as_large += likelihood_ratio(drawn, fitted_shares(drawn, true)) >= found - kSame;
+    });
+    return (1.0 + as_large) / (1.0 + bootstraps);
 }
 
 std::vector<double> holm(const std::vector<double>& p) {

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/random.h"
+
 namespace forceshade::experiment {
 
 struct Range {
@@ -24,6 +26,29 @@ double sign_flip_p(const std::vector<double>& values);
 
 /// The fewest subjects of whom changes of signs can be significant (5 %): p is no less than 2^(1 - n).
 inline constexpr unsigned kLeastSubjects = 6;
+
+/// How many of a subject's answers are a certain one, where subjects differ: drawn from its distribution function.
+class BetaBinomial {
+public:
+    /// `share`: of 1, the mean over subjects; `correlation`: of two answers of a subject.
+    BetaBinomial(double share, double correlation, unsigned trials);
+    unsigned operator()(Random& random) const;
+
+private:
+    std::vector<double> below_; // by count: the probability of that many or fewer
+};
+
+/// A subject's answers to two groups of conditions: how many of how many are a certain one.
+struct SubjectCounts {
+    double more = 0, of_more = 0, less = 0, of_less = 0;
+};
+
+/// Of a beta-binomial model (a Dirichlet-multinomial one of two answers), whose parameters are the share in each group
+/// and the correlation of a subject's answers to one: p of the likelihood ratio of different shares against equal
+/// ones, by maximum likelihood, among the ratios of `bootstraps` experiments that are drawn from the fit of equal ones.
+/// A subject's shares in both groups are taken for independent: where subjects lean to one side in both, the test finds
+/// less than there is. 1 without answers.
+double likelihood_ratio_p(const std::vector<SubjectCounts>& subjects, unsigned bootstraps = 999);
 
 /// What the tests' p become where any of them may be the one that is reported (Holm 1979), in the same order.
 std::vector<double> holm(const std::vector<double>& p);

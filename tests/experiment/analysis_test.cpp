@@ -1,6 +1,7 @@
 // Intervals, tests, adaptive tracks, and the analysis of simulated subjects.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <random>
@@ -98,6 +99,45 @@ TEST(Statistics, PowerIsThatOfTheAnalysis) {
     EXPECT_EQ(power_of(0.9, 0.1, 24, 5), 0) << "five subjects cannot be significant";
 }
 
+// Subjects who do not differ: the ratio is that of a table of two by two, 2 sum O ln(O / E), of one degree of freedom.
+TEST(Statistics, LikelihoodRatiosAreThoseOfATableWhereSubjectsAreAlike) {
+    EXPECT_EQ(likelihood_ratio_p({}), 1);
+    for (const double more : {12.0, 13.0, 14.0, 15.0}) {
+        const double less = 24 - more, n = 10;
+        const double ratio = 4 * n * (more * std::log(more / 12) + less * std::log(less / 12));
+        const double p = std::erfc(std::sqrt(ratio / 2)); // of chi^2, one degree of freedom
+        EXPECT_NEAR(likelihood_ratio_p(std::vector<SubjectCounts>(10, {more, 24, less, 24})), p, 0.03) << more;
+    }
+    // One subject of many leans far: who differ that much say little.
+    std::vector<SubjectCounts> lone(6, {12, 24, 12, 24});
+    lone[0] = {24, 24, 0, 24};
+    EXPECT_GT(likelihood_ratio_p(lone), 0.1) << "0.005 if answers were all independent";
+}
+
+TEST(Statistics, LikelihoodRatiosErrAsTheySay) {
+    std::mt19937_64 random(4);
+    const bool is_long = std::getenv("FORCESHADE_LONG") != nullptr;
+    const int experiments = is_long ? 1000 : 120; // two standard errors: 1.4 %; 4 %
+    const unsigned bootstraps = is_long ? 199 : 99;
+    for (const unsigned subjects : {5u, 12u}) {
+        int wrong = 0, found = 0;
+        for (int i = 0; i < experiments; ++i) {
+            std::vector<SubjectCounts> alike, different;
+            for (unsigned one = 0; one < subjects; ++one) {
+                alike.push_back(
+                    {24 * share_of_subject(0.6, 24, random), 24, 24 * share_of_subject(0.6, 24, random), 24});
+                different.push_back(
+                    {24 * share_of_subject(0.85, 24, random), 24, 24 * share_of_subject(0.4, 24, random), 24});
+            }
+            wrong += likelihood_ratio_p(alike, bootstraps) <= 0.05;
+            found += likelihood_ratio_p(different, bootstraps) <= 0.05;
+        }
+        EXPECT_GE(wrong, (is_long ? 0.036 : 0.005) * experiments) << subjects;
+        EXPECT_LE(wrong, (is_long ? 0.064 : 0.1) * experiments) << subjects;
+        EXPECT_GE(found, 0.9 * experiments) << subjects << ": five are enough for this";
+    }
+}
+
 TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_analysis";
     std::filesystem::remove_all(folder);
@@ -127,6 +167,14 @@ TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
         if (fits.word(row, "data") == "measured" && fits.word(row, "model") == "observer") {
             EXPECT_LT(fits.needed(row, "deviance"), 58 + 4 * std::sqrt(2.0 * 58));
         }
+    const study::Table& wide = data.table("wide");
+    ASSERT_EQ(wide.rows.size(), 3u * 21);
+    double counted = 0;
+    for (std::size_t row = 0; row < wide.rows.size(); ++row)
+        for (const char* answer : kPictureNames)
+            counted += wide.needed(row, std::string("answered_") + answer);
+    EXPECT_EQ(counted, 3 * 504);
+    EXPECT_EQ(analysis_script(answers).find('@'), std::string::npos) << "every place is filled in";
     const std::vector<study::TextFile> figures = study::figure_files(data);
     ASSERT_EQ(figures.size(), 2u);
     EXPECT_EQ(figures[0].name, "shares.svg") << "a map over words";

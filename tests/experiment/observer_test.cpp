@@ -258,5 +258,27 @@ TEST(Strokes, AnswersNeedAPass) {
     EXPECT_THROW(answer_shares({}, ObserverParameters{}), UsageError);
 }
 
+// The mean over Table 2's stimuli and answers of the variance of subjects' shares over p (1 - p).
+TEST(Observer, SubjectsDifferAsIn1996) {
+    constexpr int kSubjects = 2000;
+    double variance = 0, chance = 0;
+    for (const ConditionAnswers& row : table_2()) {
+        Shares sum{}, squares{};
+        for (int i = 0; i < kSubjects; ++i) {
+            const Shares shares = shares_of(row.signals, observer_of({}, std::to_string(i)));
+            for (std::size_t answer = 0; answer < kPictures; ++answer) {
+                sum[answer] += shares[answer] / kSubjects;
+                squares[answer] += shares[answer] * shares[answer] / kSubjects;
+            }
+        }
+        for (std::size_t answer = 0; answer < kPictures; ++answer) {
+            variance += squares[answer] - sum[answer] * sum[answer];
+            chance += sum[answer] * (1 - sum[answer]);
+        }
+    }
+    EXPECT_NEAR(variance / chance / kSubjectCorrelation, 1, 0.1);
+    EXPECT_EQ(observer_of({}, "03").edge, observer_of({}, "03").edge);
+}
+
 } // namespace
 } // namespace forceshade::experiment
