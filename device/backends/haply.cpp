@@ -117,6 +117,8 @@ DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {
     type.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(type.front())));
     facts.name = fmt::format("{} {}", type, device.id);
     facts.software = service_of(finding);
+    if (!device.remark.empty())
+        facts.remark = fmt::format("{}: {}", facts.name, device.remark);
     return facts;
 }
 

@@ -43,6 +43,7 @@ struct HaplyDevice {
     std::string status; // "ready, not calibrated": as the service reports it
     std::string basis;  // "XYZ": the axes of its positions and forces
     unsigned unmet = 0; // conditions for a force that its status does not meet
+    std::string remark; // what its configuration makes of positions and forces; empty: nothing
 };
 
 /// The result of a query at an address.

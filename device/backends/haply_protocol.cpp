@@ -88,23 +88,59 @@ std::string status_of(const Json* status) {
 struct Condition {
     const char* name; // in the status
     const char* objection;
+    bool wanted = true;
 };
 constexpr std::array kConditions{
     Condition{"power_supply", "the Inverse3 has no power supply: plug it in"},
     Condition{"started", "the Inverse3 is not started: switch it on (Haply Hub shows it)"},
     Condition{"calibrated", "the Inverse3 is not calibrated: calibrate it (Haply Hub shows how)"},
     Condition{"ready", "the Inverse3 is not ready (Haply Hub shows why)"},
+    Condition{"frozen", "the Inverse3 is frozen: its position does not change (Haply Hub shows why)", false},
 };
 
-// A condition that is given and is not `true` is not met.
+// A condition that is given and is not what is wanted is not met.
 Readiness readiness_of(const Json* status) {
     Readiness readiness;
     for (std::size_t i = 0; i < kConditions.size(); ++i)
         if (const Json* value = member(status, kConditions[i].name)) {
             readiness.known |= 1u << i;
-            readiness.unmet |= *value == true ? 0u : 1u << i;
+            readiness.unmet |= *value == kConditions[i].wanted ? 0u : 1u << i;
         }
     return readiness;
+}
+
+// The numbers in a part of a configuration that are not `usual`, as "x 2, y 2"; empty: none.
+std::string unusual(const Json* part, double usual) {
+    std::string text;
+    const auto add = [&](const std::string& name, const Json& value) {
+        if (value.is_number() && value.get<double>() != usual)
+            text +=
+                fmt::format("{}{}{:g}", text.empty() ? "" : ", ", name.empty() ? "" : name + " ", value.get<double>());
+    };
+    if (part != nullptr && part->is_object())
+        for (const auto& [name, value] : part->items())
+            add(name, value);
+    else if (part != nullptr)
+        add("", *part);
+    return text;
+}
+
+// What a user must know before the device is used: the program takes positions and forces as the service has them.
+std::string remark_of(const Json* config, const Json* status) {
+    std::string text;
+    const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+    if (const std::string scale = unusual(member(member(member(config, "mount"), "transform"), "scale"), 1);
+        !scale.empty())
+        add(fmt::format("the service scales its positions ({}), so that stiffness is not what the scene says: set the "
+                        "mount's scale to 1 in Haply Hub",
+                        scale));
+    if (const std::string gate = unusual(member(config, "force_gate"), 1); !gate.empty())
+        add(fmt::format("the service's force gate ({}) lowers its forces", gate));
+    if (const std::string damping = unusual(member(config, "damping"), 0); !damping.empty())
+        add(fmt::format("the service adds damping ({})", damping));
+    if (const Json* used = member(status, "in_use"); used != nullptr && *used == true)
+        add("another program uses it, too");
+    return text;
 }
 
 std::optional<glm::dvec3> position_of(const Json* value) {
@@ -243,6 +279,7 @@ std::optional<std::vector<HaplyDevice>> read_inventory(std::string_view message)
         device.basis = text_of(member(member(config, "basis"), "permutation"));
         device.status = status_of(member(&entry, "status"));
         device.unmet = readiness_of(member(&entry, "status")).unmet;
+        device.remark = remark_of(config, member(&entry, "status"));
         devices.push_back(std::move(device));
     }
     return devices;

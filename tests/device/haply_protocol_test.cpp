@@ -82,6 +82,22 @@ TEST(HaplyProtocol, ReadsTheInventory) {
         EXPECT_FALSE(read_inventory(none)) << none;
 }
 
+TEST(HaplyProtocol, TellsWhatTheServiceMakesOfPositionsAndForces) {
+    const auto remark = [](const std::string& config, const std::string& status = "{}") {
+        return (*read_inventory(R"({"inverse3":[{"device_id":"04BA","config":)" + config + R"(,"status":)" + status +
+                                "}]}"))[0]
+            .remark;
+    };
+    EXPECT_EQ(remark(R"({"mount":{"transform":{"scale":{"x":1,"y":1,"z":1}}},"force_gate":1,"damping":{"scalar":0}})"),
+              "");
+    EXPECT_TRUE(says(remark(R"({"mount":{"transform":{"scale":{"x":2,"y":2,"z":1}}}})"), "x 2, y 2"));
+    EXPECT_TRUE(says(remark(R"({"force_gate":{"gain":0.5}})"), "gain 0.5"));
+    EXPECT_TRUE(says(remark(R"({"damping":{"scalar":6}})"), "scalar 6"));
+    EXPECT_TRUE(says(remark("{}", R"({"in_use":true})"), "another program"));
+    for (const char* odd : {"[]", "7", R"({"mount":3,"damping":"much","force_gate":null})"})
+        EXPECT_EQ(remark(odd), "") << odd;
+}
+
 TEST(HaplyProtocol, ReadsThePositionOfItsDeviceOnly) {
     const State state = read_state(R"({"inverse3":[
         {"device_id":"AAAA","state":{"cursor_position":{"x":9,"y":9,"z":9}}},
@@ -130,6 +146,8 @@ TEST(HaplyProtocol, ReadsWhetherTheDeviceIsReadyForAForce) {
     EXPECT_TRUE(says(why(R"({"started":false})"), "not started"));
     EXPECT_TRUE(says(why(R"({"calibrated":"yes"})"), "not calibrated")) << "only true is true";
     EXPECT_TRUE(says(why(R"({"calibrated":null})"), "not calibrated"));
+    EXPECT_TRUE(says(why(R"({"frozen":true})"), "frozen"));
+    EXPECT_EQ(of(R"({"frozen":false})").unmet, 0u);
     EXPECT_EQ(of("{}").known, 0u) << "an absent condition keeps its state";
     EXPECT_EQ(of("[]").known, 0u);
     EXPECT_NE(objection((*read_inventory(R"({"inverse3":[{"device_id":"04BA","status":{"ready":false}}]})"))[0].unmet),
