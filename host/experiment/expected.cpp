@@ -217,6 +217,7 @@ double power_of(double first, double second, unsigned trials, unsigned subjects)
     unsigned found = 0;
     for (unsigned i = 0; i < kExperiments; ++i) {
         std::vector<double> differences;
+        differences.reserve(subjects);
         for (unsigned subject = 0; subject < subjects; ++subject)
             differences.push_back(double(of_first(random)) - double(of_second(random)));
         found += sign_flip_p(differences) <= kSignificant;

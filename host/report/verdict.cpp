@@ -62,6 +62,7 @@ study::Interval time_ratio(const Table& rounds, std::size_t way, std::size_t oth
         (of == double(way + 1) ? one : two) = rounds.needed(row, "time_ns");
     }
     std::vector<double> ratios;
+    ratios.reserve(times.size());
     for (const auto& [round, pair] : times)
         ratios.push_back(pair.first / pair.second);
     return study::bootstrap_median(ratios);
