@@ -98,7 +98,7 @@ constexpr std::array kConditions{
     Condition{"frozen", "the Inverse3 is frozen: its position does not change (Haply Hub shows why)", false},
 };
 
-// A condition that is given and is not what is wanted is not met.
+// A condition that is given is met if it has the value that a force needs.
 Readiness readiness_of(const Json* status) {
     Readiness readiness;
     for (std::size_t i = 0; i < kConditions.size(); ++i)
@@ -129,15 +129,18 @@ std::string unusual(const Json* part, double usual) {
 std::string remark_of(const Json* config, const Json* status) {
     std::string text;
     const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
-    if (const std::string scale = unusual(member(member(member(config, "mount"), "transform"), "scale"), 1);
-        !scale.empty())
-        add(fmt::format("the service scales its positions ({}), so that stiffness is not what the scene says: set the "
-                        "mount's scale to 1 in Haply Hub",
-                        scale));
-    if (const std::string gate = unusual(member(config, "force_gate"), 1); !gate.empty())
-        add(fmt::format("the service's force gate ({}) lowers its forces", gate));
-    if (const std::string damping = unusual(member(config, "damping"), 0); !damping.empty())
-        add(fmt::format("the service adds damping ({})", damping));
+    const Json *const mount = member(config, "mount"), *const filters = member(config, "filters");
+    for (const Json* of_mount : {mount, member(mount, "transform")}) // as it is listed, and as it is set
+        if (const std::string scale = unusual(member(of_mount, "scale"), 1); !scale.empty())
+            add(fmt::format("the service scales its positions ({}), so that stiffness is not what the scene says: set "
+                            "the mount's scale to 1 in Haply Hub",
+                            scale));
+    for (const Json* of_filters : {filters, config}) {
+        if (const std::string gate = unusual(member(of_filters, "force_gate"), 1); !gate.empty())
+            add(fmt::format("the service's force gate ({}) lowers forces where it detects oscillations", gate));
+        if (const std::string damping = unusual(member(of_filters, "damping"), 0); !damping.empty())
+            add(fmt::format("the service adds damping ({})", damping));
+    }
     if (const Json* used = member(status, "in_use"); used != nullptr && *used == true)
         add("another program uses it, too");
     return text;

@@ -116,7 +116,7 @@ constexpr std::int64_t kCooling = 5'000'000'000;      /* ns: without force after
 constexpr std::int64_t kAskCalibration = 500'000'000; /* ns */
 constexpr const char* kWarm = "the device's motors are too warm: let them cool down, forces come back by themselves";
 constexpr const char* kUncalibrated = "the device lost its calibration: put its stylus into the inkwell (an arm "
-                                      "without one: end the run, and start again at its reset position)";
+                                      "without one calibrates itself, or starts again at its reset position)";
 
 /// Runs in the vendor's scheduler: reads the position and displays the newest force, once a millisecond.
 class Servo {
@@ -187,10 +187,10 @@ private:
         library_.begin_frame(device_);
         double at[3]{}; /* mm */
         library_.get_doublev(HdValue::current_position, at);
-        const bool valid = succeeded();
+        const bool valid = succeeded(drained(time));
         int buttons = 0;
         library_.get_integerv(HdValue::current_buttons, &buttons);
-        if (library_.drain_errors() != HdValue::success) // a device without buttons is not a failure
+        if (drained(time) != HdValue::success) // a device without buttons is not a failure
             buttons = 0;
         const Frame frame{kMillimetre * glm::dvec3(at[0], -at[2], at[1]), valid, static_cast<std::uint32_t>(buttons)};
         commands_.take(command_);
@@ -202,7 +202,7 @@ private:
         const double axes[3]{force.x, force.z, -force.y};
         library_.set_doublev(HdValue::current_force, axes);
         library_.end_frame(device_);
-        displayed_ = shown(time);
+        displayed_ = succeeded(drained(time));
         follow_calibration(time);
         called_ = time;
         frames_.put(frame);
@@ -212,32 +212,34 @@ private:
         return last ? HdValue::callback_done : HdValue::callback_continue;
     }
 
-    // Warm motors are no failure: forces are withheld until they have cooled down.
-    bool shown(std::int64_t time) noexcept {
+    // As drain_errors(). Warm motors are no failure: forces are withheld until they have cooled down.
+    unsigned drained(std::int64_t time) noexcept {
         const unsigned code = library_.drain_errors();
         if (code != HdValue::warm_motors)
-            return succeeded(code);
+            return code;
         cool_ = time + kCooling;
         withheld_ = kWarm;
-        return true;
+        return HdValue::success;
     }
 
+    // Positions may leap where it is brought up to date: no force is displayed in the frame before.
     void follow_calibration(std::int64_t time) noexcept {
-        if (time - asked_ < kAskCalibration)
+        if (time - asked_ < kAskCalibration && !updates_)
             return;
         asked_ = time;
+        const bool updates = std::exchange(updates_, false);
+        if (updates) {
+            library_.update_calibration(static_cast<unsigned>(style_));
+            drained(time);
+        }
         const unsigned state = library_.check_calibration();
-        if (library_.drain_errors() != HdValue::success)
+        if (drained(time) != HdValue::success)
             return; // asked again
         uncalibrated_ = state != HdValue::calibration_ok;
-        if (state == HdValue::calibration_needs_update && style_ != 0) {
-            library_.update_calibration(static_cast<unsigned>(style_));
-            library_.drain_errors();
-        }
+        updates_ = !updates && state == HdValue::calibration_needs_update && style_ != 0;
     }
 
-    // True if no call failed since the last check.
-    bool succeeded() noexcept { return succeeded(library_.drain_errors()); }
+    // What failed is kept as the error's text.
     bool succeeded(unsigned code) noexcept {
         if (code != HdValue::success)
             error_text_ = library_.get_error_string(code);
@@ -259,8 +261,8 @@ private:
     Newest<Command> commands_;
     // The scheduler's.
     Command command_;
-    bool uncalibrated_ = false;
-    std::int64_t cool_ = 0, asked_ = now(); /* ns: motors are cool from then on; of the calibration */
+    bool uncalibrated_ = false, updates_ = false; // it is to be brought up to date in the next frame
+    std::int64_t cool_ = 0, asked_ = now();       /* ns: motors are cool from then on; of the calibration */
     std::atomic<const char*> withheld_ = nullptr;
     std::atomic<std::int64_t> called_ = 0; // ns: when the last frame began
     std::atomic<std::int64_t> rested_ = 0; // ns: when rest() was called last

@@ -125,10 +125,10 @@ int analyse_data(const ExperimentArguments& arguments, const CommonOptions& comm
     study::StudyData data = experiment::analyse(answers);
     make_subfolder(out.has_parent_path() ? out.parent_path() : ".", out.filename().string());
     make_subfolder(out, data.study);
-    const std::string script = experiment::analysis_script(answers);
-    write_file_atomically(out / data.study / "analysis.R", script);
+    std::vector<study::TextFile> files = study::figure_files(data);
+    files.push_back({"analysis.R", experiment::analysis_script(answers)});
     std::vector<std::string> warnings;
-    for (const std::string& name : study::write_data(out / data.study, data, study::figure_files(data)))
+    for (const std::string& name : study::write_data(out / data.study, data, files))
         warnings.push_back(fmt::format("{} is of an earlier analysis and was changed since, so it stays",
                                        (out / data.study / name).string()));
     print_warnings(warnings, common);
@@ -187,7 +187,7 @@ void describe_run(Options& options, ExperimentArguments& arguments) {
                      "differ as the paper's; the others are its "
                      "older form, with two noises, and its rival");
     options.optional("--age YEARS", arguments.age, "of the person, kept in documentation/participants.csv");
-    options.optional("--hand left|right|both", arguments.hand, "that the person writes with, kept likewise");
+    options.optional("--hand left|right|both", arguments.hand, "that the person writes with, kept there, too");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
     options.list("--answer-buttons BUTTON", arguments.buttons,
                  "buttons of the device in the order of the answers, between commas: they answer as the keys do");

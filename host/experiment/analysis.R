@@ -10,7 +10,7 @@ for (key in keys) # as the kind of surface follows from the facets
 wide$count <- as.numeric(wide$@count@)
 wide$other <- wide$trials - wide$count
 # Subjects differ, and so do their answers to a condition (over-dispersion): random intercepts of both.
-random <- "(1 | subject) + (1 | subject:condition)"
+random <- if (length(unique(wide$subject)) > 1) "(1 | subject) + (1 | subject:condition)" else "(1 | condition)"
 fit <- function(terms)
   glmer(as.formula(paste("cbind(count, other) ~", paste(c(terms, random), collapse = " + "))), data = wide,
         family = binomial, control = glmerControl(optimizer = "bobyqa"))

@@ -139,7 +139,8 @@ bool is_shaded(const Case& one) {
     return one.scene.force.shading != Shading::none;
 }
 
-// Shaded against unshaded by facets, and the largest radius against the smallest of what is shaded.
+// Shaded against unshaded by facets, and the largest radius against the smallest of what is shaded; without catch
+// trials, whose answers decided who is there.
 std::vector<Contrast> contrasts_of(const Experiment& experiment) {
     const std::vector<Case>& cases = experiment.study.cases;
     std::vector<Contrast> contrasts;
@@ -153,12 +154,13 @@ std::vector<Contrast> contrasts_of(const Experiment& experiment) {
         high = std::max(high, one.scene.surface.radius);
     }
     for (std::size_t shaded = 0; shaded < cases.size(); ++shaded) {
-        if (!is_shaded(cases[shaded]) || cases[shaded].scene.surface.kind != SurfaceKind::bump)
+        if (!is_shaded(cases[shaded]) || cases[shaded].scene.surface.kind != SurfaceKind::bump ||
+            experiment.is_catch(cases[shaded].name))
             continue;
         Scene bare = cases[shaded].scene;
         bare.force.shading = Shading::none;
         for (std::size_t other = 0; other < cases.size(); ++other)
-            if (cases[other].scene == bare)
+            if (cases[other].scene == bare && !experiment.is_catch(cases[other].name))
                 for (const std::string& name : {std::string("shaded against unshaded"),
                                                 fmt::format("shaded against unshaded, {} facet{}", bare.surface.facets,
                                                             bare.surface.facets == 1 ? "" : "s")}) {
@@ -238,16 +240,14 @@ Table test_table(const std::vector<Tested>& tests, const std::string& answer) {
            "of the likelihood ratio of a beta-binomial model (subjects differ) against 999 experiments drawn from it "
            "without a difference; also of few subjects"},
           &Tested::model_p},
-         {{"p_model_holm", "1", "corrected likewise"}, &Tested::model_corrected},
+         {{"p_model_holm", "1", "corrected in the same way"}, &Tested::model_corrected},
          {{"subjects", "1", "n"}, [](const Tested& one) { return cell(double(one.subjects)); }}},
         tests);
 }
 
 // Of keys in which the stimuli differ, as columns: "surface_facets".
 std::vector<std::string> varied_keys(const Experiment& experiment) {
-    std::vector<std::string> keys;
-    for (const std::string& path : varying_keys_of(experiment))
-        keys.push_back(path);
+    std::vector<std::string> keys = varying_keys_of(experiment);
     std::ranges::for_each(keys, [](std::string& key) { std::ranges::replace(key, '.', '_'); });
     return keys;
 }
@@ -672,7 +672,9 @@ std::string analysis_script(const Answers& answers) {
     const auto fill = [&](std::string_view place, const std::string& with) {
         text.replace(text.find(place), place.size(), with);
     };
-    fill("@keys@", fmt::format("\"{}\"", fmt::join(varied_keys(answers.experiment), "\", \"")));
+    std::vector<std::string> keys = varied_keys(answers.experiment);
+    std::ranges::for_each(keys, [](std::string& key) { key = '"' + key + '"'; });
+    fill("@keys@", fmt::format("{}", fmt::join(keys, ", ")));
     fill("@count@", count);
     return text;
 }

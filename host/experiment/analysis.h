@@ -41,7 +41,7 @@ std::string paper_name(const Case& stimulus);
 /// Tables, figures and findings.
 study::StudyData analyse(const Answers& answers);
 
-/// A program in R that reads the table "wide" (wide.csv beside it) and fits generalised linear mixed models to it, by
+/// A program in R that reads the table "wide" (wide.csv next to it) and fits generalised linear mixed models to it, by
 /// lme4, and, as a comment, by brms.
 std::string analysis_script(const Answers& answers);
 

@@ -107,7 +107,7 @@ std::vector<std::string> varying_keys_of(const Experiment& experiment) {
 
 namespace {
 
-// `key`: of the experiment, that names it.
+// `key_name`: of the experiment's key that names it.
 std::string axis_of(const std::string& word, const std::vector<std::string>& varying, const char* key_name,
                     bool numbers) {
     std::vector<std::string> found;
@@ -237,8 +237,11 @@ std::vector<std::size_t> arranged(Order order, std::size_t count, std::uint64_t 
         return shuffled(count, times, random);
     std::vector<std::size_t> all;
     for (std::uint64_t i = 0; i < times; ++i)
-        for (std::size_t place = 0; place < count; ++place)
-            all.push_back(order == Order::latin ? latin_row(count, ordinal + i)[place] : place);
+        if (order == Order::latin)
+            std::ranges::copy(latin_row(count, ordinal + i), std::back_inserter(all));
+        else
+            for (std::size_t place = 0; place < count; ++place)
+                all.push_back(place);
     return all;
 }
 
@@ -265,9 +268,14 @@ std::string key_of_column(const CsvReader& csv, std::size_t cell, const std::vec
     const std::string name(csv.text(cell));
     if (name == "case")
         return "";
+    std::vector<std::string> found;
     for (const std::string& path : varying)
         if (path == name || path.substr(path.find('.') + 1) == name)
-            return path;
+            found.push_back(path);
+    if (found.size() == 1)
+        return found.front();
+    if (found.size() > 1)
+        fail(csv.source(), csv.where(cell), "the column \"{}\" may be {}; say which", name, fmt::join(found, " or "));
     std::vector<std::string> names = varying;
     names.emplace_back("case");
     fail(csv.source(), csv.where(cell), "the column \"{}\" is nothing in which the stimuli differ; columns are {}",
@@ -290,6 +298,13 @@ std::vector<std::size_t> latin_row(std::size_t n, std::uint64_t row) {
     if (n % 2 == 1 && row / n % 2 == 1)
         std::ranges::reverse(places);
     return places;
+}
+
+std::vector<std::size_t> Experiment::asked() const {
+    std::vector<std::size_t> once = listed;
+    std::ranges::sort(once);
+    once.erase(std::ranges::unique(once).begin(), once.end());
+    return once;
 }
 
 bool Experiment::is_catch(const std::string& name) const {
@@ -380,8 +395,8 @@ void find_tracks(Experiment& experiment) {
 std::vector<Trial> trials_of(const Experiment& experiment, const std::string& subject, std::uint64_t session) {
     const ExperimentSpec& spec = experiment.spec;
     const bool tracked = !experiment.tracks.empty();
-    const std::size_t conditions = experiment.conditions.size(),
-                      units = tracked ? experiment.tracks.size() : experiment.listed.size();
+    const std::vector<std::size_t> asked = experiment.asked();
+    const std::size_t units = tracked ? experiment.tracks.size() : experiment.listed.size();
     const std::uint64_t ordinal = ordinal_of(subject, session);
     Random random(spec.seed, subject + "/" + std::to_string(session));
     std::vector<Trial> trials;
@@ -394,15 +409,18 @@ std::vector<Trial> trials_of(const Experiment& experiment, const std::string& su
             trials.back().track = unit;
     };
     for (std::uint64_t done = 0; done < spec.practice;) // each condition before one comes again
-        for (const std::size_t condition : shuffled(conditions, 1, random))
+        for (const std::size_t condition : shuffled(asked.size(), 1, random))
             if (done++ < spec.practice)
-                add(0, condition);
+                add(0, asked[condition]);
     if (!spec.block_by.empty()) {
         const std::vector<std::vector<std::size_t>> blocks = blocks_of(experiment);
+        // Each row of the blocks' square is joined with each of the conditions'.
+        const std::uint64_t rows = blocks.size() % 2 == 0 ? blocks.size() : 2 * blocks.size();
         std::uint64_t number = 0;
         for (const std::size_t block : arranged(spec.order, blocks.size(), 1, ordinal, random)) {
             ++number;
-            for (const std::size_t unit : arranged(spec.order, blocks[block].size(), spec.trials, ordinal, random))
+            for (const std::size_t unit :
+                 arranged(spec.order, blocks[block].size(), spec.trials, ordinal / rows, random))
                 add_unit(number, blocks[block][unit]);
         }
     } else if (spec.order == Order::balanced) {

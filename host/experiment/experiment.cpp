@@ -224,9 +224,9 @@ std::vector<SpecKey> make_spec_keys() {
         "Markdown of up to 64 KiB (headings, paragraphs, lists, *emphasis*, **strong**): what a participant agrees to "
         "before the first trial",
         {.example = "\"consent.md\""});
-    add(keys, &S::instructions, "instructions", "likewise, to read at each start", {.example = "\"instructions.md\""});
+    add(keys, &S::instructions, "instructions", "the same, to read at each start", {.example = "\"instructions.md\""});
     add(keys, &S::familiarise, "familiarise",
-        "whether each answer's stimulus is felt before the first trial, with its name");
+        "whether each answer's stimulus is displayed before the first trial, with its name");
     add(keys, &S::catch_trials, "catch", "shell pattern of the cases whose answer is beyond doubt",
         {.example = "\"*facets-2*\""});
     add(keys, &S::catch_least, "catch_least",
@@ -500,18 +500,16 @@ Experiment checked(ExperimentSpec given, Study study) {
           "no answer names a stimulus that could be made known: give answers facets or correct_for, with task = "
           "\"name\"");
     needs(true, "catch_least", spec.catch_least <= 1, "catch_least is a share, at most 1");
-    for (const Condition& condition : experiment.conditions)
-        needs(experiment.is_catch(experiment.stimulus(condition).name), "catch",
-              experiment.correct_answer(Trial{1, 1, std::size_t(&condition - experiment.conditions.data()), 0})
-                  .has_value(),
-              fmt::format("{} has no right answer: give answers facets or correct_for",
-                          experiment.stimulus(condition).name));
-    needs(!spec.catch_trials.empty(), "catch",
-          std::ranges::any_of(
-              experiment.conditions,
-              [&](const Condition& condition) { return experiment.is_catch(experiment.stimulus(condition).name); }),
-          fmt::format("\"{}\" names no stimulus; the first is {}", spec.catch_trials,
-                      experiment.stimulus(experiment.conditions.front()).name));
+    bool any_catch = false;
+    for (const std::size_t i : experiment.asked()) {
+        const std::string& name = experiment.stimulus(experiment.conditions[i]).name;
+        any_catch = any_catch || experiment.is_catch(name);
+        needs(experiment.is_catch(name), "catch", experiment.correct_answer(Trial{1, 1, i, 0}).has_value(),
+              fmt::format("{} has no right answer: give answers facets or correct_for", name));
+    }
+    needs(!spec.catch_trials.empty(), "catch", any_catch,
+          fmt::format("\"{}\" names no stimulus that is asked about; one is {}", spec.catch_trials,
+                      experiment.stimulus(experiment.conditions[experiment.listed.front()]).name));
     for (const Answer& answer : spec.answers)
         if (!answer.correct_for.empty() && std::ranges::none_of(experiment.study.cases, [&](const Case& one) {
                 return fnmatch(answer.correct_for.c_str(), one.name.c_str(), 0) == 0;
@@ -521,8 +519,8 @@ Experiment checked(ExperimentSpec given, Study study) {
     const auto has_right_answer = [&](std::size_t condition) {
         return experiment.correct_answer(Trial{1, 1, condition, 0}).has_value();
     };
-    for (std::size_t i = 0; i < experiment.conditions.size() && (spec.feedback || !experiment.tracks.empty()); ++i)
-        if (!has_right_answer(i))
+    for (const std::size_t i : experiment.asked())
+        if ((spec.feedback || tracked) && !has_right_answer(i))
             fail(source, {}, "{} needs a correct answer to every stimulus, and {} has none: {}",
                  spec.feedback ? "feedback" : "a track", experiment.stimulus(experiment.conditions[i]).name,
                  spec.task == Task::name ? "give answers facets or correct_for"

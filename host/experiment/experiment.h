@@ -32,7 +32,7 @@ struct AnswerPicture {
     std::string bytes;     /* empty: none */
 };
 
-/// A text file beside the experiment's, as read.
+/// A text file in the experiment's folder, as read.
 struct GivenFile {
     std::filesystem::path path;
     std::string bytes; // empty: none is given
@@ -72,7 +72,7 @@ struct ExperimentSpec {
     std::uint64_t seed = 1996;
     std::map<std::string, std::string> text; /* sentences of the participant's page, by their keys: page_texts() */
     GivenFile consent, instructions;         /* Markdown: pages before the first trial */
-    bool familiarise = false;                /* each answer's stimulus is felt once before, with its name */
+    bool familiarise = false;                /* each answer's stimulus is displayed once before, with its name */
     std::uint64_t break_every = 0;           /* trials between breaks, besides those between blocks; 0: none */
     double break_after = 0;                  /* s since the last break; 0: none */
     double break_least = 0;                  /* s: the shortest break */
@@ -131,6 +131,8 @@ struct Experiment {
     /// Whether the answers are the paper's four.
     bool has_papers_answers() const { return std::ranges::equal(spec.answers, kPictureNames, {}, &Answer::name); }
     const Case& stimulus(const Condition& condition) const { return study.cases[condition.stimulus]; }
+    /// The listed conditions, each once, in the order of conditions.
+    std::vector<std::size_t> asked() const;
     /// Whether the right answer to a case is beyond doubt.
     bool is_catch(const std::string& name) const;
     /// Trials that count; with tracks the most.

@@ -163,8 +163,9 @@ ObserverParameters observer_of(const ObserverParameters& mean, std::string_view 
     Random random(1996, subject);
     ObserverParameters observer = mean;
     for (const FreeParameter& one : free_parameters(mean.model)) {
-        const double normal = std::sqrt(-2 * std::log(1 - random.uniform())) *
-                              std::cos(2 * std::numbers::pi * random.uniform()); // Box & Muller 1958
+        const double size = random.uniform(), turn = random.uniform();
+        const double normal =
+            std::sqrt(-2 * std::log(1 - size)) * std::cos(2 * std::numbers::pi * turn); // Box & Muller 1958
         observer.*one.member *= std::exp(kSubjectSpread * normal);
     }
     return observer;

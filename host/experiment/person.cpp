@@ -98,6 +98,7 @@ public:
         Json json{{"started", utc_now()},
                   {"name", opened_.facts.name},
                   {"software", opened_.facts.software},
+                  {"remark", opened_.facts.remark},
                   {"rate_Hz", settings.rate},
                   {"max_force_N", settings.limits.max_force},
                   {"manner", manner_},
@@ -113,7 +114,7 @@ public:
         trial_ = &trial;
         if (!block_)
             begin();
-        else if ((*block_ != trial.block || is_break_due()) && !paused_) // a pause is a break, too
+        else if (*block_ != trial.block || is_break_due())
             rest();
         block_ = trial.block;
         since_break_ += trial.is_practice() ? 0 : 1;
@@ -258,7 +259,7 @@ private:
             loop_.suspend(true);
     }
 
-    // `why`: the key of a sentence beside the phase's own; `values`: of words in braces, and what else the page needs.
+    // `why`: the key of a sentence besides the phase's own; `values`: of words in braces, and what else the page needs.
     void enter(const char* phase, const std::string& why = {}, Json values = Json::object()) {
         phase_ = phase;
         why_ = why;
@@ -338,8 +339,8 @@ private:
             held_ = !held_;
             if (held_)
                 pause("operator_paused");
-            else
-                go_ = true;
+            else if (phase_ == "pause")
+                go_ = true; // elsewhere it is the participant's
             tell_participant();
         } else if (type == "repeat") {
             said_ = record_ && record_->withdraw_last() ? "The last trial comes again at the end."
@@ -384,19 +385,25 @@ private:
     void rest() {
         rest_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                          std::chrono::duration<double>(experiment_.spec.break_least));
-        wait_for_go("rest");
+        if (paused_) // it is the break
+            wait_for_go("pause", pause_why_);
+        else
+            wait_for_go("rest");
+        rest_until_ = {};
         since_break_ = 0;
         rested_ = Clock::now();
     }
 
     // Each answer with its first stimulus.
     void familiarise() {
-        const std::vector<Case>& cases = experiment_.study.cases;
         CasePreparation preparation;
         for (std::size_t answer = 0; answer < experiment_.spec.answers.size(); ++answer) {
-            const auto one = std::ranges::find_if(
-                cases, [&](const Case& stimulus) { return experiment_.correct_answer(stimulus) == answer; });
-            if (one == cases.end())
+            const Case* one = nullptr;
+            for (const std::size_t condition : experiment_.asked())
+                if (const Case& stimulus = experiment_.stimulus(experiment_.conditions[condition]);
+                    !one && experiment_.correct_answer(stimulus) == answer)
+                    one = &stimulus;
+            if (!one)
                 continue;
             const PreparedCase stimulus = preparation.prepare(*one);
             condition_ = one->name;
@@ -434,8 +441,15 @@ private:
 
     // Hands over the law, without force.
     void load(const PreparedCase& stimulus, bool is_second) {
-        if (paused_)
+        if (paused_) {
+            const Clock::time_point begun = Clock::now();
             wait_for_go("pause", pause_why_);
+            const double least = experiment_.spec.break_least;
+            if (least > 0 && seconds_since(begun) >= least) { // it was a break, too
+                since_break_ = 0;
+                rested_ = Clock::now();
+            }
+        }
         require_device();
         const unsigned dead_man = opened_.settings.dead_man;
         enter(is_second ? "between" : "loading", dead_man != 0 ? "hold_button" : "", {{"button", dead_man}});
@@ -518,11 +532,16 @@ private:
         if (answer_)
             outcome.answered_by = answered_by_;
         outcome.reaction = std::chrono::duration<double>((answer_ ? answered_ : Clock::now()) - begin).count();
+        constexpr double kMissed = 0.02; // s: without force, of single samples
         bool clamped = false, let_go = false;
+        std::size_t missed = 0;
         for (const device::LiveSample& sample : felt) {
+            const bool touches = sample.facet != layout::kNoFacet;
             clamped = clamped || (sample.flags & (device::kClamped | device::kUnstable)) != 0;
-            let_go = let_go || ((sample.flags & kHeldBack) != 0 && sample.facet != layout::kNoFacet);
+            let_go = let_go || (touches && (sample.flags & (kHeldBack | device::kWithheld)) != 0);
+            missed += touches && (sample.flags & device::kZeroForceFlags) != 0;
         }
+        let_go = let_go || static_cast<double>(missed) > kMissed * opened_.settings.rate;
         if (loop_.end() != device::LoopEnd::running)
             outcome.status = "device lost";
         else if (paused_)
@@ -550,7 +569,8 @@ private:
     void thank(const TrialOutcome& outcome, const Trial& trial) {
         last_ = experiment_.spec.answers[*outcome.answer].label;
         const bool right = experiment_.correct_answer(trial) == outcome.answer;
-        enter(experiment_.spec.feedback ? "feedback" : "answered", right ? "right" : "wrong");
+        enter(experiment_.spec.feedback ? "feedback" : "answered", right ? "right" : "wrong",
+              {{"answer", *outcome.answer}});
         look_for(experiment_.spec.feedback ? kFeedback : kThanks);
     }
 

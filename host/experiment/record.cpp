@@ -187,7 +187,7 @@ std::string description(const Experiment& experiment) {
                  fmt::format(
                      "Answers to haptic stimuli: {} conditions, {} trials of each{}. {} Stimuli, order and question "
                      "stand in materials/.",
-                     experiment.conditions.size(), experiment.spec.trials,
+                     experiment.asked().size(), experiment.spec.trials,
                      experiment.tracks.empty() ? "" : fmt::format(" track over {}", experiment.track_key),
                      experiment.spec.question)},
                 {"schemaVersion", "Psych-DS 1.5.1"},
@@ -588,9 +588,11 @@ void SessionRecord::keep_participant(const ParticipantFacts& facts) const {
     header.add("subject").add("session").add("age_years").add("hand").end();
     line.add(info_.subject).add(info_.session).add(facts.age ? std::to_string(*facts.age) : "").add(facts.hand).end();
     const std::filesystem::path file = folder_ / "documentation" / "participants.csv";
+    const SetUp alone(folder_); // two rigs may start at once
     std::error_code error;
     const std::string before = std::filesystem::exists(file, error) ? read_file(file) : "";
-    if (before.find("\n" + line.text()) == before.npos) // as at an earlier start of the session
+    const std::string session = fmt::format("\n{},{},", info_.subject, info_.session);
+    if (before.find(session) == before.npos) // of an earlier start
         document("participants.csv", before.empty() ? header.text() + line.text() : line.text());
 }
 

@@ -125,7 +125,7 @@ public:
     /// Keeps a line of JSON about the device of this start, likewise. \throws IoError.
     void keep_device(const std::string& json) const;
 
-    /// Keeps a row in documentation/participants.csv, one for each session. \throws IoError.
+    /// Keeps a row in documentation/participants.csv, that of the first start of each session. \throws IoError.
     void keep_participant(const ParticipantFacts& facts) const;
 
     /// Where the path of the next row belongs. `interval`: 1 or 2 where stimuli are compared, else 0.

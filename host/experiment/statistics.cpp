@@ -98,7 +98,13 @@ double sign_flip_p(const std::vector<double>& values) {
 
 namespace {
 
-// Answers that are a certain one, of so many; a group.
+// std::lgamma writes a global sign.
+double log_gamma(double x) {
+    int sign = 0;
+    return ::lgamma_r(x, &sign);
+}
+
+// Of each subject: the answers that are a certain one, and all.
 struct Group {
     std::vector<std::pair<double, double>> counts;
 };
@@ -106,9 +112,9 @@ struct Group {
 // Up to what does not depend on the parameters: log of the beta-binomial probability of a group's counts.
 double log_likelihood(const Group& group, double share, double correlation) {
     const double spread = 1 / correlation - 1, a = share * spread, b = (1 - share) * spread;
-    double sum = static_cast<double>(group.counts.size()) * (std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b));
+    double sum = static_cast<double>(group.counts.size()) * (log_gamma(a + b) - log_gamma(a) - log_gamma(b));
     for (const auto& [count, all] : group.counts)
-        sum += std::lgamma(a + count) + std::lgamma(b + all - count) - std::lgamma(a + b + all);
+        sum += log_gamma(a + count) + log_gamma(b + all - count) - log_gamma(a + b + all);
     return sum;
 }
 
@@ -168,7 +174,7 @@ double likelihood_ratio(const std::vector<Group>& groups, const ShareFit& equal)
 
 BetaBinomial::BetaBinomial(double share, double correlation, unsigned trials) {
     const double spread = 1 / correlation - 1, a = share * spread, b = (1 - share) * spread;
-    const auto log_beta = [](double x, double y) { return std::lgamma(x) + std::lgamma(y) - std::lgamma(x + y); };
+    const auto log_beta = [](double x, double y) { return log_gamma(x) + log_gamma(y) - log_gamma(x + y); };
     double below = 0;
     for (unsigned k = 0; k <= trials; ++k) {
         const double ways = -std::log(trials + 1.0) - log_beta(trials - k + 1.0, k + 1.0);

@@ -47,7 +47,7 @@ struct SubjectCounts {
 /// and the correlation of a subject's answers to one: p of the likelihood ratio of different shares against equal
 /// ones, by maximum likelihood, among the ratios of `bootstraps` experiments that are drawn from the fit of equal ones.
 /// A subject's shares in both groups are taken for independent: where subjects lean to one side in both, the test finds
-/// less than there is. 1 without answers.
+/// less than there is, where they lean to opposite sides more. 1 without answers.
 double likelihood_ratio_p(const std::vector<SubjectCounts>& subjects, unsigned bootstraps = 999);
 
 /// What the tests' p become where any of them may be the one that is reported (Holm 1979), in the same order.

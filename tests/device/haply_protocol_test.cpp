@@ -91,7 +91,9 @@ TEST(HaplyProtocol, TellsWhatTheServiceMakesOfPositionsAndForces) {
     EXPECT_EQ(remark(R"({"mount":{"transform":{"scale":{"x":1,"y":1,"z":1}}},"force_gate":1,"damping":{"scalar":0}})"),
               "");
     EXPECT_TRUE(says(remark(R"({"mount":{"transform":{"scale":{"x":2,"y":2,"z":1}}}})"), "x 2, y 2"));
-    EXPECT_TRUE(says(remark(R"({"force_gate":{"gain":0.5}})"), "gain 0.5"));
+    EXPECT_TRUE(says(remark(R"({"mount":{"scale":{"x":1,"y":1,"z":3}}})"), "z 3"));
+    EXPECT_TRUE(says(remark(R"({"filters":{"force_gate":{"gain":0.3}}})"), "gain 0.3"));
+    EXPECT_TRUE(says(remark(R"({"filters":{"damping":{"scalar":6}}})"), "scalar 6"));
     EXPECT_TRUE(says(remark(R"({"damping":{"scalar":6}})"), "scalar 6"));
     EXPECT_TRUE(says(remark("{}", R"({"in_use":true})"), "another program"));
     for (const char* odd : {"[]", "7", R"({"mount":3,"damping":"much","force_gate":null})"})

@@ -106,6 +106,10 @@ TEST_F(Lab, BlocksAreOfAFactorsValues) {
         return one.stimulus(one.conditions[order_of(one, subject).front()]).scene.force.shading;
     };
     EXPECT_NE(first_block("1"), first_block("2")) << "the order of blocks is balanced, too";
+    std::map<std::size_t, int> first; // of four subjects
+    for (const char* subject : {"1", "2", "3", "4"})
+        ++first[order_of(experiment("trials = 1\nblock_by = \"shading\"\norder = \"latin\""), subject).front()];
+    EXPECT_EQ(first.size(), 4u) << "every condition begins a session";
     expect_words(refusal("block_by = \"radius\""), {"e.toml:2:", "radius", "do not differ"});
     expect_words(refusal("block_by = \"shading\"\nblocks = 2\ntrials = 2"), {"e.toml:2:", "makes the blocks"});
 }
@@ -114,6 +118,9 @@ TEST_F(Lab, ConditionsAreThoseOfTheFile) {
     write("c.csv", "shading,facets\r\nreference,3\r\nnone,2\r\nreference,3\r\n");
     const Experiment listed = experiment("trials = 2\norder = \"sequential\"\nconditions = \"c.csv\"");
     EXPECT_EQ(listed.size(), 6u);
+    EXPECT_EQ(listed.asked().size(), 2u);
+    for (const Trial& trial : trials_of(experiment("practice = 9\nconditions = \"c.csv\""), "01", 1))
+        EXPECT_EQ(std::ranges::count(listed.asked(), trial.condition), 1) << "nor practice has others";
     std::vector<std::string> names;
     for (const Trial& trial : trials_of(listed, "01", 1))
         names.push_back(listed.stimulus(listed.conditions[trial.condition]).name);

@@ -100,6 +100,7 @@ TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
     browser.press("3"); // a second key does not count
     ASSERT_TRUE(browser.wait_for("document.body.dataset.trial === '2'"));
     ASSERT_TRUE(reaches("feel"));
+    EXPECT_EQ(browser.text("document.querySelectorAll('.answer.chosen').length"), "0") << "that of the trial before";
     process->send(SIGKILL);
     process->wait();
     ASSERT_EQ(rows().size(), 1u) << "the running trial alone is lost";
@@ -220,6 +221,14 @@ TEST_F(Session, IsHeldInAnotherLanguage) {
     browser.open_address(address("participant"));
     expect_german("consent");
     EXPECT_EQ(browser.text("document.documentElement.lang"), "de");
+    Browser desk;
+    desk.open_address(address("operator"));
+    for (const char* after : {"Go on", "Pause"}) {
+        desk.press("p");
+        ASSERT_TRUE(
+            desk.wait_for("document.getElementById('pause').textContent.startsWith('" + std::string(after) + "')"));
+    }
+    EXPECT_EQ(browser.text(kPhase), "consent") << "the operator agrees for nobody";
     EXPECT_EQ(browser.text("document.querySelector('#page h2').textContent"), "Einverständnis");
     browser.press(" ");
     expect_german("instructions");
@@ -238,8 +247,8 @@ TEST_F(Session, IsHeldInAnotherLanguage) {
     browser.open_address("data:text/html,gone");
     browser.open_address(address("participant"));
     expect_german("pause");
-    EXPECT_NE(browser.text("document.getElementById('hints').innerText").find("sobald"), std::string::npos)
-        << "beside its reason, how to go on";
+    EXPECT_TRUE(browser.wait_for("document.getElementById('hints').innerText.includes('sobald')"))
+        << "its reason, and how to go on once the break was long enough";
     browser.press(" ");
     expect_german("feel");
     browser.press("1");
