@@ -303,7 +303,7 @@ std::vector<std::size_t> latin_row(std::size_t n, std::uint64_t row) {
 std::vector<std::size_t> Experiment::asked() const {
     std::vector<std::size_t> once = listed;
     std::ranges::sort(once);
-    once.erase(std::ranges::unique(once).begin(), once.end());
+    once.erase(std::unique(once.begin(), once.end()), once.end());
     return once;
 }
 
