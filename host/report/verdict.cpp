@@ -29,8 +29,8 @@ constexpr Scheme kSchemes[] = {
     {"bump, shaded", "it stands for a cylinder", "bump", "reference", "shaded bump", "shaded", 16, 8},
     {"mesh, unshaded", "its edges should be felt", "mesh", "none", "mesh", "unshaded", 8, 16},
     {"mesh, mean_value", "it should feel round", "mesh", "mean_value", "shaded mesh", "mean_value", 8, 16},
-    {"mesh, morgenbesser", "the paper is to be repeated", "mesh", "morgenbesser", "morgenbesser mesh", "morgenbesser",
-     8, 16},
+    {"mesh, morgenbesser", "the paper of 1996 is to be repeated", "mesh", "morgenbesser", "morgenbesser mesh",
+     "morgenbesser", 8, 16},
     {"mesh, two_pass", "all of its edges are blunt", "mesh", "two_pass", "two_pass mesh", "two_pass", 8, 16}};
 
 const StudyData* own_study(const Contents& contents, const char* name) {
@@ -217,15 +217,16 @@ std::string verdict_section(const Contents& contents) {
            "<div class=\"wide\" tabindex=\"0\" role=\"region\" "
            "aria-label=\"Which shading?\"><table>\n<thead><tr><th scope=\"col\">scheme</th><th scope=\"col\">take it "
            "when</th><th scope=\"col\" class=\"n\">error of the direction <small>deg RMS</small></th><th "
-           "scope=\"col\" class=\"n\">error of the force <small>% of it, median (95 %)</small></th><th scope=\"col\" "
+           "scope=\"col\" class=\"n\">error of the force <small>% of it, median (95 % of places below)</small></th><th "
+           "scope=\"col\" "
            "class=\"n\">time <small>of unshaded</small></th><th scope=\"col\" class=\"n\">largest stable force K·d "
-           "<small>N, 2 mm deep</small></th><th scope=\"col\" class=\"n\">energy given <small>mJ a "
+           "<small>N, 2 mm deep</small></th><th scope=\"col\" class=\"n\">energy given to the hand <small>mJ a "
            "loop</small></th></tr></thead>\n<tbody>\n" +
            rows +
            "</tbody>\n</table></div>\n<p class=\"note\">Shading mends the direction, not the size of the force, which "
            "stays that of the facets. Errors: a bump of 16 facets and a mesh of 8 cells over the width, where a hand "
            "touches; stability: the default hand at 1 kHz on a bump of 2 facets and a mesh of 8 cells; energy: 8 "
-           "facets and 16 cells.</p>\n</section>\n";
+           "facets and 16 cells. In brackets: 95 % intervals.</p>\n</section>\n";
 }
 
 } // namespace forceshade::report

@@ -76,13 +76,14 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     } else if (surface.stiffness > 0) {
         const double ratio = surface.stiffness / *worst.limit;
         finding.text = fmt::format(
-            "Except at direction discontinuities the scene's loop is stable{} up to {} (flat wall: {}); "
+            "Away from places where the direction jumps the scene's loop is stable{} up to {} (flat wall: {}); "
             "its own {} is {:.3g} times that{}.",
             surface.prepared.one.scene.hand.coupled() ? " without its virtual coupling" : "", newtons(*worst.limit),
             newtons(worst.wall), newtons(surface.stiffness), ratio, ratio < 1 ? "" : ", and unstable");
     } else {
         finding.text = fmt::format(
-            "Of {} surfaces the {} has the lowest limit: except at direction discontinuities the loop is stable up to "
+            "Of {} surfaces the {} has the lowest limit: away from places where the direction jumps the loop is stable "
+            "up to "
             "{} of depth{}, {} (flat wall: {}).",
             results.surfaces.size(), worst.surface, limit_at(results, worst.surface, worst.place.depth),
             is_of_the_grip(results, worst)
@@ -117,7 +118,7 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
             const double change = *worst_of(results.limits, shaded->surface, depth)->limit /
                                   *worst_of(results.limits, surface, depth)->limit;
             return std::abs(change - 1) < kSame
-                       ? fmt::format("not at {:.2g} mm", 1e3 * depth)
+                       ? fmt::format("no change at {:.2g} mm", 1e3 * depth)
                        : fmt::format("from {} to {}", newtons(*worst_of(results.limits, surface, depth)->limit),
                                      limit_at(results, shaded->surface, depth));
         };
@@ -130,8 +131,9 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
         return;
     findings.push_back(
         {"loop_shading",
-         fmt::format("Except at direction discontinuities, force shading changes the largest stable stiffness: for {}.",
-                     fmt::join(parts, "; for ")),
+         fmt::format(
+             "Away from places where the direction jumps, force shading changes the largest stable stiffness: for {}.",
+             fmt::join(parts, "; for ")),
          "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_text(results.surfaces.front()),
          fmt::format("{}", fmt::join(sure, "; "))});
 }
