@@ -250,6 +250,21 @@ TEST_F(FaultySession, AForceThatIsLoweredForTheMotorsIsRecordedAndCounts) {
     EXPECT_GT(largest, 0);
 }
 
+TEST_F(FaultySession, ATrialInWhichTheDeviceWithheldItsForceIsRepeated) {
+    start();
+    ASSERT_TRUE(page->reaches("feel"));
+    ASSERT_TRUE(await([&] { return is_pushing(); }));
+    service.set(device::test::Fault::not_ready);
+    std::this_thread::sleep_for(std::chrono::milliseconds(600)); // a whole swing
+    service.set(device::test::Fault::none);
+    page->answer(1);
+    ASSERT_TRUE(await([&] { return !rows().empty(); }));
+    EXPECT_EQ(rows()[0].outcome.status, "force off");
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    expect_whole();
+}
+
 TEST_F(FaultySession, AnAnswerWithoutContactOrBeforeItsTimeIsNone) {
     start();
     ASSERT_TRUE(page->reaches("feel"));
