@@ -31,6 +31,12 @@ struct Answers {
 /// \throws IoError, UsageError if a folder holds no data, or folders hold different experiments.
 Answers read_answers(const std::vector<std::filesystem::path>& folders);
 
+/// The answer that means the smooth shape; nothing if none does.
+std::optional<std::size_t> smooth_answer(const ExperimentSpec& spec);
+
+/// For other programs: a row a subject and condition, with counts of answers, or of right ones where two were compared.
+study::Table wide_table(const Answers& answers);
+
 /// Conditions, as indices of the study's cases, in the paper's order (Table 2) where they are the paper's, else as they
 /// are.
 std::vector<std::size_t> shown_order(const Experiment& experiment);
