@@ -153,8 +153,8 @@ glm::dvec3 Safety::limit(const Situation& now, const glm::dvec3& law, bool conta
         force = left * force;
         flags |= left < 1 && contact ? kUnstable : 0u;
     }
-    if (limits_.passivity) {
-        const Damping damping = passive_damping(observer_, speed_, period_, limits_.damping);
+    if (limits_.passivity > 0) {
+        const Damping damping = passive_damping(observer_, speed_, period_, limits_.passivity);
         force += damping.force;
         damped_ += damping.energy;
         flags |= damping.energy > 0 ? kDamped : 0u;

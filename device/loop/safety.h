@@ -30,8 +30,7 @@ struct SafetyLimits {
     glm::dvec3 low{-kUnknown};          /* m: the workspace, for the hand's position */
     glm::dvec3 high{kUnknown};          /* m */
     bool fade = false;                  // whether a force that drives an oscillation is faded out
-    bool passivity = false;             // whether the passivity controller is on
-    double damping = 10;                /* N s/m: the most that it may add */
+    double passivity = 0;               /* N s/m: the most that the passivity controller may damp; 0: it is off */
 };
 
 /// N: the limit if neither the device nor the user states one.
@@ -39,6 +38,9 @@ inline constexpr double kCautiousForce = 3;
 
 /// N: the limit for a device without a watchdog of its own, which keeps the last force of a killed process.
 inline constexpr double kUnwatchedForce = 0.5;
+
+/// N s/m: the most that the passivity controller may damp, unless the user or the scene states another.
+inline constexpr double kPassiveDamping = 10;
 
 /// s: over which the mean square of a force is taken. No vendor states it; motors warm up in minutes.
 inline constexpr double kContinuousForceTime = 10;

@@ -75,7 +75,11 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
     used_.push_back({*path, prepared.scene, sha256_of(prepared.scene)});
     std::string text = fmt::format("{} was read again, path {} from {:.3f} s on", file_.filename().string(), *path,
                                    loop.status().seconds.load());
-    if (has_hand_ && (scene.paths != first_.paths || coupled(scene.hand, 0, 0) != coupled(first_.hand, 0, 0)))
+    HandSpec with_first_coupling = scene.hand;
+    with_first_coupling.coupling_stiffness = first_.hand.coupling_stiffness;
+    with_first_coupling.coupling_damping = first_.hand.coupling_damping;
+    with_first_coupling.coupling_filter = first_.hand.coupling_filter;
+    if (has_hand_ && (scene.paths != first_.paths || with_first_coupling != first_.hand))
         text += "; [paths] and [hand] stay as they were at the start, but for its coupling";
     try {
         text += keep(used_.back());

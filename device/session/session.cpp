@@ -34,7 +34,7 @@ std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimi
             {"stale position", text(1000 * limits.stale, "ms")},
             {"watchdog", text(1000 * limits.late, "ms")},
             {"fading out of oscillations", limits.fade ? "on" : "off"},
-            {"passivity", limits.passivity ? fmt::format("on, damping up to {:.6g} N s/m", limits.damping) : "off"},
+            {"passivity", limits.passivity > 0 ? text(limits.passivity, "N s/m at most") : "off"},
             {"workspace", std::isinf(limits.low.x) && std::isinf(limits.high.x)
                               ? "none"
                               : fmt::format("x {}, y {}, z {}", side(limits.low.x, limits.high.x),
@@ -114,8 +114,11 @@ template <typename State> struct Watched {
     }
 };
 
-SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, std::vector<std::string>& warnings) {
+SafetyLimits limits_of(const SessionOptions& options, const Scene& scene, const DeviceFacts& facts,
+                       std::vector<std::string>& warnings) {
     SafetyLimits limits = options.limits;
+    if (limits.passivity == 0)
+        limits.passivity = scene.hand.passivity.value_or(0);
     limits.max_force = std::min(options.max_force.value_or(kUnknown), facts.max_force);
     if (std::isinf(limits.max_force) && !options.max_force) {
         limits.max_force = kCautiousForce;
@@ -386,7 +389,7 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
     if (!opened.facts.remark.empty())
         opened.warnings.push_back(opened.facts.remark);
     settings.rate = checked_rate(options.asked_rate.value_or(opened.facts.rate));
-    settings.limits = limits_of(options, opened.facts, opened.warnings);
+    settings.limits = limits_of(options, prepared.one.scene, opened.facts, opened.warnings);
     settings.limits.fade = options.limits.fade && options.unstable;
     settings.samples = samples_in(options.duration, settings.rate);
     return opened;

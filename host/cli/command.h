@@ -244,8 +244,8 @@ void print_data(const std::string& text);
 
 struct DeviceArguments {
     device::SessionOptions session; /* what the options say directly */
-    std::optional<double> damping;  /* N s/m */
-    bool without_fade = false;
+    bool passivity = false, without_fade = false;
+    std::optional<double> damping; /* N s/m: with passivity */
 };
 
 void describe_device(Options& options, DeviceArguments& arguments);

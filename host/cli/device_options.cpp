@@ -175,8 +175,8 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
     options.flag("--without-fade", arguments.without_fade,
                  "keep a force that drives an oscillation in a scene beyond its stability; else it fades out in 20 ms "
                  "until the probe has left the surface");
-    options.flag("--passivity", limits.passivity,
-                 "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
+    options.flag("--passivity", arguments.passivity,
+                 "take back by damping what energy the hand is given (Hannaford & Ryu 2002), as hand.passivity does");
     add(options, "--damping DAMPING", arguments.damping, Dimension::damping, Accepted::positive,
         "the most that --passivity may damp (default \"10 N s/m\")");
 }
@@ -200,12 +200,13 @@ void read_positive(Options& options, const char* flag, std::optional<double>& va
 }
 
 device::SessionOptions checked_options(const DeviceArguments& arguments) {
-    if (arguments.damping && !arguments.session.limits.passivity)
+    if (arguments.damping && !arguments.passivity)
         throw UsageError("--damping is the passivity controller's: say --passivity, too");
     check_cpu(arguments.session.cpu);
     device::SessionOptions options = arguments.session;
     options.limits.fade = !arguments.without_fade;
-    options.limits.damping = arguments.damping.value_or(options.limits.damping);
+    if (arguments.passivity)
+        options.limits.passivity = arguments.damping.value_or(device::kPassiveDamping);
     return options;
 }
 

@@ -111,8 +111,9 @@ private:
 template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, double stiffness, double period) noexcept {
     if (!hand.coupled())
         return {};
-    const double damper = hand.coupling_damping / period, both = hand.coupling_stiffness + damper; /* N/m */
-    return {T(both / (stiffness + both)), T(damper / (stiffness + both)), T(damper / both),
+    const double filtered = period + hand.coupling_filter.value_or(0), kept = 1 - period / filtered;
+    const double damper = hand.coupling_damping / filtered, both = hand.coupling_stiffness + damper; /* N/m */
+    return {T(both / (stiffness + both)), T(damper / (stiffness + both)), T(kept + (1 - kept) * damper / both), T(kept),
             T(stiffness / (stiffness + hand.coupling_stiffness))};
 }
 

@@ -36,8 +36,8 @@ LoopForce force_of(const HandSpec& hand, double period, const glm::dmat3& axes, 
     found.of_place =
         stiffness / unit * (at_rest * depths + (coupling.depth - at_rest) * glm::outerProduct(along, depth));
     found.of_lag = -stiffness / unit * coupling.lag * along;
-    found.lag_of_place = (1 - coupling.depth) * depth;
-    found.lag_of_lag = coupling.lag;
+    found.lag_of_place = (1 - coupling.kept) * (1 - coupling.depth) * depth;
+    found.lag_of_lag = coupling.kept + (1 - coupling.kept) * coupling.lag;
     return found;
 }
 

@@ -72,7 +72,7 @@ template <typename T> Vector<T> commanded(const layout::HandParams<T>& hand, con
 /// The force, N, through a virtual coupling: a spring and a damper between the device and a tool without mass, on which
 /// the law acts (Colgate, Stanley & Brown 1995; Adams & Hannaford 1999). The tool is at the depth, m, where both forces
 /// balance. `lag`, m: how much less deep than the probe it was at the last sample, then is now; below 0 where a path
-/// begins, at rest.
+/// begins, at rest; as the filter of the damper's speed has it, where there is one.
 template <typename T>
 Vector<T> through_coupling(const layout::Coupling<T>& coupling, const Vector<T>& law_force, T depth, T& lag) noexcept {
     if (!(coupling.depth > T(0)))
@@ -83,7 +83,8 @@ Vector<T> through_coupling(const layout::Coupling<T>& coupling, const Vector<T>&
     const T tool = coupling.depth * depth - coupling.lag * before;
     const bool touches = tool > T(0) && finite;
     const T left = coupling.free * before;
-    lag = touches ? depth - tool : left > kGone ? left : T(0);
+    const T filtered = coupling.kept * before + (T(1) - coupling.kept) * (depth - tool);
+    lag = touches ? filtered : left > kGone ? left : T(0);
     const T share = tool / depth;
     return touches ? share * law_force : Vector<T>(T(0));
 }

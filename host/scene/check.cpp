@@ -65,6 +65,9 @@ public:
                     source_, find("hand.coupling.damping")->where,
                     "a virtual coupling needs a spring, too: coupling = {{ stiffness = \"5 N/mm\", damping = \"{}\" }}",
                     text_of("hand.coupling.damping"));
+            if (scene_.hand.coupling_filter && scene_.hand.coupling_damping == 0)
+                fail(source_, find("hand.coupling.filter")->where,
+                     "hand.coupling.filter is of the damper's speed: it needs hand.coupling.damping");
         });
         for (std::size_t key = 0; key < selection_.size(); ++key)
             if (selection_[key])

@@ -497,6 +497,16 @@ void add_hand(std::vector<Key>& keys) {
         {.sign = kNotNegative});
     hand.quantity<&HandSpec::coupling_damping>(Dimension::damping, "coupling.damping", "\"0 N s/m\"",
                                                "of the virtual coupling's damper", {.sign = kNotNegative});
+    hand.quantity<&HandSpec::coupling_filter>(
+        Dimension::time, "coupling.filter", "",
+        "time constant of the low-pass filter, of first order, through which the damper takes the speed; left out: "
+        "none, the difference of two samples",
+        {.sign = kNotNegative, .example = "\"2 ms\""});
+    hand.quantity<&HandSpec::passivity>(
+        Dimension::damping, "passivity", "",
+        "a live loop takes back what energy the hand is given (Hannaford & Ryu 2002), damping at most so much; left "
+        "out: not, but for --passivity. Simulated loops leave it out",
+        {.sign = kPositive, .example = "\"10 N s/m\""});
 }
 
 void add_compare(std::vector<Key>& keys) {

@@ -208,11 +208,13 @@ struct HandSpec {
     double grip_stiffness = 500; /* N/m */
     double grip_damping = 2;     /* N s/m */
     std::uint64_t delay_samples = 0;
-    double quantisation = 0;       /* m: step of the measured position; 0: none */
-    double coulomb = 0;            /* N: friction on each axis */
-    double max_force = 8.5;        /* N */
-    double coupling_stiffness = 0; /* N/m: of a virtual coupling; 0: none */
-    double coupling_damping = 0;   /* N s/m */
+    double quantisation = 0;               /* m: step of the measured position; 0: none */
+    double coulomb = 0;                    /* N: friction on each axis */
+    double max_force = 8.5;                /* N */
+    double coupling_stiffness = 0;         /* N/m: of a virtual coupling; 0: none */
+    double coupling_damping = 0;           /* N s/m */
+    std::optional<double> coupling_filter; /* s: time constant with which its damper takes the speed */
+    std::optional<double> passivity;       /* N s/m: the most that a live loop's passivity controller may damp */
 
     bool coupled() const { return coupling_stiffness > 0; }
     friend bool operator==(const HandSpec&, const HandSpec&) = default;

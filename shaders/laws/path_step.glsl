@@ -88,13 +88,17 @@ real3 through_coupling(Coupling coupling, real3 law_force, real depth, inout rea
     precise real tool = coupling.depth * depth - coupling.lag * before;
     bool touches = tool > ZERO && finite;
     precise real behind = depth - tool;
+    precise real taken = ONE - coupling.kept;
+    precise real of_before = coupling.kept * before;
+    precise real of_behind = taken * behind;
+    precise real filtered = of_before + of_behind;
     precise real left = coupling.free * before;
     real share = quotient(tool, depth);
     precise real x = share * law_force.x;
     precise real y = share * law_force.y;
     precise real z = share * law_force.z;
     bool coupled = coupling.depth > ZERO;
-    lag = !coupled ? lag : touches ? behind : left > gone ? left : ZERO;
+    lag = !coupled ? lag : touches ? filtered : left > gone ? left : ZERO;
     return real3(!coupled ? law_force.x : touches ? x : exact_zero, !coupled ? law_force.y : touches ? y : exact_zero,
                  !coupled ? law_force.z : touches ? z : exact_zero);
 }

@@ -339,12 +339,14 @@ FS_STRUCT AxisMap {
 };
 
 // A virtual coupling of k, N/m, and b, N s/m, between the device and a tool in a scene of K, N/m, over a sample T: of a
-// probe's depth d the tool's is depth * d - lag * (d - that of the sample before), and where that is not above 0 of
-// their distance `free` is left. All 0: no coupling.
+// probe's depth d the tool's is depth * d - lag * s, where s is their distance in the sample before. The damper takes
+// its speed through a filter of the time constant t: then b / T is b / (T + t), and s becomes kept * s + (1 - kept) *
+// the distance. Where the tool's depth is not above 0, `free` of s is left. All 0: no coupling.
 FS_STRUCT Coupling {
     real depth; // 1: (k + b / T) / (K + k + b / T)
     real lag;   // 1: (b / T) / (K + k + b / T)
-    real free;  // 1: (b / T) / (k + b / T)
+    real free;  // 1: kept + (1 - kept) * (b / T) / (k + b / T)
+    real kept;  // 1: t / (T + t)
     real rest;  // 1: K / (K + k): of a depth at rest, as where a path begins, the distance to the tool's
 };
 

@@ -146,7 +146,7 @@ TEST(LiveHeap, TheLoopTakesNothing) {
             settings.rate = 2000;
             settings.real_time = in_real_time;
             settings.samples = samples;
-            settings.limits.passivity = true;
+            settings.limits.passivity = kPassiveDamping;
             settings.dead_man = 1;
             settings.clutch = 2;
             settings.mapping = {glm::dvec3(0), turn_about(2, 0.1), 1.1};

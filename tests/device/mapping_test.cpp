@@ -93,7 +93,7 @@ TEST(Mapping, ThePassivityControllerSeesTheStiffnessThatIsFelt) {
         const auto sim = make_sim(scene, 1000);
         LoopSettings settings = unlimited(22500);
         settings.mapping.scale = scale;
-        settings.limits.passivity = passivity;
+        settings.limits.passivity = passivity ? kPassiveDamping : 0;
         return run_fast(*sim, scene, settings);
     };
     const LoopRun plain = run(1, false), free = run(2, false), damped = run(2, true);

@@ -41,7 +41,7 @@ TEST(LiveStability, SettlesBelowTheLimitAndCyclesAboveIt) {
 TEST(LiveStability, ThePassivityControllerKeepsItBounded) {
     for (const Plant& plant : std::span(kPlants).first(4)) { // the others' forces are larger than a device's
         SafetyLimits limits = no_limits();
-        limits.passivity = true;
+        limits.passivity = kPassiveDamping;
         const LoopRun free = run_for(plant, 1.05, no_limits()), damped = run_for(plant, 1.05, limits);
         EXPECT_LT(swing(damped.samples, 0.9, 1), swing(damped.samples, 0, 0.1)) << plant.limit;
         EXPECT_GT(damped.counts.damped, 0);
@@ -64,7 +64,7 @@ TEST(LiveStability, ThePassivityControllerMakesNoBuzzOfAResolution) {
             "tremor = { amplitude = \"0.1 mm\" }\n[hand]\nquantisation = \"30 um\"\nmax_force = \"10 N\"\n");
         const auto sim = make_sim(prepared, rate);
         SafetyLimits limits = no_limits();
-        limits.passivity = true;
+        limits.passivity = kPassiveDamping;
         const LoopRun run = run_fast(*sim, prepared, static_cast<std::uint64_t>(20 * rate), limits, rate);
         EXPECT_LT(run.counts.largest_energy, 1e-3) << rate;
         double largest = 0; /* N: change of the force within a sample */

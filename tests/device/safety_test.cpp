@@ -296,7 +296,7 @@ TEST(Safety, WhateverComesTheForceIsWithinItsLimits) {
         SafetyLimits limits;
         limits.max_force = 3;
         limits.slew = 500;
-        limits.passivity = *rc::gen::arbitrary<bool>();
+        limits.passivity = *rc::gen::arbitrary<bool>() ? kPassiveDamping : 0;
         Touch touch(limits);
         glm::dvec3 before(0);
         const auto wild = rc::gen::element(0.0, 1e-3, -2e-3, 1.0, -5.0, 1e9, 1e300, -1e308, kNan, kUnknown);
@@ -332,8 +332,7 @@ TEST(Safety, AWayCountsFromTheBeginningOfTheFirstPath) {
 // A device that tells its position at every fourth sample, pushed by a force that gives it 1 mJ, and then left alone.
 TEST(Safety, DampsEvenlyBetweenPositionsThatComeSeldom) {
     SafetyLimits limits = quick();
-    limits.passivity = true;
-    limits.damping = 1;
+    limits.passivity = 1;
     Touch touch(limits);
     for (int i = 0; i < 9; ++i) {
         Situation now = touch.fine();

@@ -135,6 +135,24 @@ TEST_F(Live, AStiffnessThatTheHandCannotHoldIsNamedBeforeItIsFelt) {
               std::string::npos);
 }
 
+// At 20 N/mm the loop cycles; the damping that a scene asks for is that of its session, unless the command states
+// another.
+TEST_F(Live, ASceneMayAskForThePassivityController) {
+    const std::string stiff = "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n";
+    write("free.toml", stiff);
+    write("damped.toml", stiff + "[hand]\npassivity = \"20 N s/m\"\n");
+    const auto reported = [&](const char* scene, std::vector<std::string> options) {
+        options.insert(options.end(), {"--fast", "--duration", "0.5 s", "--json", "--without-fade"});
+        return nlohmann::json::parse(expect_success(live(scene, options)).out);
+    };
+    const auto free = reported("free.toml", {}), damped = reported("damped.toml", {});
+    EXPECT_EQ(free["damped_J"], 0);
+    EXPECT_GT(damped["damped_J"], 0);
+    EXPECT_LT(damped["largest_energy_J"], free["largest_energy_J"]);
+    EXPECT_EQ(reported("damped.toml", {"--passivity", "--damping", "20 N s/m"})["damped_J"], damped["damped_J"]);
+    EXPECT_NE(reported("damped.toml", {"--passivity", "--damping", "1 N s/m"})["damped_J"], damped["damped_J"]);
+}
+
 TEST_F(Live, QuietSaysNothingAndTheReportGoesWhereItIsTold) {
     const Outcome outcome =
         expect_success(live("bump.toml", {"--fast", "--duration", "0.5 s", "--report", "said", "--quiet"}));

@@ -190,6 +190,7 @@ private:
             hand.coupling.lag = T(uniform(0, 1)) * hand.coupling.depth;
             hand.coupling.free = T(uniform(0, 1));
             hand.coupling.rest = T(uniform(0, 1));
+            hand.coupling.kept = uniform(0, 1) < 0.5 ? T(0) : T(uniform(0, 1));
         }
         return hand;
     }

@@ -156,7 +156,7 @@ void expect_path_structs(const SpirvModule& module, std::uint32_t motions, std::
     if (const auto hand = expect_structs(module, motions + 2, hand_members<real>(), sizeof(HandParams<real>))) {
         expect_members(module, module.members(hand).at(0).type, axis_members<real>());
         expect_members(module, module.members(hand).at(16).type,
-                       FS_MEMBERS(layout::Coupling<real>, depth, lag, free, rest));
+                       FS_MEMBERS(layout::Coupling<real>, depth, lag, free, kept, rest));
     }
     if (const auto state = expect_structs(module, states, state_members<real>(), sizeof(PathState<real>)))
         expect_members(module, module.members(state).at(20).type, metrics_members<real>());

@@ -106,6 +106,22 @@ TEST(Coupling, OfARigidWallIsItsSpringAndItsDamper) {
         EXPECT_NEAR(felt[i], 2000 * depths[i] + 0.5 * (depths[i] - (i == 0 ? 0 : depths[i - 1])) / 1e-3, 1e-6) << i;
 }
 
+// v <- v + (dx / T - v) T / (T + t) a sample, recomputed here.
+TEST(Coupling, ItsDamperTakesTheSpeedThroughAFilter) {
+    const std::vector<double> depths{1e-3, 1.5e-3, 1.2e-3, 1.2e-3, 1.1e-3, 1.3e-3};
+    HandSpec hand = coupled_hand(2000, 0.5);
+    hand.coupling_filter = 4e-3;
+    const std::vector<double> felt = felt_at(hand, 1e13, depths);
+    double speed = 0, before = 0; /* m/s, m */
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+        speed += ((depths[i] - before) / 1e-3 - speed) / 5;
+        before = depths[i];
+        EXPECT_NEAR(felt[i], 2000 * depths[i] + 0.5 * speed, 1e-6) << i;
+    }
+    hand.coupling_filter = 0;
+    EXPECT_EQ(felt_at(hand, 1e4, depths), felt_at(coupled_hand(2000, 0.5), 1e4, depths));
+}
+
 TEST(Coupling, AtRestIsInLineWithTheScene) {
     EXPECT_NEAR(felt_at(coupled_hand(2000, 4), 1000, std::vector<double>(200, 2e-3)).back(), 2e-3 * 2000 / 3, 1e-12);
     for (const double felt : felt_at(coupled_hand(2000, 4), 1000, std::vector<double>(5, 2e-3), false))

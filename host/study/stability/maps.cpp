@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "host/study/stability/stability.h"
 
 namespace forceshade::study {
@@ -245,7 +247,7 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
         if (loop.map != "coupling" || coupler == hand.coupling_damping)
             continue;
         coupler = hand.coupling_damping;
-        const auto add = [&](const char* curve, double stiffness) {
+        const auto add = [&](const std::string& curve, double stiffness) {
             points.push_back({.map = "coupling", .curve = curve, .coupling = stiffness, .coupling_damping = *coupler});
         };
         const double passive = passive_stiffness(damping_of(hand) - *coupler, 1 / loop.cell.rate,
@@ -253,12 +255,17 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
         if (hand.delay_samples == 0 && passive >= hand.coupling_stiffness)
             add("passive", passive);
         const ForceAround wall = wall_place().force_around();
-        const auto limit = least_growing(hand.coupling_stiffness, 300 * hand.coupling_stiffness, 1.001, [&](double k) {
-            return grows(coupled(hand, k, *coupler), loop.cell.rate, pressed_along(wall.direction), wall,
-                         loop.cell.stiffness);
-        });
-        if (limit && *limit > 1.01 * hand.coupling_stiffness)
-            add("linearised", *limit);
+        for (const int samples : {0, kUsualFilter, 4 * kUsualFilter}) {
+            HandSpec filtered = hand;
+            filtered.coupling_filter = samples / loop.cell.rate;
+            const double softest = hand.coupling_stiffness;
+            const auto limit = least_growing(softest, 300 * softest, 1.001, [&](double k) {
+                return grows(coupled(filtered, k, *coupler), loop.cell.rate, pressed_along(wall.direction), wall,
+                             loop.cell.stiffness);
+            });
+            if (limit && *limit > 1.01 * softest)
+                add(samples == 0 ? "linearised" : fmt::format("filter of {} samples", samples), *limit);
+        }
     }
     // The least and the largest of a number of a map's loops.
     const auto range_of = [&](const char* map, const auto& number) {

@@ -121,8 +121,8 @@ std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vec
     std::vector<double> scenes{1e4, 1e5, 1e6}; /* N/m */
     if (surface.stiffness > 0 && std::ranges::count(scenes, surface.stiffness) == 0)
         scenes.insert(scenes.begin(), surface.stiffness);
-    const auto add = [&](const char* which, double scene, const HoldingCoupling& coupling) {
-        CouplingRow row{surface.name, which, scene, coupling, true, {}};
+    const auto add = [&](const char* which, double scene, const HoldingCoupling& coupling, const HandSpec& hand) {
+        CouplingRow row{surface.name, which, scene, coupling, hand.coupling_filter.value_or(0), true, {}};
         if (coupling.weakest) {
             LeastLimit softer = *coupling.weakest, stiffer = softer;
             softer.cell.hand.coupling_stiffness *= 0.98;
@@ -132,17 +132,21 @@ std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vec
         rows.push_back(row);
     };
     if (const HandSpec& own = surface.prepared.one.scene.hand; own.coupled()) {
-        add("own", surface.stiffness, {own.coupling_stiffness, own.coupling_damping, {}});
+        add("own", surface.stiffness, {own.coupling_stiffness, own.coupling_damping, {}}, own);
         rows.back().rests = RestTrials(surface.rate, surface.stiffness, places).all_rest(own);
     }
     const double passive = passive_stiffness(damping_of(surface.hand), 1 / surface.rate, surface.hand.delay_samples);
     for (const double scene : scenes) {
         const bool needed = scene > passive || !RestTrials(surface.rate, scene, places).all_rest(surface.hand);
         if (const auto safe = safe_coupling(surface.hand, surface.rate, scene, places); safe && needed)
-            add("safe", scene, *safe);
+            add("safe", scene, *safe, surface.hand);
         if (const auto stiffest = stiffest_coupling(surface.hand, surface.rate, scene, places))
-            add("stiffest", scene, *stiffest);
+            add("stiffest", scene, *stiffest, surface.hand);
     }
+    HandSpec filtered = surface.hand;
+    filtered.coupling_filter = kUsualFilter / surface.rate;
+    if (const auto stiffest = stiffest_coupling(filtered, surface.rate, scenes.back(), places))
+        add("filtered", scenes.back(), *stiffest, filtered);
     return rows;
 }
 

@@ -109,8 +109,8 @@ struct MapCurvePoint {
     double coupling = NAN, coupling_damping = NAN; /* N/m, N s/m: of a virtual coupling */
 };
 
-/// K_crit and the linearised loop over damping, the linearised loop and what is passive over couplings, f_c = K quantum
-/// / 2 over quantum, friction_basin over stiffness: within the maps.
+/// K_crit and the linearised loop over damping; the linearised loop, with filters, too, and what is passive over
+/// couplings; f_c = K quantum / 2 over quantum, friction_basin over stiffness: within the maps.
 std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least);
 
 /// A place, and what one quantity makes of its limit; all else is the surface's own hand.
@@ -151,14 +151,18 @@ struct ProfilePoint {
 
 /// A virtual coupling through which the surface's own hand may feel a stiffness.
 struct CouplingRow {
-    std::string surface, which;   /* "own": the scene's; "safe", "stiffest" */
+    std::string surface, which;   /* "own": the scene's; "safe", "stiffest", "filtered" */
     double scene = 0;             /* N/m */
     HoldingCoupling coupling;     /* N/m, N s/m */
+    double filter = 0;            /* s: of the damper's speed */
     bool rests = true;            // at all places
     std::optional<bool> foreseen; /* stepped at its weakest place: 2 % softer rests, 2 % stiffer grows */
 };
 
-/// Of 1e4, 1e5 and 1e6 N/m and the scene's own, if that is another.
+/// Samples: the filter of "filtered", a low pass of 32 Hz at 1 kHz.
+inline constexpr int kUsualFilter = 5;
+
+/// Of 1e4, 1e5 and 1e6 N/m and the scene's own, if that is another. Of the stiffest scene with a filter, too.
 std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places);
 
 /// With the program's default hand: plane, the same textured, bump of 2 facets with and without shading, height map of

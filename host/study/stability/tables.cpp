@@ -134,11 +134,12 @@ Table coupling_table(const LoopResults& results) {
          {"scene_N_per_m", "N/m", "the scene's stiffness K", &R::scene},
          {"coupling", "",
           "own: the scene's; safe: the stiffest spring alone, at rest everywhere, and passive: in line with a wall "
-          "this "
-          "hand gets no energy; stiffest: with any damper, at rest everywhere, but impacts may give energy",
+          "this hand gets no energy; stiffest: with any damper, at rest everywhere, but impacts may give energy; "
+          "filtered: the same with a filter of the damper's speed",
           &R::which},
          {"coupling_N_per_m", "N/m", "hand.coupling.stiffness k", [](const R& r) { return r.coupling.stiffness; }},
          {"coupling_N_s_per_m", "N s/m", "hand.coupling.damping", [](const R& r) { return r.coupling.damping; }},
+         {"filter_ms", "ms", "hand.coupling.filter", [](const R& r) { return 1e3 * r.filter; }},
          {"displayed_N_per_m", "N/m", "K k / (K + k), of a contact at rest",
           [](const R& r) { return displayed_stiffness(r.scene, r.coupling.stiffness); }},
          {"rests", "", "at all places, by the linearised loop", [](const R& r) { return r.rests ? "yes" : "no"; }},
@@ -267,7 +268,8 @@ Figure map_figure(const LoopResults& results, const std::string& map, const std:
     figure.value = "state";
     figure.value_label = "the loop";
     figure.value_words = {"stable", "quantisation limit cycle", "limit cycle", "unstable"};
-    for (const std::string curve : {"K_crit", "passive", "linearised", "f_c = K quantum / 2", "8 f_c / (pi K T w)"})
+    for (const std::string curve : {"K_crit", "passive", "linearised", "filter of 5 samples", "filter of 20 samples",
+                                    "f_c = K quantum / 2", "8 f_c / (pi K T w)"})
         if (const Where where{{"map", map}, {"curve", curve}}; std::ranges::any_of(
                 results.curves, [&](const MapCurvePoint& one) { return one.map == map && one.curve == curve; }))
             figure.curves.push_back({"loop_curves", where, x.column, y.column,
@@ -335,7 +337,8 @@ std::vector<Figure> figures_of(const LoopResults& results) {
             make_figure("loop-couplings", "Stiffness displayed through a virtual coupling, in a scene of 1e6 N/m",
                         "At rest, through the stiffest coupling that holds. Safe: a spring alone, "
                         "passive on a wall; stiffest: with a "
-                        "damper, too, but its impacts may give energy. Both at rest at all places.",
+                        "damper, too, but its impacts may give energy; filtered: the damper's speed through a low pass "
+                        "of 5 samples. All at rest at all places.",
                         FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e6).text()}},
                         {"surface", "surface"}, {"displayed_N_per_m", "displayed / (N/m)", true}, "coupling"));
     if (const auto loop = any("coupling"); loop != results.maps.end())
