@@ -4,9 +4,11 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <glm/vector_relational.hpp>
 
 #include "host/error.h"
 #include "host/limits/rest_places.h"
+#include "host/mesh/mesh.h"
 #include "host/touch/force_errors.h"
 #include "host/touch/places.h"
 
@@ -99,6 +101,40 @@ std::optional<RestPlace> smooth_at(ContactForce& force, const TouchPlace& from, 
     if (rest)
         rest->depth = depth;
     return rest;
+}
+
+// Beside an edge, where a slope is often steepest.
+void add_beside(ContactForce& force, TouchPlace edge, const glm::dvec3& along, double depth,
+                std::vector<RestPlace>& places) {
+    edge.at += kEdgeDistance * depth * along;
+    if (auto smooth = smooth_at(force, edge, depth)) {
+        smooth->edge_distance = kEdgeDistance * depth;
+        places.push_back(*smooth);
+    }
+}
+
+// At `most` vertices of a mesh within the box, and on four sides of each.
+void add_vertices(ContactForce& force, const LoopSurface& surface, std::size_t most, std::vector<RestPlace>& places) {
+    const Mesh& mesh = surface.prepared.images.mesh->mesh;
+    std::vector<TouchPlace> vertices;
+    const double shallow = surface.scale().shallowest();
+    for (std::size_t i = 0; i < mesh.vertex_normals.size(); ++i) {
+        const glm::dvec3 &normal = mesh.vertex_normals[i], at = mesh.polygons.vertices[i] - shallow * normal;
+        if (normal != glm::dvec3(0) && glm::all(glm::greaterThanEqual(at, surface.low)) &&
+            glm::all(glm::lessThanEqual(at, surface.high)))
+            vertices.push_back({at, normal, shallow});
+    }
+    const std::size_t some = std::min(most, vertices.size());
+    for (std::size_t i = 0; i < some; ++i) {
+        const TouchPlace& vertex = vertices[i * vertices.size() / some];
+        const auto [u, v] = directions_across(vertex.normal);
+        for (const double depth : surface.depths()) {
+            if (const auto smooth = smooth_at(force, vertex, depth)) // as below one that points inwards
+                places.push_back(*smooth);
+            for (const glm::dvec3& along : {u, -u, v, -v})
+                add_beside(force, vertex, along, depth, places);
+        }
+    }
 }
 
 // The largest jump of the direction on a displacement from `from`, below the surface; empty: none.
@@ -218,6 +254,8 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
     const auto depths = surface.depths();
     const std::size_t edges = std::max<std::size_t>(4, count / 8);
     std::vector<RestPlace> places;
+    if (surface.is_mesh())
+        add_vertices(force, surface, edges, places);
     std::size_t found = 0;
     for (TouchPlace& point : points) {
         for (const double depth : depths)
@@ -248,14 +286,8 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
                 continue;
             places.push_back(*place);
             any = true;
-            for (const double side : {-kEdgeDistance, kEdgeDistance}) { // a slope is often steepest there
-                TouchPlace moved = *there;
-                moved.at += side * depth * along;
-                if (auto smooth = smooth_at(force, moved, depth)) {
-                    smooth->edge_distance = kEdgeDistance * depth;
-                    places.push_back(*smooth);
-                }
-            }
+            for (const double side : {-1.0, 1.0})
+                add_beside(force, *there, side * along, depth, places);
         }
         found += any ? 1 : 0;
     }

@@ -61,8 +61,9 @@ struct RestPlace {
     ForceAround force_around() const { return {slope, force / reference::length(force)}; }
 };
 
-/// `count` points anywhere on the surface, at each of its depths; and those of its edges that were found from there, a
-/// hundredth of them at most. \throws UsageError without contact in the box.
+/// `count` points anywhere on the surface, at each of its depths; those of its edges that were found from there, an
+/// eighth of them at most; and as many vertices of a mesh, and beside them. \throws UsageError without contact in the
+/// box.
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count);
 
 /// A level wall's, at a depth of 1 mm.
