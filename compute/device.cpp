@@ -14,6 +14,11 @@ namespace forceshade::compute {
 namespace {
 
 constexpr std::uint32_t kApiVersion = VK_API_VERSION_1_1;
+// What every device has of push constants, bytes.
+static_assert(std::max({sizeof(layout::ChunkParams), sizeof(layout::MeshChunkParams), sizeof(layout::PathChunkParams),
+                        sizeof(layout::MeshPathChunkParams)}) <= 128);
+constexpr std::uint32_t kMostBindings =
+    std::max({layout::kBindCount, layout::kMeshBindCount, layout::kPathBindCount, layout::kMeshPathBindCount});
 
 std::string version_text(std::uint32_t version) {
     return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
@@ -51,13 +56,13 @@ std::vector<std::string> find_refusals(const vk::raii::PhysicalDevice& physical,
             fmt::format("its driver speaks Vulkan {}, needed is {}", version_text(api), version_text(kApiVersion)));
     if (!compute_family(physical))
         reasons.push_back("it has no compute queue");
-    if (limits.maxPerStageDescriptorStorageBuffers < layout::kBindCount)
+    if (limits.maxPerStageDescriptorStorageBuffers < kMostBindings)
         reasons.push_back(fmt::format("a kernel may bind {} storage buffers, needed are {}",
-                                      limits.maxPerStageDescriptorStorageBuffers, layout::kBindCount));
+                                      limits.maxPerStageDescriptorStorageBuffers, kMostBindings));
     return reasons;
 }
 
-DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t index) {
+DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t index, const DeviceLimits& taken) {
     const vk::PhysicalDeviceProperties properties = physical.getProperties();
     DeviceReport report;
     report.index = index;
@@ -93,6 +98,7 @@ DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t in
         if (driver.driverInfo[0] != 0)
             report.driver += fmt::format(" {}", driver.driverInfo.data());
     }
+    apply(taken, report);
     return report;
 }
 
@@ -238,6 +244,16 @@ std::optional<std::uint32_t> memory_type(const vk::PhysicalDeviceMemoryPropertie
     return std::nullopt;
 }
 
+// Against the memory that the device is taken to have.
+void count(Device::Implementation& device, Buffer& buffer, std::uint64_t bytes) {
+    if (device.taken.memory == 0)
+        return;
+    if (device.allocated + bytes > device.taken.memory)
+        throw vk::OutOfDeviceMemoryError(kLimitsVariable);
+    device.allocated += bytes;
+    buffer.counted = {nullptr, [&device, bytes](void*) { device.allocated -= bytes; }};
+}
+
 } // namespace
 
 Loaded::Loaded() : context(load()) {}
@@ -245,9 +261,10 @@ Loaded::Loaded() : context(load()) {}
 std::vector<DeviceReport> list_devices() {
     return checked("listing the Vulkan devices", [] {
         std::vector<DeviceReport> devices;
+        const DeviceLimits taken = device_limits();
         try {
             for (const vk::raii::PhysicalDevice& physical : shared_instance()->instance.enumeratePhysicalDevices())
-                devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size())));
+                devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size()), taken));
         } catch (const vk::IncompatibleDriverError&) {
             devices.clear(); // the loader found no driver
         }
@@ -302,6 +319,7 @@ Device::Device(const DeviceOptions& options) {
     checked("opening " + chosen.name, [&] {
         implementation_ = std::make_unique<Implementation>();
         implementation_->report = chosen;
+        implementation_->taken = device_limits();
         if (options.through_double)
             implementation_->report.nearest = false;
         if (options.validation)
@@ -350,11 +368,19 @@ Buffer make_buffer(Device::Implementation& device, std::size_t bytes, vk::Buffer
             if (needs.size > device.memory.memoryHeaps[device.memory.memoryTypes[*type].heapIndex].size)
                 continue;
             const Flags flags = device.memory.memoryTypes[*type].propertyFlags;
+            if (placement == Placement::device)
+                count(device, result, needs.size);
             result.memory = device.device.allocateMemory({needs.size, *type});
             result.buffer.bindMemory(*result.memory, 0);
             result.coherent = bool(flags & Flag::eHostCoherent);
-            if (placement != Placement::device)
-                result.mapped = static_cast<std::byte*>(result.memory.mapMemory(0, VK_WHOLE_SIZE));
+            if (placement == Placement::device)
+                return result;
+            result.mapped = static_cast<std::byte*>(result.memory.mapMemory(0, VK_WHOLE_SIZE));
+            if (device.taken.incoherent) {
+                result.coherent = false;
+                result.apart.assign(result.size, std::byte{0xA5});
+                result.behind = std::exchange(result.mapped, result.apart.data());
+            }
             return result;
         }
         throw DeviceError(DeviceError::Kind::out_of_memory,

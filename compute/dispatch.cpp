@@ -19,6 +19,11 @@ using Usage = vk::BufferUsageFlagBits;
 // Timestamps of a dispatch: before its runs, after them, after the copy.
 constexpr std::uint32_t kTimestamps = 3;
 
+// Drivers of hardware end dispatches after some seconds, 2 on some.
+constexpr double kAim = 0.1;       // s: that a dispatch is to take
+constexpr double kMostGrowth = 4;  // from dispatch to dispatch
+constexpr double kFirstShare = 64; // of the most: what the first one is not larger than
+
 // Makes `buffer` hold at least `bytes`; what it held is lost if it grows.
 void grow(Device::Implementation& device, Buffer& buffer, std::size_t bytes, vk::BufferUsageFlags usage,
           Placement placement) {
@@ -29,6 +34,8 @@ void grow(Device::Implementation& device, Buffer& buffer, std::size_t bytes, vk:
 }
 
 void flush_to_device(Device::Implementation& device, const Buffer& buffer) {
+    if (buffer.behind)
+        std::memcpy(buffer.behind, buffer.mapped, buffer.size);
     if (!buffer.coherent)
         device.device.flushMappedMemoryRanges(vk::MappedMemoryRange(*buffer.memory, 0, VK_WHOLE_SIZE));
 }
@@ -36,6 +43,8 @@ void flush_to_device(Device::Implementation& device, const Buffer& buffer) {
 const std::byte* visible_to_host(Device::Implementation& device, const Buffer& buffer) {
     if (!buffer.coherent)
         device.device.invalidateMappedMemoryRanges(vk::MappedMemoryRange(*buffer.memory, 0, VK_WHOLE_SIZE));
+    if (buffer.behind)
+        std::memcpy(buffer.mapped, buffer.behind, buffer.size);
     return buffer.mapped;
 }
 
@@ -63,6 +72,8 @@ struct Commands {
         buffer.end();
     }
     void submit() {
+        if (device.taken.lost_at != 0 && ++device.submissions >= device.taken.lost_at)
+            throw vk::DeviceLostError(kLimitsVariable);
         device.device.resetFences(*fence);
         device.queue.submit(vk::SubmitInfo({}, {}, *buffer), *fence);
     }
@@ -89,6 +100,7 @@ struct InFlight {
     Buffer status{};
     std::vector<OwnBuffer> buffers{}; // by binding
     Clock::time_point submitted{};
+    std::uint64_t work = 0; // units
     std::function<void()> consume{};
     bool pending = false;
 };
@@ -119,9 +131,11 @@ struct Dispatcher::Implementation {
     std::vector<InFlight> slots;
     std::size_t turn = 0; // the slot at hand is turn % slots
     bool poisoned = false;
+    double pace = 0; // units of work that a dispatch may take; 0: not known
 
     Implementation(Device::Implementation& on, const DispatchShape& wanted, bool force_staging)
-        : device(on), shape(wanted), staged(force_staging || !(on.report.software || on.report.type == "integrated")),
+        : device(on), shape(wanted),
+          staged(force_staging || on.taken.memory != 0 || !(on.report.software || on.report.type == "integrated")),
           transfers(on), unused(make_buffer(on, 16, Usage::eStorageBuffer, Placement::device)),
           shared(wanted.bindings) {
         std::vector<vk::DescriptorSetLayoutBinding> bindings;
@@ -169,7 +183,7 @@ struct Dispatcher::Implementation {
 
     void upload(uint binding, Bytes table);
     void record(const InFlight& slot, std::span<const Run> runs, const vk::raii::CommandBuffer& commands);
-    void add_times(const InFlight& slot, FieldTimes& times);
+    double add_times(const InFlight& slot, FieldTimes& times);
     void finish(InFlight& slot, FieldTimes& times);
 };
 
@@ -246,29 +260,36 @@ void Dispatcher::Implementation::record(const InFlight& slot, std::span<const Ru
     stamp(2);
 }
 
-void Dispatcher::Implementation::add_times(const InFlight& slot, FieldTimes& times) {
+// Returns those of the runs alone, s.
+double Dispatcher::Implementation::add_times(const InFlight& slot, FieldTimes& times) {
     ++times.dispatches;
     if (!device.timestamp_bits) {
-        times.kernel += seconds_since(slot.submitted);
-        return;
+        const double since = seconds_since(slot.submitted);
+        times.kernel += since;
+        return since;
     }
     const auto [result, stamps] = slot.timestamps.getResults<std::uint64_t>(
         0, kTimestamps, kTimestamps * sizeof(std::uint64_t), sizeof(std::uint64_t),
         vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
     if (result != vk::Result::eSuccess)
-        return;
+        return 0;
     const std::uint64_t mask = device.timestamp_bits >= 64 ? ~0ull : (1ull << device.timestamp_bits) - 1;
     const double tick = 1e-9 * static_cast<double>(device.limits.timestampPeriod);
-    times.kernel += tick * static_cast<double>((stamps[1] - stamps[0]) & mask);
+    const double seconds = tick * static_cast<double>((stamps[1] - stamps[0]) & mask);
+    times.kernel += seconds;
     if (staged)
         times.read_back += tick * static_cast<double>((stamps[2] - stamps[1]) & mask);
+    return seconds;
 }
 
 void Dispatcher::Implementation::finish(InFlight& slot, FieldTimes& times) {
     if (!std::exchange(slot.pending, false))
         return;
     slot.commands.wait();
-    add_times(slot, times);
+    const double seconds = add_times(slot, times);
+    if (device.taken.longest > 0 && seconds > device.taken.longest)
+        throw vk::DeviceLostError(kLimitsVariable);
+    pace = static_cast<double>(slot.work) * std::min(kMostGrowth, kAim / std::max(seconds, 1e-9));
     uint status = 0;
     std::memcpy(&status, visible_to_host(device, slot.status), sizeof(status));
     if (status & layout::kStatusUnfinished)
@@ -457,11 +478,20 @@ void Dispatcher::fill(uint binding, uint word) {
         own.filled = word;
 }
 
-void Dispatcher::poison(bool on) {
-    implementation_->poisoned = on;
+void Dispatcher::begin_run(bool poison) {
+    implementation_->poisoned = poison;
+    implementation_->pace = 0;
 }
 
-void Dispatcher::submit(std::span<const Run> runs, const std::function<void()>& consume) {
+std::uint64_t Dispatcher::paced(std::uint64_t most) const {
+    const Implementation& self = *implementation_;
+    if (self.device.report.software && self.device.taken.longest == 0)
+        return most;
+    const double share = static_cast<double>(most) / kFirstShare;
+    return static_cast<std::uint64_t>(std::clamp(self.pace > 0 ? self.pace : share, 1.0, static_cast<double>(most)));
+}
+
+void Dispatcher::submit(std::span<const Run> runs, std::uint64_t work, const std::function<void()>& consume) {
     Implementation& self = *implementation_;
     InFlight& slot = self.slot();
     self.bind(slot);
@@ -469,6 +499,7 @@ void Dispatcher::submit(std::span<const Run> runs, const std::function<void()>& 
     std::memset(slot.status.mapped, 0, sizeof(uint));
     flush_to_device(self.device, slot.status);
     slot.consume = consume;
+    slot.work = work;
     slot.submitted = Clock::now();
     slot.commands.submit();
     slot.pending = true;

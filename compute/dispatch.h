@@ -90,9 +90,13 @@ public:
                           std::size_t real_size);
     /// Fills results with a word before anything runs.
     void fill(layout::uint binding, layout::uint word);
-    /// From now on fills all results with kPoison, but where `fill` says otherwise, and some room behind them: what a
-    /// kernel writes there ends the run with DeviceError (differs_in_parts). Or no longer.
-    void poison(bool on);
+    /// Before the dispatches of a run. `poison`: fills all results with kPoison, but where `fill` says otherwise, and
+    /// some room behind them: what a kernel writes there ends the run with DeviceError (differs_in_parts).
+    void begin_run(bool poison);
+    /// Of up to `most` units of work as many as the next dispatch is to take: all on software; hardware begins with
+    /// few, and takes more while dispatches of this run end within a tenth of a second, since drivers end those of
+    /// seconds.
+    std::uint64_t paced(std::uint64_t most) const;
 
     struct Run {
         std::size_t pipeline;
@@ -101,8 +105,8 @@ public:
         bool after_copies = false; /* waits for tables that were put, and fills */
         bool after_runs = false;   /* waits for the runs before it, of any dispatch */
     };
-    /// Ends it: `consume` is called when it is done, by `begin` or `finish`.
-    void submit(std::span<const Run> runs, const std::function<void()>& consume);
+    /// Ends it, with `work` units: `consume` is called when it is done, by `begin` or `finish`.
+    void submit(std::span<const Run> runs, std::uint64_t work, const std::function<void()>& consume);
 
     /// The results of the dispatch that is being consumed; none where none were expected.
     template <typename Value> std::span<const Value> results(layout::uint binding) const {
@@ -145,7 +149,7 @@ FieldTimes run_kernel(Dispatcher& dispatcher, bool in_parts, const std::string& 
     if (sizeof(T) == sizeof(double) && !dispatcher.report().f64)
         throw DeviceError(DeviceError::Kind::unsupported,
                           dispatcher.report().name + " has no double precision in kernels: use --precision f32");
-    dispatcher.poison(in_parts);
+    dispatcher.begin_run(in_parts);
     FieldTimes times;
     run_checked(doing, [&] { work(times); });
     return times;

@@ -24,6 +24,17 @@ std::uint32_t filling_invocations(const DeviceReport& report) {
     return report.software ? 256 * most_threads() : 65536;
 }
 
+// Layers of the next dispatch of a field whose layers have `ny` rows, and rows of each.
+uint layers_of(const Dispatcher& dispatcher, uint y_step, uint z_step, uint ny) {
+    if (z_step == 1)
+        return 1;
+    return static_cast<uint>(std::max<std::uint64_t>(1, dispatcher.paced(std::uint64_t(y_step) * z_step) / ny));
+}
+uint rows_of(const Dispatcher& dispatcher, uint y_step, uint left, uint layers) {
+    const uint most = std::min(y_step, left);
+    return layers > 1 ? most : std::min(most, static_cast<uint>(dispatcher.paced(most)));
+}
+
 // A field on its way through the device.
 template <typename T> struct FieldRun {
     Dispatcher& dispatcher;
@@ -82,25 +93,27 @@ template <typename T> FieldPlan FieldRun<T>::reserve() const {
 template <typename T>
 void FieldRun<T>::run(const FieldPlan& plan, std::size_t pipeline, FieldTimes& times, const TakeField<T>& take) const {
     const auto ny = static_cast<uint>(input.y.size()), nz = static_cast<uint>(input.z.size());
-    for (uint z = 0; z < nz; z += plan.z_step)
-        for (uint y = 0; y < ny; y += plan.y_step) {
+    layout::ChunkParams chunk{};
+    for (uint z = 0; z < nz; z += chunk.z_count) {
+        chunk.z_count = layers_of(dispatcher, plan.y_step, plan.z_step, ny);
+        chunk.z_count = std::min(chunk.z_count, nz - z);
+        for (uint y = 0; y < ny; y += chunk.y_count) {
             dispatcher.begin(times);
-            layout::ChunkParams chunk{};
             chunk.x_pitch = plan.x_pitch;
             chunk.y_first = y;
-            chunk.y_count = std::min(plan.y_step, ny - y);
+            chunk.y_count = rows_of(dispatcher, plan.y_step, ny - y, chunk.z_count);
             chunk.y_axis = plan.x_pitch;
             chunk.z_first = z;
-            chunk.z_count = std::min(plan.z_step, nz - z);
             chunk.z_axis = plan.x_pitch + ny;
             chunk.rows = plan.rows;
             dispatcher.expect_channels(layout::kBindForce, input.law.features.channels,
                                        std::size_t(plan.x_pitch) * chunk.y_count * chunk.z_count, sizeof(T));
             const Dispatcher::Run run{pipeline, plan.groups(chunk.y_count, chunk.z_count), bytes_of(chunk)};
-            dispatcher.submit({&run, 1}, [this, chunk, &take] {
+            dispatcher.submit({&run, 1}, std::uint64_t(chunk.y_count) * chunk.z_count, [this, chunk, &take] {
                 take(dispatcher.field_chunk<T>(layout::kBindForce, input.x.size(), chunk));
             });
         }
+    }
 }
 
 // The plan of this many samples fits into any buffer, however long the planner makes its lists.
@@ -140,30 +153,45 @@ template <typename T> struct MeshFieldRun {
     std::uint32_t x_pitch;
     MeshChunkSteps steps;
     bool voxel_by_voxel;
-    MeshChunkPlan part{}; // of the chunk at hand
+    layout::MeshChunkParams chunk{}; // at hand
+    MeshChunkPlan part{};            // its
 
-    void submit(const layout::MeshPlan& plan, uint y, uint z, uint z_end);
+    bool halve();
+    void submit(const layout::MeshPlan& plan);
     void slab(const layout::MeshPlan& plan, std::size_t z_first, std::size_t z_count) {
-        const auto z_end = static_cast<uint>(z_first + z_count);
-        for (auto z = static_cast<uint>(z_first); z < z_end; z += steps.z_step)
-            for (uint y = 0; y < input.y.size(); y += steps.y_step)
-                submit(plan, y, z, z_end);
+        const auto ny = static_cast<uint>(input.y.size()), z_end = static_cast<uint>(z_first + z_count);
+        for (chunk.z_first = static_cast<uint>(z_first); chunk.z_first < z_end; chunk.z_first += chunk.z_count) {
+            chunk.z_count = chunk.z_first % layout::kMeshBlock == 0 ? std::min(steps.z_step, z_end - chunk.z_first) : 1;
+            for (chunk.y_first = 0; chunk.y_first < ny; chunk.y_first += chunk.y_count) {
+                chunk.y_count = std::min(steps.y_step, ny - chunk.y_first);
+                submit(plan);
+            }
+        }
     }
 };
 
-template <typename T> void MeshFieldRun<T>::submit(const layout::MeshPlan& plan, uint y, uint z, uint z_end) {
-    const auto ny = static_cast<uint>(input.y.size());
+// False where the chunk is of one row of blocks.
+template <typename T> bool MeshFieldRun<T>::halve() {
+    const auto half = [](uint count) { return count / 2 / layout::kMeshBlock * layout::kMeshBlock; };
+    if (chunk.z_count > 1)
+        chunk.z_count = std::max(1u, half(chunk.z_count));
+    else if (chunk.y_count > layout::kMeshBlock)
+        chunk.y_count = std::max(layout::kMeshBlock, half(chunk.y_count));
+    else
+        return false;
+    return true;
+}
+
+template <typename T> void MeshFieldRun<T>::submit(const layout::MeshPlan& plan) {
     dispatcher.begin(times);
-    layout::MeshChunkParams chunk{};
-    chunk.x_pitch = x_pitch;
-    chunk.y_first = y;
-    chunk.y_count = std::min(steps.y_step, ny - y);
-    chunk.y_axis = chunk.x_pitch;
-    chunk.z_first = z;
-    chunk.z_count = std::min(steps.z_step, z_end - z);
-    chunk.z_axis = chunk.x_pitch + ny;
+    chunk.x_pitch = chunk.y_axis = x_pitch;
+    chunk.z_axis = chunk.x_pitch + static_cast<uint>(input.y.size());
     const Clock::time_point start = Clock::now();
     cut_plan(plan, chunk, candidates, voxel_by_voxel, part);
+    const std::uint64_t most =
+        std::min<std::uint64_t>(dispatcher.paced(part.words.size()), dispatcher.report().buffer_range / sizeof(uint));
+    while (part.words.size() > most && halve())
+        cut_plan(plan, chunk, candidates, voxel_by_voxel, part);
     chunk.blocks = part.blocks;
     chunk.candidates = layout::kMeshBlockWords * chunk.blocks;
     const Bytes words = std::as_bytes(std::span<const uint>(part.words));
@@ -187,8 +215,9 @@ template <typename T> void MeshFieldRun<T>::submit(const layout::MeshPlan& plan,
         runs.push_back({free_pipeline, divide_up(samples, kGroup), bytes_of(chunk), true});
     if (chunk.blocks != 0)
         runs.push_back({pipeline, divide_up(chunk.blocks, kGroup), bytes_of(chunk), true, !runs.empty()});
-    dispatcher.submit(
-        runs, [this, chunk] { take(dispatcher.field_chunk<T>(layout::kMeshBindForce, input.x.size(), chunk)); });
+    dispatcher.submit(runs, part.words.size(), [this, one = chunk] {
+        take(dispatcher.field_chunk<T>(layout::kMeshBindForce, input.x.size(), one));
+    });
 }
 
 } // namespace

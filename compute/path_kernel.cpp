@@ -35,7 +35,7 @@ template <typename T> struct Paths {
     std::size_t steps() const { return batch.longest ? batch.longest : input.steps; }
     std::size_t batch_paths() const;
     uint window() const;
-    void submit(std::size_t step, uint window);
+    void submit(std::size_t step, std::size_t count);
     void run_batch(std::size_t first);
     std::vector<layout::PathMetrics<T>> metrics() const {
         return metrics_of<T>(dispatcher.kept(layout::kPathBindStates), batch.count);
@@ -61,10 +61,9 @@ template <typename T> uint Paths<T>::window() const {
     return options.in_parts ? std::min(most, static_cast<uint>(part_of_steps(steps()))) : most;
 }
 
-template <typename T> void Paths<T>::submit(std::size_t step, uint window) {
+template <typename T> void Paths<T>::submit(std::size_t step, std::size_t count) {
     dispatcher.begin(times);
     const Clock::time_point start = Clock::now();
-    const std::size_t count = std::min<std::size_t>(window, steps() - step);
     layout::PathChunkParams chunk{};
     chunk.paths = static_cast<uint>(batch.count);
     chunk.step_first = static_cast<uint>(step);
@@ -82,7 +81,7 @@ template <typename T> void Paths<T>::submit(std::size_t step, uint window) {
     times.upload += seconds_since(start);
     // The dispatch before this one wrote the states.
     const Dispatcher::Run run{pipeline, divide_up(batch.count, kPathGroup), bytes_of(chunk), true, true};
-    dispatcher.submit({&run, 1}, [this, step, count] {
+    dispatcher.submit({&run, 1}, count, [this, step, count] {
         layout::PathChunk<T> results{};
         results.path_first = batch.first;
         results.path_count = results.pitch = batch.count;
@@ -102,8 +101,10 @@ template <typename T> void Paths<T>::run_batch(std::size_t first) {
         dispatcher.keep(layout::kPathBindStates, batch.count * sizeof(layout::PathState<T>), false);
     });
     const uint most = window();
-    for (std::size_t step = 0; step < steps(); step += most)
-        submit(step, most);
+    for (std::size_t step = 0, count = 0; step < steps(); step += count) {
+        count = std::min<std::size_t>(dispatcher.paced(most), steps() - step);
+        submit(step, count);
+    }
     dispatcher.finish(times);
 }
 
@@ -334,7 +335,7 @@ FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const Fini
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         layout::MeshPathChunkParams chunk{};
         chunk.own_hands = input.hands.size() > 1;
-        chunk.pause = static_cast<uint>(options_.in_parts ? part_of(options_.pause) : options_.pause);
+        const auto pause = static_cast<uint>(options_.in_parts ? part_of(options_.pause) : options_.pause);
         chunk.limit = options_.limit;
         chunk.stretch = input.stretch;
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
@@ -365,10 +366,11 @@ FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const Fini
                 chunk.step_end = static_cast<std::uint32_t>(step + count);
                 // Every path as far as one dispatch goes, until all have reached the end.
                 while ((chunk.listed = static_cast<std::uint32_t>(batch.list_waiting(chunk.step_end))) != 0) {
+                    chunk.pause = static_cast<uint>(dispatcher.paced(pause));
                     const Dispatcher::Run run{pipeline, divide_up(chunk.listed, kGroup), bytes_of(chunk)};
                     dispatcher.complete(times, [&] {
                         dispatcher.begin(times);
-                        dispatcher.submit({&run, 1}, [] {});
+                        dispatcher.submit({&run, 1}, chunk.pause, [] {});
                     });
                     batch.check_status();
                     times.host_updates += batch.finish_updates(finish);

@@ -8,6 +8,7 @@
 #include <vulkan/vulkan_raii.hpp>
 
 #include "compute/device.h"
+#include "compute/device_limits.h"
 
 namespace forceshade::compute {
 
@@ -40,6 +41,9 @@ struct Loaded {
 
 struct Device::Implementation {
     DeviceReport report;
+    DeviceLimits taken;            // to be the device's, below its own
+    std::uint64_t allocated = 0;   // bytes of the device's own memory
+    std::uint64_t submissions = 0; // so far
     std::shared_ptr<Loaded> loaded;
     std::mutex messages_mutex;
     std::vector<std::string> messages; // of the validation layers; filled by the messenger below
@@ -62,6 +66,9 @@ struct Buffer {
     std::size_t size = 0; // bytes
     std::byte* mapped = nullptr;
     bool coherent = false;
+    std::vector<std::byte> apart{};  // what `mapped` is where memory is taken for incoherent
+    std::byte* behind = nullptr;     // and what it stands for
+    std::shared_ptr<void> counted{}; // in `allocated`
 };
 
 enum class Placement {
