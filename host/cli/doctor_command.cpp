@@ -12,6 +12,7 @@
 #include "device/backends/devices.h"
 #include "device/loop/real_time.h"
 #include "host/cli/command.h"
+#include "host/cli/gpu_report.h"
 #include "host/error.h"
 #include "host/field/engine.h"
 #include "host/field/pipeline_cache.h"
@@ -136,6 +137,7 @@ std::string try_python() {
 
 struct DoctorArguments {
     bool live = false;
+    std::string gpu_report; /* folder */
 };
 
 // A second at each rate, in a thread that has what the live loop is granted.
@@ -197,6 +199,12 @@ std::vector<Finding> examine_all(const DoctorArguments& arguments, const CommonO
 
 int diagnose(const DoctorArguments& arguments, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
+    if (!arguments.gpu_report.empty()) {
+        const bool passed = write_gpu_report(arguments.gpu_report, common);
+        note(common, "{}/report.md, report.json: {}\n", arguments.gpu_report,
+             passed ? "every value agrees with the oracle" : "a device is wrong: see the rows that failed");
+        return passed ? 0 : 1;
+    }
     const std::vector<Finding> findings = examine_all(arguments, common);
     bool good = true;
     std::string text;
@@ -225,9 +233,14 @@ void add_doctor_command(CommandLine& program) {
         [](Options& options, DoctorArguments& arguments) {
             options.flag("--live", arguments.live,
                          "measure for two seconds how punctually a live loop would wake, at 1 and 4 kHz");
+            options.optional(
+                "--gpu-report FOLDER", arguments.gpu_report,
+                "hold every law on every usable Vulkan device (or --gpu's) against the oracle, time it beside the "
+                "device's bandwidth, and write it into a new folder, to be sent");
             options.example("doctor", "this machine")
                 .example("doctor --engine cpu", "the same without a Vulkan device")
-                .example("doctor --live", "before a device is connected");
+                .example("doctor --live", "before a device is connected")
+                .example("doctor --gpu-report gpu", "on a machine with a GPU that was not tried yet");
         });
 }
 

@@ -1,0 +1,64 @@
+// A device that is lost in the middle of a sweep, and the report of a machine's devices.
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+using nlohmann::json;
+
+class Gpu : public Workplace {
+protected:
+    Gpu() { write("three.toml", kThreeCases); }
+
+    Outcome with_limits(const std::string& limits, const std::vector<std::string>& arguments) const {
+        Launch launch = this->launch(arguments);
+        launch.environment["FORCESHADE_DEVICE_LIMITS"] = limits;
+        return run(launch);
+    }
+};
+
+// What was done before stays whole, nothing is half there, and the next run goes on.
+TEST_F(Gpu, ALostDeviceEndsASweepThatTheNextRunContinues) {
+    const std::vector<std::string> sweep{"sweep", "three.toml", "--out",   "out",
+                                         "--gpu", "llvmpipe",   "--quiet", "--json"};
+    const Outcome lost = with_limits("lost-at=12", sweep);
+    EXPECT_NE(lost.code, 0);
+    EXPECT_NE(lost.error.find("the device was lost"), std::string::npos) << lost.error;
+    EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
+    const json said = json::parse(expect_success(sweep).out);
+    EXPECT_EQ(said["computed"].get<int>() + said["kept"].get<int>(), 3);
+    EXPECT_EQ(said["voxels_differing_from_oracle"], 0);
+    EXPECT_GT(said["computed"], 0);
+}
+
+TEST_F(Gpu, LimitsAreReadOrRefused) {
+    const Outcome wrong = with_limits("no-f16", {"gpus"});
+    EXPECT_NE(wrong.code, 0);
+    EXPECT_NE(wrong.error.find("\"no-f16\" is none of no-f64"), std::string::npos) << wrong.error;
+    EXPECT_NE(with_limits("no-f64", {"gpus"}).out.find("no double precision"), std::string::npos);
+}
+
+TEST_F(Gpu, AReportOfItIsAFolder) {
+    const std::vector<std::string> arguments{"doctor",   "--gpu-report", "gpu", "--gpu",
+                                             "llvmpipe", "--precision",  "f32", "--quiet"};
+    expect_success(arguments);
+    const json report = json::parse(read_text(path("gpu/report.json")));
+    const json& device = report["devices"].at(0);
+    EXPECT_GT(device["store_bytes_per_s"], 1e8);
+    EXPECT_GT(device["copy_bytes_per_s"], 1e8);
+    EXPECT_GT(device["read_back_bytes_per_s"], 1e8);
+    EXPECT_EQ(device["rows"].size(), 11u);
+    for (const json& row : device["rows"]) {
+        EXPECT_EQ(row["passed"], true) << row;
+        EXPECT_EQ(row["differing"], 0) << row;
+        EXPECT_GT(row["compared"], 10000) << row;
+        EXPECT_GT(row["kernel_s"], 0) << row;
+        EXPECT_LE(row["kernel_s"], row["seconds"]) << row;
+        EXPECT_GT(row["cpu_samples_per_s"], 0) << row;
+    }
+    EXPECT_NE(read_text(path("gpu/report.md")).find("| mesh, mean_value | f32 |"), std::string::npos);
+    expect_failure(2, arguments, {"gpu", "is there already"});
+}
+
+} // namespace
+} // namespace forceshade::testing
