@@ -15,40 +15,6 @@ using Access = vk::AccessFlagBits;
 
 constexpr int kTries = 3, kRepeats = 4; // in a submission
 
-// Commands, submitted and waited for.
-class Once {
-public:
-    explicit Once(Device::Implementation& device)
-        : device_(device),
-          commands_(std::move(
-              device.device.allocateCommandBuffers({*device.command_pool, vk::CommandBufferLevel::ePrimary, 1})
-                  .front())),
-          fence_(device.device.createFence({})) {}
-
-    template <typename Record> void run(const Record& record) {
-        commands_.reset();
-        commands_.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-        for (int i = 0; i < kRepeats; ++i) {
-            record(commands_);
-            commands_.pipelineBarrier(Stage::eTransfer, Stage::eTransfer | Stage::eHost, {},
-                                      vk::MemoryBarrier(Access::eTransferWrite, Access::eTransferRead |
-                                                                                    Access::eTransferWrite |
-                                                                                    Access::eHostRead),
-                                      {}, {});
-        }
-        commands_.end();
-        device_.device.resetFences(*fence_);
-        device_.queue.submit(vk::SubmitInfo({}, {}, *commands_), *fence_);
-        if (device_.device.waitForFences(*fence_, true, UINT64_MAX) != vk::Result::eSuccess)
-            throw DeviceError(DeviceError::Kind::device_lost, "the device did not finish copying");
-    }
-
-private:
-    Device::Implementation& device_;
-    vk::raii::CommandBuffer commands_;
-    vk::raii::Fence fence_;
-};
-
 template <typename Work> double best_rate(std::size_t bytes, const Work& work) {
     double best = 0;
     work(); // memory is there for the first time
@@ -72,23 +38,37 @@ Bandwidth measure_bandwidth(Device& opened) {
         const Buffer second = make_buffer(device, bytes, Usage::eTransferDst, Placement::device);
         const Buffer host = make_buffer(device, bytes, Usage::eTransferDst, Placement::host_read);
         std::vector<std::byte> read(bytes);
-        Once once(device);
+        Commands commands(device);
+        const auto run = [&](const auto& record) {
+            commands.record([&](const vk::raii::CommandBuffer& buffer) {
+                for (int i = 0; i < kRepeats; ++i) {
+                    record(buffer);
+                    buffer.pipelineBarrier(Stage::eTransfer, Stage::eTransfer | Stage::eHost, {},
+                                           vk::MemoryBarrier(Access::eTransferWrite, Access::eTransferRead |
+                                                                                         Access::eTransferWrite |
+                                                                                         Access::eHostRead),
+                                           {}, {});
+                }
+            });
+            commands.submit();
+            commands.wait();
+        };
         const auto copy_to = [&](const Buffer& to) {
-            once.run([&](const vk::raii::CommandBuffer& commands) {
-                commands.copyBuffer(*first.buffer, *to.buffer, vk::BufferCopy(0, 0, bytes));
+            run([&](const vk::raii::CommandBuffer& buffer) {
+                buffer.copyBuffer(*first.buffer, *to.buffer, vk::BufferCopy(0, 0, bytes));
             });
         };
         Bandwidth found;
         found.store = best_rate(bytes, [&] {
-            once.run([&](const vk::raii::CommandBuffer& commands) {
-                commands.fillBuffer(*first.buffer, 0, bytes, 0x3F800000u);
+            run([&](const vk::raii::CommandBuffer& buffer) {
+                buffer.fillBuffer(*first.buffer, 0, bytes, 0x3F800000u);
             });
         });
         found.copy = best_rate(bytes, [&] { copy_to(second); });
         found.read_back = best_rate(bytes, [&] {
             copy_to(host);
             for (int i = 0; i < kRepeats; ++i) // as each copy would be
-                std::memcpy(read.data(), host.mapped, bytes);
+                std::memcpy(read.data(), visible_to_host(device, host), bytes);
         });
         return found;
     });

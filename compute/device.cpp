@@ -128,12 +128,14 @@ std::shared_ptr<Loaded> shared_instance() {
 }
 
 /// An instance of this device alone, so that the layers' messages are about it.
-void make_validated_instance(Device::Implementation& self) {
+void make_validated_instance(Device::Implementation& self, bool assisted) {
     const std::vector<const char*> layers{"VK_LAYER_KHRONOS_validation"};
     const std::vector<const char*> extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
                                               VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
-    const std::vector<vk::ValidationFeatureEnableEXT> enabled{
-        vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
+    std::vector<vk::ValidationFeatureEnableEXT> enabled{vk::ValidationFeatureEnableEXT::eSynchronizationValidation,
+                                                        vk::ValidationFeatureEnableEXT::eBestPractices};
+    if (assisted)
+        enabled.push_back(vk::ValidationFeatureEnableEXT::eGpuAssisted);
     const vk::ValidationFeaturesEXT features(enabled);
     self.loaded = std::make_shared<Loaded>();
     self.loaded->instance = vk::raii::Instance(
@@ -152,12 +154,11 @@ void make_device(Device::Implementation& self, std::span<const std::byte> cache)
     const float priority = 1.0f;
     const vk::DeviceQueueCreateInfo queue({}, self.queue_family, 1, &priority);
     vk::PhysicalDeviceFeatures features;
-    features.shaderFloat64 = self.report.f64;
-    features.shaderInt64 = self.report.int64;
+    const vk::PhysicalDeviceFeatures has = self.physical.getFeatures(); // of this instance
+    features.shaderFloat64 = self.report.f64 && has.shaderFloat64;
+    features.shaderInt64 = self.report.int64 && has.shaderInt64;
     self.device = self.physical.createDevice({{}, queue, {}, {}, &features});
     self.queue = self.device.getQueue(self.queue_family, 0);
-    self.command_pool =
-        self.device.createCommandPool({vk::CommandPoolCreateFlagBits::eResetCommandBuffer, self.queue_family});
     try {
         self.pipeline_cache = self.device.createPipelineCache({{}, cache.size(), cache.data()});
     } catch (const vk::SystemError&) {
@@ -217,41 +218,6 @@ std::string listing(const std::vector<DeviceReport>& devices, bool needs_f64) {
                             reasons.empty() ? "usable" : fmt::format("{}", fmt::join(reasons, "; ")));
     }
     return text;
-}
-
-using Flags = vk::MemoryPropertyFlags;
-using Flag = vk::MemoryPropertyFlagBits;
-
-// Wishes in falling order; the first that some allowed memory type meets is taken.
-std::vector<Flags> wishes(Placement placement) {
-    switch (placement) {
-    case Placement::device:
-        return {Flag::eDeviceLocal, Flags{}};
-    case Placement::host_upload:
-        return {Flag::eHostVisible | Flag::eHostCoherent, Flag::eHostVisible};
-    case Placement::host_read:
-        return {Flag::eHostVisible | Flag::eHostCached | Flag::eHostCoherent, Flag::eHostVisible | Flag::eHostCached,
-                Flag::eHostVisible};
-    }
-    return {};
-}
-
-std::optional<std::uint32_t> memory_type(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
-                                         Flags wanted) {
-    for (std::uint32_t type = 0; type < memory.memoryTypeCount; ++type)
-        if ((allowed & (1u << type)) && (memory.memoryTypes[type].propertyFlags & wanted) == wanted)
-            return type;
-    return std::nullopt;
-}
-
-// Against the memory that the device is taken to have.
-void count(Device::Implementation& device, Buffer& buffer, std::uint64_t bytes) {
-    if (device.taken.memory == 0)
-        return;
-    if (device.allocated + bytes > device.taken.memory)
-        throw vk::OutOfDeviceMemoryError(kLimitsVariable);
-    device.allocated += bytes;
-    buffer.counted = {nullptr, [&device, bytes](void*) { device.allocated -= bytes; }};
 }
 
 } // namespace
@@ -323,7 +289,7 @@ Device::Device(const DeviceOptions& options) {
         if (options.through_double)
             implementation_->report.nearest = false;
         if (options.validation)
-            make_validated_instance(*implementation_);
+            make_validated_instance(*implementation_, options.gpu_assisted);
         else
             implementation_->loaded = shared_instance();
         implementation_->physical =
@@ -351,40 +317,6 @@ std::vector<std::byte> Device::pipeline_cache() const {
         for (const std::uint8_t byte : implementation_->pipeline_cache.getData())
             bytes.push_back(static_cast<std::byte>(byte));
         return bytes;
-    });
-}
-
-Buffer make_buffer(Device::Implementation& device, std::size_t bytes, vk::BufferUsageFlags usage, Placement placement) {
-    const std::string doing = fmt::format("allocating a buffer of {} bytes", bytes);
-    return checked(doing, [&] {
-        Buffer result;
-        result.size = std::max<std::size_t>(bytes, 16);
-        result.buffer = device.device.createBuffer({{}, result.size, usage, vk::SharingMode::eExclusive});
-        const vk::MemoryRequirements needs = result.buffer.getMemoryRequirements();
-        for (const Flags wanted : wishes(placement)) {
-            const auto type = memory_type(device.memory, needs.memoryTypeBits, wanted);
-            if (!type)
-                continue;
-            if (needs.size > device.memory.memoryHeaps[device.memory.memoryTypes[*type].heapIndex].size)
-                continue;
-            const Flags flags = device.memory.memoryTypes[*type].propertyFlags;
-            if (placement == Placement::device)
-                count(device, result, needs.size);
-            result.memory = device.device.allocateMemory({needs.size, *type});
-            result.buffer.bindMemory(*result.memory, 0);
-            result.coherent = bool(flags & Flag::eHostCoherent);
-            if (placement == Placement::device)
-                return result;
-            result.mapped = static_cast<std::byte*>(result.memory.mapMemory(0, VK_WHOLE_SIZE));
-            if (device.taken.incoherent) {
-                result.coherent = false;
-                result.apart.assign(result.size, std::byte{0xA5});
-                result.behind = std::exchange(result.mapped, result.apart.data());
-            }
-            return result;
-        }
-        throw DeviceError(DeviceError::Kind::out_of_memory,
-                          fmt::format("no memory type of the device holds a buffer of {} bytes", bytes));
     });
 }
 

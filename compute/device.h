@@ -60,7 +60,8 @@ struct DeviceOptions {
     std::string wanted; /* as in choose_device */
     bool needs_f64 = false;
     bool through_double = false; /* kernels as for a device whose quotients and roots of floats may be off */
-    bool validation = false;     /* core and synchronization validation; messages in validation_messages() */
+    bool validation = false;     /* core, synchronization, best practices; messages in validation_messages() */
+    bool gpu_assisted = false;   /* with validation: accesses of kernels are checked, too, which is slow */
     std::span<const std::byte> pipeline_cache; /* of an earlier run on this device; ignored where it does not fit */
 };
 

@@ -33,55 +33,10 @@ void grow(Device::Implementation& device, Buffer& buffer, std::size_t bytes, vk:
     buffer = make_buffer(device, bytes, usage, placement);
 }
 
-void flush_to_device(Device::Implementation& device, const Buffer& buffer) {
-    if (buffer.behind)
-        std::memcpy(buffer.behind, buffer.mapped, buffer.size);
-    if (!buffer.coherent)
-        device.device.flushMappedMemoryRanges(vk::MappedMemoryRange(*buffer.memory, 0, VK_WHOLE_SIZE));
-}
-
-const std::byte* visible_to_host(Device::Implementation& device, const Buffer& buffer) {
-    if (!buffer.coherent)
-        device.device.invalidateMappedMemoryRanges(vk::MappedMemoryRange(*buffer.memory, 0, VK_WHOLE_SIZE));
-    if (buffer.behind)
-        std::memcpy(buffer.mapped, buffer.behind, buffer.size);
-    return buffer.mapped;
-}
-
 void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags before, vk::AccessFlags written,
              vk::PipelineStageFlags after, vk::AccessFlags read) {
     commands.pipelineBarrier(before, after, {}, vk::MemoryBarrier(written, read), {}, {});
 }
-
-// A command buffer, and the fence that signals when the device is done with it.
-struct Commands {
-    Device::Implementation& device;
-    vk::raii::CommandBuffer buffer;
-    vk::raii::Fence fence;
-
-    explicit Commands(Device::Implementation& on)
-        : device(on),
-          buffer(std::move(
-              on.device.allocateCommandBuffers({*on.command_pool, vk::CommandBufferLevel::ePrimary, 1}).front())),
-          fence(on.device.createFence({})) {}
-
-    template <typename Record> void record(const Record& what) {
-        buffer.reset();
-        buffer.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-        what(buffer);
-        buffer.end();
-    }
-    void submit() {
-        if (device.taken.lost_at != 0 && ++device.submissions >= device.taken.lost_at)
-            throw vk::DeviceLostError(kLimitsVariable);
-        device.device.resetFences(*fence);
-        device.queue.submit(vk::SubmitInfo({}, {}, *buffer), *fence);
-    }
-    void wait() {
-        if (device.device.waitForFences(*fence, true, UINT64_MAX) != vk::Result::eSuccess)
-            throw DeviceError(DeviceError::Kind::device_lost, "the device did not finish its work");
-    }
-};
 
 // What a dispatch binds of its own: a table (copied from `host`) or results (copied to it); without staging the host
 // sees `device` itself.

@@ -1,6 +1,8 @@
-// Vulkan types of the open device, for device.cpp and dispatch.cpp only: including this takes seconds.
+// Vulkan types of the open device, its memory and its commands, for sources of this folder only: including this takes
+// seconds.
 #pragma once
 
+#include <map>
 #include <mutex>
 #include <optional>
 
@@ -39,6 +41,14 @@ struct Loaded {
     vk::raii::Instance instance{nullptr};
 };
 
+/// Memory of one type. Small buffers take parts of one piece; a large one has a piece of its own.
+struct MemoryPiece {
+    vk::raii::DeviceMemory memory{nullptr};
+    std::byte* mapped = nullptr;
+    std::map<std::size_t, std::size_t> free{}; // bytes by offset
+    std::shared_ptr<void> counted{};           // in `allocated`
+};
+
 struct Device::Implementation {
     DeviceReport report;
     DeviceLimits taken;            // to be the device's, below its own
@@ -55,20 +65,26 @@ struct Device::Implementation {
     std::uint32_t timestamp_bits = 0; // 0: the queue keeps no time
     vk::raii::Device device{nullptr};
     vk::raii::Queue queue{nullptr};
-    vk::raii::CommandPool command_pool{nullptr};
     vk::raii::PipelineCache pipeline_cache{nullptr};
+    // Of small buffers: by type, and whether mapped.
+    std::map<std::pair<std::uint32_t, bool>, std::vector<std::shared_ptr<MemoryPiece>>> pieces;
 };
 
-/// A buffer with memory of its own, mapped if the memory is visible to the host.
+/// Of a piece of memory, given back to it at the end.
+struct Part {
+    std::shared_ptr<MemoryPiece> piece;
+    std::size_t offset = 0, bytes = 0;
+};
+
+/// A buffer with its part of memory, mapped if that is visible to the host.
 struct Buffer {
     vk::raii::Buffer buffer{nullptr};
-    vk::raii::DeviceMemory memory{nullptr};
+    std::shared_ptr<const Part> memory{};
     std::size_t size = 0; // bytes
     std::byte* mapped = nullptr;
     bool coherent = false;
-    std::vector<std::byte> apart{};  // what `mapped` is where memory is taken for incoherent
-    std::byte* behind = nullptr;     // and what it stands for
-    std::shared_ptr<void> counted{}; // in `allocated`
+    std::vector<std::byte> apart{}; // what `mapped` is where memory is taken for incoherent
+    std::byte* behind = nullptr;    // and what it stands for
 };
 
 enum class Placement {
@@ -79,5 +95,32 @@ enum class Placement {
 
 /// \throws DeviceError (out_of_memory).
 Buffer make_buffer(Device::Implementation& device, std::size_t bytes, vk::BufferUsageFlags usage, Placement placement);
+
+/// Shows the device what the host wrote.
+void flush_to_device(Device::Implementation& device, const Buffer& buffer);
+/// Shows the host what the device wrote.
+const std::byte* visible_to_host(Device::Implementation& device, const Buffer& buffer);
+
+/// Commands, recorded anew each time, and the fence that signals when the device is done with them.
+class Commands {
+public:
+    explicit Commands(Device::Implementation& device);
+
+    template <typename Record> void record(const Record& what) {
+        pool_.reset();
+        buffer_.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+        what(buffer_);
+        buffer_.end();
+    }
+    void submit();
+    /// \throws DeviceError (device_lost).
+    void wait();
+
+private:
+    Device::Implementation* device_;
+    vk::raii::CommandPool pool_;
+    vk::raii::CommandBuffer buffer_;
+    vk::raii::Fence fence_;
+};
 
 } // namespace forceshade::compute

@@ -1,4 +1,5 @@
-// Validation layers, core and synchronization, over every kernel and way of running it; and that they are listened to.
+// Validation layers (core, synchronization, best practices, accesses in kernels) over every kernel and way of running
+// it; and that they are listened to.
 #include <gtest/gtest.h>
 
 #include "host/field/engine.h"
@@ -40,6 +41,41 @@ TEST_F(Validation, IsSilent) {
         }
     for (const std::string& message : device.validation_messages())
         ADD_FAILURE() << message;
+}
+
+// Every access of every kernel within its buffers, as the layers see them.
+TEST_F(Validation, OfAccessesIsSilent) {
+    compute::DeviceOptions options;
+    options.wanted = test::tested_gpu();
+    options.validation = options.gpu_assisted = true;
+    compute::Device device(options);
+    test::Kernels kernels(device);
+    std::vector<test::Row> rows = test::field_rows();
+    for (auto more : {test::mesh_field_rows(), test::path_rows(), test::mesh_path_rows()})
+        rows.insert(rows.end(), more.begin(), more.begin() + 1);
+    rows.erase(rows.begin() + 1, rows.end() - 3);
+    for (const test::Row& row : rows)
+        for (const test::Held& held : kernels.hold<float>(row))
+            EXPECT_TRUE(is_equal(held)) << row.name;
+    for (const std::string& message : device.validation_messages())
+        ADD_FAILURE() << message;
+}
+
+// A kernel that writes rows behind its last.
+TEST_F(Validation, OfAccessesIsListenedTo) {
+    test::choose_break(test::Break::beyond);
+    compute::DeviceOptions options;
+    options.wanted = test::tested_gpu();
+    options.validation = options.gpu_assisted = true;
+    compute::Device device(options);
+    Scene scene;
+    scene.grid.size = {16, 3, 5};
+    compute::KernelOptions four_rows;
+    four_rows.rows = 4;
+    compute::FieldKernel kernel(device, four_rows);
+    const FieldTables<float> tables = make_tables<float>(scene, {}, Extent::everything);
+    kernel.evaluate<float>(tables.input(), [](const layout::FieldChunk<float>&) {});
+    EXPECT_FALSE(device.validation_messages().empty());
 }
 
 // A kernel that asks for what the device was not asked to give.
