@@ -29,7 +29,8 @@ void grow(Device::Implementation& device, Buffer& buffer, std::size_t bytes, vk:
           Placement placement) {
     if (buffer.size >= bytes)
         return;
-    buffer = Buffer{}; // before the new one, so that both need not fit
+    buffer.buffer = vk::raii::Buffer{nullptr}; // before its memory
+    buffer = Buffer{};                         // before the new one, so that both need not fit
     buffer = make_buffer(device, bytes, usage, placement);
 }
 

@@ -78,9 +78,9 @@ struct Part {
 
 /// A buffer with its part of memory, mapped if that is visible to the host.
 struct Buffer {
-    vk::raii::Buffer buffer{nullptr};
     std::shared_ptr<const Part> memory{};
-    std::size_t size = 0; // bytes
+    vk::raii::Buffer buffer{nullptr}; // gone before its memory
+    std::size_t size = 0;             // bytes
     std::byte* mapped = nullptr;
     bool coherent = false;
     std::vector<std::byte> apart{}; // what `mapped` is where memory is taken for incoherent

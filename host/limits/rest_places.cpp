@@ -254,8 +254,6 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
     const auto depths = surface.depths();
     const std::size_t edges = std::max<std::size_t>(4, count / 8);
     std::vector<RestPlace> places;
-    if (surface.is_mesh())
-        add_vertices(force, surface, edges, places);
     std::size_t found = 0;
     for (TouchPlace& point : points) {
         for (const double depth : depths)
@@ -291,6 +289,8 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
         }
         found += any ? 1 : 0;
     }
+    if (surface.is_mesh())
+        add_vertices(force, surface, edges, places);
     return places;
 }
 

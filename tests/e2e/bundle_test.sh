@@ -3,17 +3,9 @@
 # starts, computes on the CPU, draws, and says what it misses. Needs root and debootstrap; else it is skipped (exit 77).
 set -eu
 here=$(cd "$(dirname "$0")/../.." && pwd)
-[ "$(id -u)" = 0 ] && command -v debootstrap >/dev/null || exit 77
+. "$here/tests/e2e/bare_debian.sh"
 archive=${1:-$here/$("$here/host/bundle")}
-root=$(mktemp -d)
-trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
-debootstrap --variant=minbase bookworm "$root" >"$root.log" 2>&1 || { cat "$root.log"; exit 77; }
-rm -f "$root.log"
-mount -t proc proc "$root/proc" || exit 77 # a program finds the folder it lies in there
-
-mkdir "$root/opt/bundle"
-tar -C "$root/opt/bundle" --strip-components=1 -xf "$archive"
-ln -s /opt/bundle/bin/forceshade "$root/usr/local/bin/forceshade"
+bare_debian bookworm "" "$archive"
 cat >"$root/tmp/bump.toml" <<END
 [surface]
 kind = "bump"
@@ -25,7 +17,6 @@ size = [32, 4, 16]
 spacing = "0.8 mm"
 END
 
-inside() { chroot "$root" env -i PATH=/usr/local/bin:/usr/bin:/bin HOME=/root "$@"; }
 inside forceshade --version
 inside forceshade field /tmp/bump.toml --out /tmp/bump.exr --also png --engine cpu
 for file in bump.exr bump.arrows.png bump.mosaic.png; do
