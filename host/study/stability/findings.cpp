@@ -309,9 +309,16 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
     text +=
         fmt::format("In a scene of up to 1e6 N/m this hand is stable through a virtual coupling (hand.coupling): {}.",
                     fmt::join(parts, "; "));
+    const auto filtered = std::ranges::find_if(results.couplings, [&](const CouplingRow& row) {
+        return row.which == "filtered" && row.surface == damped->surface && row.scene == kStiff;
+    });
     if (damped->coupling.damping > 0)
-        text += fmt::format(" A damper of {:.3g} N s/m displays {}{}, but impacts may then add energy.",
-                            damped->coupling.damping, on(damped->surface), felt(*damped));
+        text += fmt::format(" A damper of {:.3g} N s/m displays {}{}{}, but impacts may then add energy.",
+                            damped->coupling.damping, on(damped->surface), felt(*damped),
+                            filtered == results.couplings.end()
+                                ? ""
+                                : fmt::format(" (the best one whose speed is filtered over {} samples {})",
+                                              kUsualFilter, felt(*filtered)));
     findings.push_back({"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
                         hand_text(results.surfaces.front()),
                         fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
