@@ -245,7 +245,9 @@ void Dispatcher::Implementation::finish(InFlight& slot, FieldTimes& times) {
     const double seconds = add_times(slot, times);
     if (device.taken.longest > 0 && seconds > device.taken.longest)
         throw vk::DeviceLostError(kLimitsVariable);
-    pace = static_cast<double>(slot.work) * std::min(kMostGrowth, kAim / std::max(seconds, 1e-9));
+    const double next = static_cast<double>(slot.work) * std::min(kMostGrowth, kAim / std::max(seconds, 1e-9));
+    if (slot.work != 0) // and a small one says nothing against larger ones
+        pace = seconds < kAim ? std::max(pace, next) : next;
     uint status = 0;
     std::memcpy(&status, visible_to_host(device, slot.status), sizeof(status));
     if (status & layout::kStatusUnfinished)
@@ -443,8 +445,8 @@ std::uint64_t Dispatcher::paced(std::uint64_t most) const {
     const Implementation& self = *implementation_;
     if (self.device.report.software && self.device.taken.longest == 0)
         return most;
-    const double share = static_cast<double>(most) / kFirstShare;
-    return static_cast<std::uint64_t>(std::clamp(self.pace > 0 ? self.pace : share, 1.0, static_cast<double>(most)));
+    const double all = static_cast<double>(most), share = all / kFirstShare;
+    return static_cast<std::uint64_t>(std::clamp(self.pace > 0 ? self.pace : share, 1.0, std::max(1.0, all)));
 }
 
 void Dispatcher::submit(std::span<const Run> runs, std::uint64_t work, const std::function<void()>& consume) {

@@ -92,11 +92,11 @@ std::shared_ptr<const Part> take_from(const std::shared_ptr<MemoryPiece>& piece,
 
 std::shared_ptr<const Part> take_memory(Device::Implementation& device, std::uint32_t type, bool mapped,
                                         const vk::MemoryRequirements& needs) {
-    if (needs.size >= kLarge)
-        return take_from(make_piece(device, type, mapped, needs.size), needs.size, 1);
     // Parts that are flushed alone.
     const std::size_t alignment = std::max<std::size_t>(needs.alignment, device.limits.nonCoherentAtomSize);
     const std::size_t bytes = divide_up(needs.size, alignment) * alignment;
+    if (bytes >= kLarge)
+        return take_from(make_piece(device, type, mapped, bytes), bytes, 1);
     auto& pieces = device.pieces[{type, mapped}];
     for (const std::shared_ptr<MemoryPiece>& piece : pieces)
         if (auto part = take_from(piece, bytes, alignment))

@@ -335,7 +335,7 @@ FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const Fini
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         layout::MeshPathChunkParams chunk{};
         chunk.own_hands = input.hands.size() > 1;
-        const auto pause = static_cast<uint>(options_.in_parts ? part_of(options_.pause) : options_.pause);
+        chunk.pause = static_cast<uint>(options_.in_parts ? part_of(options_.pause) : options_.pause);
         chunk.limit = options_.limit;
         chunk.stretch = input.stretch;
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
@@ -366,11 +366,12 @@ FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const Fini
                 chunk.step_end = static_cast<std::uint32_t>(step + count);
                 // Every path as far as one dispatch goes, until all have reached the end.
                 while ((chunk.listed = static_cast<std::uint32_t>(batch.list_waiting(chunk.step_end))) != 0) {
-                    chunk.pause = static_cast<uint>(dispatcher.paced(pause));
+                    const auto next = static_cast<uint>(dispatcher.paced(chunk.listed)); // the others' turn comes
+                    chunk.listed = std::min(chunk.listed, std::max(next, kGroup));
                     const Dispatcher::Run run{pipeline, divide_up(chunk.listed, kGroup), bytes_of(chunk)};
                     dispatcher.complete(times, [&] {
                         dispatcher.begin(times);
-                        dispatcher.submit({&run, 1}, chunk.pause, [] {});
+                        dispatcher.submit({&run, 1}, chunk.listed, [] {});
                     });
                     batch.check_status();
                     times.host_updates += batch.finish_updates(finish);

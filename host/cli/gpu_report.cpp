@@ -1,7 +1,7 @@
 #include "host/cli/gpu_report.h"
 
 #include <algorithm>
-#include <thread>
+#include <future>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -77,10 +77,10 @@ struct Row {
     std::optional<double> rounding{}; /* of the largest force, from the oracle in double; of fields */
     bool passed = false;
     std::string first_difference{};
-    std::uint64_t samples = 0;      /* of the run that was timed */
-    double seconds = 0, kernel = 0; /* s: of it, and in kernels */
-    double cpu = 0;                 /* samples/s of the CPU's engine */
-    std::uint64_t bytes = 0;        /* of its results */
+    std::uint64_t samples = 0;             /* of the run that was timed */
+    double seconds = INFINITY, kernel = 0; /* s: of it, and in kernels; not finite: it failed */
+    double cpu = 0;                        /* samples/s of the CPU's engine */
+    std::uint64_t bytes = 0;               /* of its results */
 };
 
 struct DeviceRows {
@@ -113,7 +113,6 @@ EngineTimes run_once(Engine& engine, const PreparedCase& prepared, Row& row) {
 // The fastest of three, after one in which kernels are compiled.
 void time_runs(Engine& engine, const PreparedCase& prepared, Row& row) {
     run_once(engine, prepared, row);
-    row.seconds = INFINITY;
     for (int i = 0; i < 3; ++i) {
         const Clock::time_point start = Clock::now();
         const EngineTimes times = run_once(engine, prepared, row);
@@ -168,26 +167,29 @@ DeviceRows examine(const compute::DeviceReport& device, const std::vector<Precis
         compute::Device opened(one);
         found.bandwidth = compute::measure_bandwidth(opened);
     }
+    // What a device cannot do is in its row.
+    const auto attempt = [](Row& row, const auto& work) {
+        try {
+            work();
+        } catch (const compute::DeviceError& error) {
+            row.passed = false;
+            row.first_difference = error.what();
+        }
+    };
     for (const Law& law : kLaws)
         for (const Precision precision : precisions) {
             Row& row = found.rows.emplace_back(Row{&law, precision});
             stage.update(found.rows.size() - 1, law.name);
-            try {
-                compare(*compared, case_of(law, 40), row);
-            } catch (const compute::DeviceError& error) {
-                if (error.kind() != compute::DeviceError::Kind::differs_in_parts)
-                    throw;
-                row.first_difference = error.what();
-            }
+            attempt(row, [&] { compare(*compared, case_of(law, 40), row); });
             Row on_cpu{&law, precision};
             time_runs(*cpu, case_of(law, kSoftwareSide), on_cpu);
             row.cpu = static_cast<double>(on_cpu.samples) / on_cpu.seconds;
-            time_runs(*timed, case_of(law, side_of(device)), row);
+            attempt(row, [&] { time_runs(*timed, case_of(law, side_of(device)), row); });
         }
     return found;
 }
 
-// Samples a second of all devices at work at once, each on the same field.
+// Samples a second of all devices at work at once, each on the same field. \throws compute::DeviceError.
 double rate_of_all(const std::vector<DeviceRows>& devices, const EngineOptions& options) {
     std::vector<std::unique_ptr<Engine>> engines;
     for (const DeviceRows& one : devices) {
@@ -197,14 +199,14 @@ double rate_of_all(const std::vector<DeviceRows>& devices, const EngineOptions& 
     }
     std::vector<Row> rows(devices.size(), {&kLaws[1], Precision::f32});
     const auto run_all = [&] {
-        std::vector<std::thread> threads;
+        std::vector<std::future<void>> done; // each waits for its thread
         for (std::size_t i = 0; i < engines.size(); ++i)
-            threads.emplace_back([&, i] {
+            done.push_back(std::async(std::launch::async, [&, i] {
                 const PreparedCase prepared = case_of(*rows[i].law, side_of(devices[i].device));
                 run_once(*engines[i], prepared, rows[i]);
-            });
-        for (std::thread& thread : threads)
-            thread.join();
+            }));
+        for (std::future<void>& one : done)
+            one.get();
     };
     run_all();
     const Clock::time_point start = Clock::now();
@@ -234,7 +236,7 @@ std::string table_of(const DeviceRows& device) {
     for (const Row& row : device.rows)
         text +=
             fmt::format("| {} | {} | {} | {} | {} | {} | {:.3g} | {:.3g} | {:.2g} % | {:.3g} |\n", row.law->name,
-                        row.precision == Precision::f64 ? "f64" : "f32", row.compared, row.differing,
+                        name_of(row.precision), row.compared, row.differing,
                         row.rounding ? fmt::format("{:.2g}", *row.rounding) : "", row.passed ? "ok" : "**FAILED**",
                         1e-6 * static_cast<double>(row.samples) / row.seconds,
                         row.kernel > 0 ? 1e-6 * static_cast<double>(row.samples) / row.kernel : 0,
@@ -242,7 +244,7 @@ std::string table_of(const DeviceRows& device) {
                         1e-6 * row.cpu);
     for (const Row& row : device.rows)
         if (!row.passed)
-            text += fmt::format("\n{}: {}\n", row.law->name, row.first_difference);
+            text += fmt::format("\n{}, {}: {}\n", row.law->name, name_of(row.precision), row.first_difference);
     return text + "\n";
 }
 
@@ -250,7 +252,7 @@ Json json_of(const DeviceRows& device) {
     Json rows = Json::array();
     for (const Row& row : device.rows)
         rows.push_back({{"law", row.law->name},
-                        {"precision", row.precision == Precision::f64 ? "f64" : "f32"},
+                        {"precision", name_of(row.precision)},
                         {"compared", row.compared},
                         {"differing", row.differing},
                         {"rounding_1", row.rounding ? Json(*row.rounding) : Json()},
@@ -285,6 +287,9 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
     std::error_code none;
     if (std::filesystem::exists(folder, none))
         throw UsageError("{} is there already: name a new folder for the report", folder.string());
+    if (common.engine == "cpu")
+        throw UsageError("--gpu-report is of Vulkan devices: leave --engine cpu out");
+    std::filesystem::create_directories(folder); // an error comes before the work
     const bool needs_f64 = common.precision == "f64";
     const std::vector<compute::DeviceReport> listed = compute::list_devices();
     std::vector<compute::DeviceReport> usable;
@@ -298,10 +303,15 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
         compute::choose_device(listed, "", needs_f64); // throws, with all reasons
     const EngineOptions options = device_options(common, needs_f64);
     std::vector<DeviceRows> found;
+    std::string failures; // of whole devices
     for (const compute::DeviceReport& device : usable) {
         const std::vector<Precision> tried = precisions_on(device, common);
         Stage stage(device.name, std::size(kLaws) * tried.size(), "laws");
-        found.push_back(examine(device, tried, options, stage));
+        try {
+            found.push_back(examine(device, tried, options, stage));
+        } catch (const compute::DeviceError& error) {
+            failures += fmt::format("\n{} failed: {}.\n", device.name, error.what());
+        }
     }
     const auto samples = [](std::uint64_t side) { return side * (side / 2) * side; };
     std::string text = fmt::format(
@@ -311,7 +321,8 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
         "compared with the CPU oracle's: software must have its bits, hardware be within what rounding allows.\n\n",
         version(), cpu_name(), allowed_cores(), samples(kSoftwareSide), samples(kHardwareSide));
     Json json{{"forceshade", version()}, {"cpu", cpu_name()}, {"devices", Json::array()}};
-    bool passed = true;
+    bool passed = failures.empty();
+    text += failures;
     for (const DeviceRows& device : found) {
         text += table_of(device);
         json["devices"].push_back(json_of(device));
@@ -319,15 +330,19 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
             passed = passed && row.passed;
     }
     if (found.size() > 1) {
-        const double rate = rate_of_all(found, options);
-        text += fmt::format("All {} devices at once, {}: {:.3g} million samples/s.\n", found.size(), kLaws[1].name,
-                            1e-6 * rate);
-        json["samples_per_s_of_all"] = rate;
+        text += fmt::format("All {} devices at once, {}: ", found.size(), kLaws[1].name);
+        try {
+            const double rate = rate_of_all(found, options);
+            text += fmt::format("{:.3g} million samples/s.\n", 1e-6 * rate);
+            json["samples_per_s_of_all"] = rate;
+        } catch (const compute::DeviceError& error) {
+            text += fmt::format("failed: {}.\n", error.what());
+            passed = false;
+        }
     }
     for (const compute::DeviceReport& device : listed)
         if (!device.refusals.empty())
             text += fmt::format("Not usable: {}: {}.\n", device.name, fmt::join(device.refusals, "; "));
-    std::filesystem::create_directories(folder);
     write_file_atomically(folder / "report.md", text);
     write_file_atomically(folder / "report.json", json.dump(2) + "\n");
     return passed;

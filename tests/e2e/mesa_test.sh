@@ -1,5 +1,5 @@
 #!/bin/sh
-# mesa_test.sh [SUITE] [ARCHIVE]: the bundle on the software device of another Debian's Mesa (trixie: Mesa 25, LLVM 19):
+# mesa_test.sh [SUITE [ARCHIVE]]: the bundle on the software device of another Debian's Mesa (trixie: Mesa 25, LLVM 19):
 # every law in both precisions, and cases of the paper's study, must have the oracle's bits. Skipped as bundle_test.sh is.
 set -eu
 here=$(cd "$(dirname "$0")/../.." && pwd)
