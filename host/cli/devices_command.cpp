@@ -9,6 +9,7 @@
 #include "device/backends/devices.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
+#include "host/cli/gpu_report.h"
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/output/files.h"
@@ -20,18 +21,7 @@ namespace {
 std::string as_json(const std::vector<compute::DeviceReport>& devices) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const compute::DeviceReport& device : devices)
-        json.push_back({{"index", device.index},
-                        {"name", device.name},
-                        {"uuid", device.uuid},
-                        {"type", device.type},
-                        {"driver", device.driver},
-                        {"vulkan", device.api},
-                        {"f64", device.f64},
-                        {"int64", device.int64},
-                        {"memory_bytes", device.memory},
-                        {"storage_buffer_bytes", device.buffer_range},
-                        {"subgroup", device.subgroup},
-                        {"refused", device.refusals}});
+        json.push_back(json_of(device));
     return json.dump(2) + "\n";
 }
 

@@ -235,7 +235,7 @@ void add_doctor_command(CommandLine& program) {
                          "measure for two seconds how punctually a live loop would wake, at 1 and 4 kHz");
             options.optional(
                 "--gpu-report FOLDER", arguments.gpu_report,
-                "hold every law on every usable Vulkan device (or --gpu's) against the oracle, time it beside the "
+                "hold every law on every usable Vulkan device (or --gpu's) against the oracle, time it against the "
                 "device's bandwidth, and write it into a new folder, to be sent");
             options.example("doctor", "this machine")
                 .example("doctor --engine cpu", "the same without a Vulkan device")

@@ -248,7 +248,7 @@ std::string table_of(const DeviceRows& device) {
     return text + "\n";
 }
 
-Json json_of(const DeviceRows& device) {
+Json with_rows(const DeviceRows& device) {
     Json rows = Json::array();
     for (const Row& row : device.rows)
         rows.push_back({{"law", row.law->name},
@@ -263,25 +263,31 @@ Json json_of(const DeviceRows& device) {
                         {"kernel_s", row.kernel},
                         {"cpu_samples_per_s", row.cpu},
                         {"result_bytes", row.bytes}});
-    const compute::DeviceReport& one = device.device;
-    return {{"name", one.name},
-            {"uuid", one.uuid},
-            {"type", one.type},
-            {"driver", one.driver},
-            {"vulkan", one.api},
-            {"f64", one.f64},
-            {"int64", one.int64},
-            {"memory_bytes", one.memory},
-            {"storage_buffer_bytes", one.buffer_range},
-            {"group_invocations", one.group_invocations},
-            {"subgroup", one.subgroup},
-            {"store_bytes_per_s", device.bandwidth.store},
-            {"copy_bytes_per_s", device.bandwidth.copy},
-            {"read_back_bytes_per_s", device.bandwidth.read_back},
-            {"rows", rows}};
+    Json json = json_of(device.device);
+    json.update({{"store_bytes_per_s", device.bandwidth.store},
+                 {"copy_bytes_per_s", device.bandwidth.copy},
+                 {"read_back_bytes_per_s", device.bandwidth.read_back},
+                 {"rows", rows}});
+    return json;
 }
 
 } // namespace
+
+nlohmann::ordered_json json_of(const compute::DeviceReport& device) {
+    return {{"index", device.index},
+            {"name", device.name},
+            {"uuid", device.uuid},
+            {"type", device.type},
+            {"driver", device.driver},
+            {"vulkan", device.api},
+            {"f64", device.f64},
+            {"int64", device.int64},
+            {"memory_bytes", device.memory},
+            {"storage_buffer_bytes", device.buffer_range},
+            {"group_invocations", device.group_invocations},
+            {"subgroup", device.subgroup},
+            {"refused", device.refusals}};
+}
 
 bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& common) {
     std::error_code none;
@@ -325,7 +331,7 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
     text += failures;
     for (const DeviceRows& device : found) {
         text += table_of(device);
-        json["devices"].push_back(json_of(device));
+        json["devices"].push_back(with_rows(device));
         for (const Row& row : device.rows)
             passed = passed && row.passed;
     }

@@ -103,9 +103,9 @@ std::optional<RestPlace> smooth_at(ContactForce& force, const TouchPlace& from, 
     return rest;
 }
 
-// Beside an edge, where a slope is often steepest.
-void add_beside(ContactForce& force, TouchPlace edge, const glm::dvec3& along, double depth,
-                std::vector<RestPlace>& places) {
+// Next to an edge, where a slope is often steepest.
+void add_next_to(ContactForce& force, TouchPlace edge, const glm::dvec3& along, double depth,
+                 std::vector<RestPlace>& places) {
     edge.at += kEdgeDistance * depth * along;
     if (auto smooth = smooth_at(force, edge, depth)) {
         smooth->edge_distance = kEdgeDistance * depth;
@@ -132,7 +132,7 @@ void add_vertices(ContactForce& force, const LoopSurface& surface, std::size_t m
             if (const auto smooth = smooth_at(force, vertex, depth)) // as below one that points inwards
                 places.push_back(*smooth);
             for (const glm::dvec3& along : {u, -u, v, -v})
-                add_beside(force, vertex, along, depth, places);
+                add_next_to(force, vertex, along, depth, places);
         }
     }
 }
@@ -285,7 +285,7 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
             places.push_back(*place);
             any = true;
             for (const double side : {-1.0, 1.0})
-                add_beside(force, *there, side * along, depth, places);
+                add_next_to(force, *there, side * along, depth, places);
         }
         found += any ? 1 : 0;
     }

@@ -62,7 +62,7 @@ struct RestPlace {
 };
 
 /// `count` points anywhere on the surface, at each of its depths; those of its edges that were found from there, an
-/// eighth of them at most; and as many vertices of a mesh, and beside them. \throws UsageError without contact in the
+/// eighth of them at most; and as many vertices of a mesh, and next to them. \throws UsageError without contact in the
 /// box.
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count);
 
