@@ -1,14 +1,21 @@
 #include "compute/device.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "compute/vulkan.h"
 #include "shaders/shared/layout.h"
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
 
 namespace forceshade::compute {
 namespace {
@@ -115,6 +122,34 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsE
 
 const vk::ApplicationInfo kApplication("forceshade", 1, "forceshade", 1, kApiVersion);
 
+/// While it lives, this thread's floats flush denormals to 0, and those of threads that it starts: a software driver's.
+class Flushing {
+public:
+    explicit Flushing(bool wanted) : wanted_(wanted) {
+        if (!wanted)
+            return;
+#if defined(__SSE2__)
+        before_ = _mm_getcsr();
+        _mm_setcsr(before_ | 0x8040u); // results to zero, operands as zero
+#else
+        throw DeviceError(DeviceError::Kind::unsupported,
+                          fmt::format("{}: flush is for x86 processors", kLimitsVariable));
+#endif
+    }
+    ~Flushing() {
+#if defined(__SSE2__)
+        if (wanted_)
+            _mm_setcsr(before_);
+#endif
+    }
+    Flushing(const Flushing&) = delete;
+    Flushing& operator=(const Flushing&) = delete;
+
+private:
+    bool wanted_;
+    unsigned before_ = 0;
+};
+
 /// The instance that all devices without validation layers share, to the end of the process: a driver of hardware that
 /// is loaded and unloaded again and again has been seen not to be found any more.
 /// \throws DeviceError (no_such_device) without a Vulkan loader, vk::IncompatibleDriverError without any driver.
@@ -149,7 +184,35 @@ void make_validated_instance(Device::Implementation& self, bool assisted) {
         {{}, Severity::eWarning | Severity::eError, Type::eValidation | Type::ePerformance, keep_message, &self});
 }
 
-void make_device(Device::Implementation& self, std::span<const std::byte> cache) {
+// What Device::cache() gives: this, the sizes of work groups, the driver's own.
+struct CacheHead {
+    std::array<char, 8> magic{'f', 's', 'c', 'a', 'c', 'h', 'e', '1'};
+    std::uint64_t groups = 0; // bytes
+};
+
+struct Cache {
+    std::span<const std::byte> groups{}, pipelines{};
+
+    explicit Cache(std::span<const std::byte> bytes) {
+        CacheHead head;
+        if (bytes.size() < sizeof(head))
+            return;
+        std::memcpy(&head, bytes.data(), sizeof(head));
+        bytes = bytes.subspan(sizeof(head));
+        if (head.magic != CacheHead{}.magic || head.groups > bytes.size())
+            return;
+        groups = bytes.first(head.groups);
+        pipelines = bytes.subspan(head.groups);
+    }
+};
+
+bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view name) {
+    const auto all = physical.enumerateDeviceExtensionProperties();
+    return std::ranges::any_of(all, [&](const auto& one) { return name == one.extensionName.data(); });
+}
+
+void make_device(Device::Implementation& self, const DeviceOptions& options) {
+    const Cache cache(options.cache);
     self.queue_family = compute_family(self.physical).value();
     self.timestamp_bits = self.physical.getQueueFamilyProperties()[self.queue_family].timestampValidBits;
     self.limits = self.physical.getProperties().limits;
@@ -160,10 +223,17 @@ void make_device(Device::Implementation& self, std::span<const std::byte> cache)
     const vk::PhysicalDeviceFeatures has = self.physical.getFeatures(); // of this instance
     features.shaderFloat64 = self.report.f64 && has.shaderFloat64;
     features.shaderInt64 = self.report.int64 && has.shaderInt64;
-    self.device = self.physical.createDevice({{}, queue, {}, {}, &features});
+    std::vector<const char*> extensions;
+    self.tells_budget = has_extension(self.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    if (self.tells_budget)
+        extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    self.device = self.physical.createDevice({{}, queue, {}, extensions, &features});
+    const bool tries = !self.report.software || options.try_groups_on_software;
+    self.groups = GroupSizes(std::min(self.report.group_invocations, self.limits.maxComputeWorkGroupSize[0]),
+                             tries ? options.try_groups_after : INFINITY, cache.groups);
     self.queue = self.device.getQueue(self.queue_family, 0);
     try {
-        self.pipeline_cache = self.device.createPipelineCache({{}, cache.size(), cache.data()});
+        self.pipeline_cache = self.device.createPipelineCache({{}, cache.pipelines.size(), cache.pipelines.data()});
     } catch (const vk::SystemError&) {
         self.pipeline_cache = self.device.createPipelineCache({});
     }
@@ -231,6 +301,7 @@ std::vector<DeviceReport> list_devices() {
     return checked("listing the Vulkan devices", [] {
         std::vector<DeviceReport> devices;
         const DeviceLimits taken = device_limits();
+        const Flushing flushing(taken.flush);
         try {
             for (const vk::raii::PhysicalDevice& physical : shared_instance()->instance.enumeratePhysicalDevices())
                 devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size()), taken));
@@ -289,6 +360,7 @@ Device::Device(const DeviceOptions& options) {
         implementation_ = std::make_unique<Implementation>();
         implementation_->report = chosen;
         implementation_->taken = device_limits();
+        const Flushing flushing(implementation_->taken.flush);
         if (options.through_double)
             implementation_->report.nearest = false;
         if (options.validation)
@@ -297,7 +369,7 @@ Device::Device(const DeviceOptions& options) {
             implementation_->loaded = shared_instance();
         implementation_->physical =
             std::move(implementation_->loaded->instance.enumeratePhysicalDevices().at(chosen.index));
-        make_device(*implementation_, options.pipeline_cache);
+        make_device(*implementation_, options);
     });
 }
 
@@ -314,13 +386,36 @@ std::vector<std::string> Device::validation_messages() const {
     return implementation_->messages;
 }
 
-std::vector<std::byte> Device::pipeline_cache() const {
+std::vector<std::byte> Device::cache() const {
     return checked("reading the pipeline cache", [&] {
-        std::vector<std::byte> bytes;
+        const std::vector<std::byte> groups = implementation_->groups.kept();
+        CacheHead head;
+        head.groups = groups.size();
+        const auto start = std::as_bytes(std::span(&head, 1));
+        std::vector<std::byte> bytes(start.begin(), start.end());
+        bytes.insert(bytes.end(), groups.begin(), groups.end());
         for (const std::uint8_t byte : implementation_->pipeline_cache.getData())
             bytes.push_back(static_cast<std::byte>(byte));
         return bytes;
     });
+}
+
+std::optional<std::uint64_t> Device::Implementation::free_memory() const {
+    if (taken.memory != 0)
+        return taken.memory - std::min(taken.memory, allocated);
+    if (!tells_budget)
+        return std::nullopt;
+    const auto chain =
+        physical
+            .getMemoryProperties2<vk::PhysicalDeviceMemoryProperties2, vk::PhysicalDeviceMemoryBudgetPropertiesEXT>();
+    const auto& heaps = chain.get<vk::PhysicalDeviceMemoryProperties2>().memoryProperties;
+    const auto& budget = chain.get<vk::PhysicalDeviceMemoryBudgetPropertiesEXT>();
+    std::uint64_t free = 0;
+    for (std::uint32_t heap = 0; heap < heaps.memoryHeapCount; ++heap)
+        if (heaps.memoryHeaps[heap].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
+            free = std::max<std::uint64_t>(free, budget.heapBudget[heap] -
+                                                     std::min(budget.heapBudget[heap], budget.heapUsage[heap]));
+    return free;
 }
 
 } // namespace forceshade::compute

@@ -59,10 +59,12 @@ const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, cons
 struct DeviceOptions {
     std::string wanted; /* as in choose_device */
     bool needs_f64 = false;
-    bool through_double = false; /* kernels as for a device whose quotients and roots of floats may be off */
-    bool validation = false;     /* core, synchronization, best practices; messages in validation_messages() */
-    bool gpu_assisted = false;   /* with validation: accesses of kernels are checked, too, which is slow */
-    std::span<const std::byte> pipeline_cache; /* of an earlier run on this device; ignored where it does not fit */
+    bool through_double = false;         /* kernels as for a device whose quotients and roots of floats may be off */
+    bool validation = false;             /* core, synchronization, best practices; messages in validation_messages() */
+    bool gpu_assisted = false;           /* with validation: accesses of kernels are checked, too, which is slow */
+    std::span<const std::byte> cache;    /* of an earlier run on this device; ignored where it does not fit */
+    double try_groups_after = 0.25;      /* s of a kernel: from then on it tries sizes of work groups (groups.h) */
+    bool try_groups_on_software = false; /* where they run alike */
 };
 
 /// A device, open, with one compute queue.
@@ -76,8 +78,8 @@ public:
     const DeviceReport& report() const;
     /// The messages of the validation layers so far; empty unless asked for.
     std::vector<std::string> validation_messages() const;
-    /// The pipelines compiled so far, to be kept for a later run; empty if the driver gives none.
-    std::vector<std::byte> pipeline_cache() const;
+    /// What a later run on this device need not find again: pipelines, and sizes of work groups.
+    std::vector<std::byte> cache() const;
 
     struct Implementation;
     Implementation& implementation() { return *implementation_; }

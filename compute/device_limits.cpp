@@ -36,6 +36,8 @@ DeviceLimits read_device_limits(std::string_view text) {
             limits.no_f64 = true;
         else if (item == "no-int64")
             limits.no_int64 = true;
+        else if (item == "flush")
+            limits.flush = true;
         else if (item == "incoherent")
             limits.incoherent = true;
         else if (name == "memory")
@@ -46,13 +48,16 @@ DeviceLimits read_device_limits(std::string_view text) {
             limits.group_invocations = number_of<std::uint32_t>(item, value);
         else if (name == "lost-at")
             limits.lost_at = number_of<std::uint64_t>(item, value);
+        else if (name == "short-at")
+            limits.short_at = number_of<std::uint64_t>(item, value);
         else if (name == "longest")
             limits.longest = number_of<double>(item, value);
         else
-            throw DeviceError(DeviceError::Kind::unsupported,
-                              fmt::format("{}: \"{}\" is none of no-f64, no-int64, incoherent, memory=BYTES, "
-                                          "buffer=BYTES, group=INVOCATIONS, lost-at=SUBMISSION, longest=SECONDS",
-                                          kLimitsVariable, item));
+            throw DeviceError(
+                DeviceError::Kind::unsupported,
+                fmt::format("{}: \"{}\" is none of no-f64, no-int64, flush, incoherent, memory=BYTES, "
+                            "buffer=BYTES, group=INVOCATIONS, lost-at=SUBMISSION, short-at=BUFFER, longest=SECONDS",
+                            kLimitsVariable, item));
     }
     return limits;
 }
@@ -65,6 +70,8 @@ DeviceLimits device_limits() {
 void apply(const DeviceLimits& limits, DeviceReport& report) {
     report.f64 = report.f64 && !limits.no_f64;
     report.int64 = report.int64 && !limits.no_int64;
+    if (limits.flush)
+        report.software = false;
     lower(report.memory, limits.memory);
     lower(report.buffer_range, limits.buffer_range);
     lower(report.group_invocations, limits.group_invocations);

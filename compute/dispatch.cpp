@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,13 +25,17 @@ constexpr double kAim = 0.1;       // s: that a dispatch is to take
 constexpr double kMostGrowth = 4;  // from dispatch to dispatch
 constexpr double kFirstShare = 64; // of the most: what the first one is not larger than
 
+void drop(Buffer& buffer) {
+    buffer.buffer = vk::raii::Buffer{nullptr}; // before its memory
+    buffer = Buffer{};
+}
+
 // Makes `buffer` hold at least `bytes`; what it held is lost if it grows.
 void grow(Device::Implementation& device, Buffer& buffer, std::size_t bytes, vk::BufferUsageFlags usage,
           Placement placement) {
     if (buffer.size >= bytes)
         return;
-    buffer.buffer = vk::raii::Buffer{nullptr}; // before its memory
-    buffer = Buffer{};                         // before the new one, so that both need not fit
+    drop(buffer); // before the new one, so that both need not fit
     buffer = make_buffer(device, bytes, usage, placement);
 }
 
@@ -56,7 +61,9 @@ struct InFlight {
     Buffer status{};
     std::vector<OwnBuffer> buffers{}; // by binding
     Clock::time_point submitted{};
-    std::uint64_t work = 0; // units
+    std::uint64_t work = 0;   // units
+    std::uint64_t kernel = 0; // hash of the last run's, and its work group
+    std::uint32_t group = 0;
     std::function<void()> consume{};
     bool pending = false;
 };
@@ -65,11 +72,20 @@ struct SharedBuffer {
     Buffer device, host; // `host` only where the host does not see `device`
 };
 
+// A kernel as it is specialised, in the sizes of work groups that were asked for so far.
 struct Pipeline {
-    const std::uint32_t* code;
+    Code code;
     std::vector<std::uint32_t> constants;
-    vk::raii::Pipeline pipeline;
+    std::uint64_t hash; // of both
+    std::map<std::uint32_t, vk::raii::Pipeline> by_group{};
 };
+
+// FNV-1a, by words.
+std::uint64_t hash_of(Code words, std::uint64_t hash = 0xCBF29CE484222325u) {
+    for (const std::uint32_t word : words)
+        hash = (hash ^ word) * 0x100000001B3u;
+    return hash;
+}
 
 } // namespace
 
@@ -86,6 +102,7 @@ struct Dispatcher::Implementation {
     vk::raii::DescriptorPool sets{nullptr};
     std::vector<InFlight> slots;
     std::size_t turn = 0; // the slot at hand is turn % slots
+    double compiled = 0;  // s, not yet in anybody's times
     bool poisoned = false;
     double pace = 0; // units of work that a dispatch may take; 0: not known
 
@@ -100,6 +117,9 @@ struct Dispatcher::Implementation {
         set_layout = on.device.createDescriptorSetLayout({{}, bindings});
         const vk::PushConstantRange push(vk::ShaderStageFlagBits::eCompute, 0, shape.push_bytes);
         layout = on.device.createPipelineLayout({{}, *set_layout, push});
+        // One is computed, one copied, and one consumed.
+        if (staged && shape.in_flight > 1)
+            ++shape.in_flight;
         const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, shape.bindings * shape.in_flight);
         sets = on.device.createDescriptorPool(
             {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, shape.in_flight, size});
@@ -110,6 +130,20 @@ struct Dispatcher::Implementation {
             if (on.timestamp_bits)
                 slots.back().timestamps = on.device.createQueryPool({{}, vk::QueryType::eTimestamp, kTimestamps});
         }
+    }
+
+    // Compiles it, if it was not yet.
+    vk::Pipeline compile(Pipeline& kernel, std::uint32_t group);
+
+    // Those of dispatches that are not in flight.
+    void drop_buffers() {
+        for (InFlight& slot : slots)
+            if (!slot.pending)
+                for (OwnBuffer& own : slot.buffers) {
+                    drop(own.device);
+                    drop(own.host);
+                    own = OwnBuffer{};
+                }
     }
 
     InFlight& slot() { return slots[turn % slots.size()]; }
@@ -164,6 +198,26 @@ void Dispatcher::Implementation::upload(uint binding, Bytes table) {
     transfers.wait();
 }
 
+vk::Pipeline Dispatcher::Implementation::compile(Pipeline& kernel, std::uint32_t group) {
+    if (const auto found = kernel.by_group.find(group); found != kernel.by_group.end())
+        return *found->second;
+    const Clock::time_point start = Clock::now();
+    kernel.constants[layout::kSpecLocalX] = group;
+    return checked("compiling a kernel", [&] {
+        const vk::raii::ShaderModule module(device.device, {{}, kernel.code.size_bytes(), kernel.code.data()});
+        std::vector<vk::SpecializationMapEntry> entries;
+        for (std::uint32_t id = 0; id < kernel.constants.size(); ++id)
+            entries.emplace_back(id, id * std::uint32_t(sizeof(std::uint32_t)), sizeof(std::uint32_t));
+        const vk::SpecializationInfo info(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                          kernel.constants.size() * sizeof(std::uint32_t), kernel.constants.data());
+        const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &info);
+        const auto [compiled_one, made] = kernel.by_group.emplace(
+            group, device.device.createComputePipeline(device.pipeline_cache, {{}, stage, *layout}));
+        compiled += seconds_since(start);
+        return *compiled_one->second;
+    });
+}
+
 void Dispatcher::Implementation::record(const InFlight& slot, std::span<const Run> runs,
                                         const vk::raii::CommandBuffer& commands) {
     const auto stamp = [&](std::uint32_t query) {
@@ -198,10 +252,13 @@ void Dispatcher::Implementation::record(const InFlight& slot, std::span<const Ru
         }
         if (before)
             barrier(commands, before, written, Stage::eComputeShader, Access::eShaderRead | Access::eShaderWrite);
-        commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[run.pipeline].pipeline);
+        const bool is_last = &run == &runs.back();
+        Pipeline& kernel = pipelines[run.pipeline];
+        const std::uint32_t group = is_last ? slot.group : device.groups.usual(kernel.hash, shape.group);
+        commands.bindPipeline(vk::PipelineBindPoint::eCompute, compile(kernel, group));
         commands.pushConstants<std::byte>(*layout, vk::ShaderStageFlagBits::eCompute, 0,
                                           vk::ArrayProxy(static_cast<std::uint32_t>(run.push.size()), run.push.data()));
-        commands.dispatch(static_cast<std::uint32_t>(run.groups), 1, 1);
+        commands.dispatch(static_cast<std::uint32_t>(divide_up(run.invocations, group)), 1, 1);
     }
     stamp(1);
     const vk::PipelineStageFlags worked = Stage::eComputeShader | Stage::eTransfer;
@@ -245,6 +302,9 @@ void Dispatcher::Implementation::finish(InFlight& slot, FieldTimes& times) {
     const double seconds = add_times(slot, times);
     if (device.taken.longest > 0 && seconds > device.taken.longest)
         throw vk::DeviceLostError(kLimitsVariable);
+    device.groups.add(slot.kernel, slot.group, slot.work, seconds);
+    times.group = slot.group;
+    times.compile += std::exchange(compiled, 0);
     const double next = static_cast<double>(slot.work) * std::min(kMostGrowth, kAim / std::max(seconds, 1e-9));
     if (slot.work != 0) // and a small one says nothing against larger ones
         pace = seconds < kAim ? std::max(pace, next) : next;
@@ -282,30 +342,17 @@ const DeviceReport& Dispatcher::report() const {
     return implementation_->device.report;
 }
 
-std::size_t Dispatcher::pipeline(std::span<const std::uint32_t> code, std::span<const std::uint32_t> constants,
-                                 FieldTimes& times) {
+std::size_t Dispatcher::pipeline(Code code, std::span<const std::uint32_t> constants, FieldTimes& times) {
     Implementation& self = *implementation_;
-    const Clock::time_point start = Clock::now();
-    const auto compiled = std::ranges::find_if(self.pipelines, [&](const Pipeline& one) {
-        return one.code == code.data() && std::ranges::equal(one.constants, constants);
-    });
-    if (compiled != self.pipelines.end())
-        return static_cast<std::size_t>(compiled - self.pipelines.begin());
-    return checked("compiling a kernel", [&] {
-        const vk::raii::ShaderModule module(self.device.device, {{}, code.size_bytes(), code.data()});
-        std::vector<vk::SpecializationMapEntry> entries;
-        for (std::uint32_t id = 0; id < constants.size(); ++id)
-            entries.emplace_back(id, id * std::uint32_t(sizeof(std::uint32_t)), sizeof(std::uint32_t));
-        const vk::SpecializationInfo info(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                          constants.size_bytes(), constants.data());
-        const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &info);
-        self.pipelines.push_back(
-            {code.data(),
-             {constants.begin(), constants.end()},
-             self.device.device.createComputePipeline(self.device.pipeline_cache, {{}, stage, *self.layout})});
-        times.compile += seconds_since(start);
-        return self.pipelines.size() - 1;
-    });
+    std::vector<std::uint32_t> wanted(constants.begin(), constants.end());
+    wanted[layout::kSpecLocalX] = 0;
+    const std::uint64_t hash = hash_of(wanted, hash_of(code));
+    auto found = std::ranges::find(self.pipelines, hash, &Pipeline::hash);
+    if (found == self.pipelines.end())
+        found = self.pipelines.insert(found, {code, std::move(wanted), hash});
+    self.compile(*found, self.device.groups.usual(hash, self.shape.group));
+    times.compile += std::exchange(self.compiled, 0);
+    return static_cast<std::size_t>(found - self.pipelines.begin());
 }
 
 void Dispatcher::upload(FieldTimes& times, const std::function<void(const PutTable&)>& tables) {
@@ -449,10 +496,42 @@ std::uint64_t Dispatcher::paced(std::uint64_t most) const {
     return static_cast<std::uint64_t>(std::clamp(self.pace > 0 ? self.pace : share, 1.0, std::max(1.0, all)));
 }
 
+std::uint32_t Dispatcher::least_group() const {
+    return std::min({kGroups.front(), implementation_->shape.group, report().group_invocations});
+}
+
+std::size_t Dispatcher::fitting(std::size_t wanted) const {
+    const Implementation& self = *implementation_;
+    const std::optional<std::uint64_t> free = self.device.free_memory();
+    if (!free || !self.staged) // elsewhere it is the host's
+        return wanted;
+    std::uint64_t room = *free; // and what earlier runs had
+    for (const InFlight& slot : self.slots)
+        for (const OwnBuffer& own : slot.buffers)
+            room += own.device.size;
+    constexpr std::uint64_t kShare = 2; // half is for tables, and others
+    return static_cast<std::size_t>(std::min<std::uint64_t>(wanted, room / kShare / self.slots.size()));
+}
+
+void Dispatcher::fit(const std::function<void()>& reserve, const std::function<bool()>& lessen) {
+    for (;;)
+        try {
+            return reserve();
+        } catch (const DeviceError& error) {
+            if (error.kind() != DeviceError::Kind::out_of_memory || !lessen())
+                throw;
+            implementation_->drop_buffers();
+        }
+}
+
 void Dispatcher::submit(std::span<const Run> runs, std::uint64_t work, const std::function<void()>& consume) {
     Implementation& self = *implementation_;
     InFlight& slot = self.slot();
     self.bind(slot);
+    if (!runs.empty()) {
+        slot.kernel = self.pipelines[runs.back().pipeline].hash;
+        slot.group = self.device.groups.next(slot.kernel, self.shape.group);
+    }
     slot.commands.record([&](const vk::raii::CommandBuffer& commands) { self.record(slot, runs, commands); });
     std::memset(slot.status.mapped, 0, sizeof(uint));
     flush_to_device(self.device, slot.status);

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "compute/groups.h"
 #include "compute/kernels.h"
 #include "compute/plan.h"
 #include "host/clock.h"
@@ -38,7 +39,8 @@ struct DispatchShape {
     layout::uint bindings = 0;
     layout::uint status = kNoStatus; /* binding of the status word */
     std::uint32_t push_bytes = 0;    /* of push constants */
-    std::uint32_t in_flight = 2;     /* most dispatches at once */
+    std::uint32_t group = 64;        /* invocations of a work group, until others are found to be faster */
+    std::uint32_t in_flight = 2;     /* most dispatches at once; one more where results are copied */
 };
 
 class Dispatcher {
@@ -54,7 +56,7 @@ public:
     const DeviceReport& report() const;
 
     /// The number of a pipeline, compiled if it was not yet. `code` is SPIR-V that outlives this; `constants` stand by
-    /// their ids, from 0; those that the code lacks are ignored.
+    /// their ids, from 0, but for the size of work groups; those that the code lacks are ignored.
     std::size_t pipeline(std::span<const std::uint32_t> code, std::span<const std::uint32_t> constants,
                          FieldTimes& times);
 
@@ -93,6 +95,14 @@ public:
     /// Before the dispatches of a run. `poison`: fills all results with kPoison, but where `fill` says otherwise, and
     /// some room behind them: what a kernel writes there ends the run with DeviceError (differs_in_parts).
     void begin_run(bool poison);
+    /// Of `wanted` bytes for the results of a dispatch as many as the free memory of the device has room for, where
+    /// its driver says how much there is.
+    std::size_t fitting(std::size_t wanted) const;
+    /// Does `reserve`, and again while the device is short of memory for it and `lessen` finds less to reserve.
+    /// \throws DeviceError (out_of_memory).
+    void fit(const std::function<void()>& reserve, const std::function<bool()>& lessen);
+    /// Invocations of the least work group that runs may have: a run is cut below report().group_count of them.
+    std::uint32_t least_group() const;
     /// Of up to `most` units of work as many as the next dispatch is to take: all on software; hardware begins with
     /// few, and takes more while dispatches of this run end within a tenth of a second, since drivers end those of
     /// seconds.
@@ -100,12 +110,13 @@ public:
 
     struct Run {
         std::size_t pipeline;
-        std::uint64_t groups;
+        std::uint64_t invocations;
         Bytes push;
         bool after_copies = false; /* waits for tables that were put, and fills */
         bool after_runs = false;   /* waits for the runs before it, of any dispatch */
     };
-    /// Ends it, with `work` units: `consume` is called when it is done, by `begin` or `finish`.
+    /// Ends it, with `work` units, most of them in the last run: `consume` is called when it is done, by `begin` or
+    /// `finish`.
     void submit(std::span<const Run> runs, std::uint64_t work, const std::function<void()>& consume);
 
     /// The results of the dispatch that is being consumed; none where none were expected.

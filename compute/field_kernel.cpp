@@ -60,7 +60,7 @@ template <typename T> FieldPlan FieldRun<T>::reserve() const {
     const SampleBytes sample = bytes_per_sample(features.channels, sizeof(T));
     PlanLimits limits;
     limits.buffer_range = report.buffer_range;
-    limits.group_invocations = report.group_invocations;
+    limits.group_invocations = dispatcher.least_group();
     limits.group_count = report.group_count;
     limits.lanes = lanes();
     limits.rows = options.rows;
@@ -69,7 +69,7 @@ template <typename T> FieldPlan FieldRun<T>::reserve() const {
     // Rows of one y lie far apart: there a chunk gains more from columns that serve for many of them.
     const bool cached = report.software && !limits.along_z;
     const std::size_t wanted =
-        cached ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
+        dispatcher.fitting(cached ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes);
     const std::size_t row = (input.x.size() + limits.lanes) * sample.all;
     // 1 GiB keeps every index of the kernel within 32 bits.
     limits.chunk_bytes = std::max(std::min<std::size_t>(wanted, std::size_t(1) << 30), row);
@@ -77,17 +77,14 @@ template <typename T> FieldPlan FieldRun<T>::reserve() const {
         limits.chunk_bytes = std::clamp(row * part_of(input.y.size()), row, limits.chunk_bytes);
         limits.rows = 3;
     }
-    for (;; limits.chunk_bytes /= 2) {
-        const FieldPlan plan = plan_field(input.x.size(), input.y.size(), input.z.size(), sample, limits);
-        try {
-            dispatcher.reserve_channels(layout::kBindForce, features.channels,
-                                        std::size_t(plan.x_pitch) * plan.y_step * plan.z_step, sizeof(T));
-            return plan;
-        } catch (const DeviceError& error) {
-            if (error.kind() != DeviceError::Kind::out_of_memory || limits.chunk_bytes / 2 < row)
-                throw;
-        }
-    }
+    FieldPlan plan;
+    const auto reserve = [&] {
+        plan = plan_field(input.x.size(), input.y.size(), input.z.size(), sample, limits);
+        dispatcher.reserve_channels(layout::kBindForce, features.channels,
+                                    std::size_t(plan.x_pitch) * plan.y_step * plan.z_step, sizeof(T));
+    };
+    dispatcher.fit(reserve, [&] { return (limits.chunk_bytes /= 2) >= row; });
+    return plan;
 }
 
 template <typename T>
@@ -108,7 +105,7 @@ void FieldRun<T>::run(const FieldPlan& plan, std::size_t pipeline, FieldTimes& t
             chunk.rows = plan.rows;
             dispatcher.expect_channels(layout::kBindForce, input.law.features.channels,
                                        std::size_t(plan.x_pitch) * chunk.y_count * chunk.z_count, sizeof(T));
-            const Dispatcher::Run run{pipeline, plan.groups(chunk.y_count, chunk.z_count), bytes_of(chunk)};
+            const Dispatcher::Run run{pipeline, plan.invocations(chunk.y_count, chunk.z_count), bytes_of(chunk)};
             dispatcher.submit({&run, 1}, std::uint64_t(chunk.y_count) * chunk.z_count, [this, chunk, &take] {
                 take(dispatcher.field_chunk<T>(layout::kBindForce, input.x.size(), chunk));
             });
@@ -123,7 +120,7 @@ constexpr std::uint64_t kMostBlockSamples = std::uint64_t(1)
 Constants free_constants() {
     layout::Features features;
     features.channels = layout::kChannelProxy;
-    Constants constants = constants_of(kGroup, features);
+    Constants constants = constants_of(features);
     constants[layout::kSpecFree] = 1;
     return constants;
 }
@@ -133,8 +130,8 @@ MeshChunkSteps steps_of(const Dispatcher& dispatcher, const KernelOptions& optio
                         std::uint64_t x_pitch) {
     const SampleBytes sample = bytes_per_sample(input.law.features.channels, sizeof(T));
     const DeviceReport& report = dispatcher.report();
-    const std::size_t wanted =
-        report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
+    const std::size_t wanted = dispatcher.fitting(
+        report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes);
     const std::uint64_t least = layout::kMeshBlock * x_pitch * sample.all; // a row of blocks always fits
     std::uint64_t bytes = std::max(least, std::min<std::uint64_t>(wanted, kMostBlockSamples * sample.all));
     if (options.in_parts)
@@ -192,19 +189,28 @@ template <typename T> void MeshFieldRun<T>::submit(const layout::MeshPlan& plan)
         std::min<std::uint64_t>(dispatcher.paced(part.words.size()), dispatcher.report().buffer_range / sizeof(uint));
     while (part.words.size() > most && halve())
         cut_plan(plan, chunk, candidates, voxel_by_voxel, part);
+    std::uint64_t samples = 0;
+    const uint channels = input.law.features.channels;
+    const auto reserve = [&] {
+        const Bytes words = std::as_bytes(std::span<const uint>(part.words));
+        if (words.size() > dispatcher.report().buffer_range)
+            throw DeviceError(DeviceError::Kind::out_of_memory,
+                              fmt::format("the candidates of a part of the grid take {} bytes and a buffer of this "
+                                          "device spans {}: a smaller grid would fit",
+                                          words.size(), dispatcher.report().buffer_range));
+        dispatcher.put(layout::kMeshBindPlan, words);
+        samples = std::uint64_t(chunk.x_pitch) * chunk.y_count * chunk.z_count;
+        dispatcher.expect_channels(layout::kMeshBindForce, channels, samples, sizeof(T));
+    };
+    dispatcher.fit(reserve, [&] {
+        const bool halved = halve();
+        if (halved)
+            cut_plan(plan, chunk, candidates, voxel_by_voxel, part);
+        return halved;
+    });
     chunk.blocks = part.blocks;
     chunk.candidates = layout::kMeshBlockWords * chunk.blocks;
-    const Bytes words = std::as_bytes(std::span<const uint>(part.words));
-    if (words.size() > dispatcher.report().buffer_range)
-        throw DeviceError(DeviceError::Kind::out_of_memory,
-                          fmt::format("the candidates of a part of the grid take {} bytes and a buffer of this device "
-                                      "spans {}: a smaller grid would fit",
-                                      words.size(), dispatcher.report().buffer_range));
-    dispatcher.put(layout::kMeshBindPlan, words);
-    times.uploaded += words.size();
-    const std::uint64_t samples = std::uint64_t(chunk.x_pitch) * chunk.y_count * chunk.z_count;
-    const uint channels = input.law.features.channels;
-    dispatcher.expect_channels(layout::kMeshBindForce, channels, samples, sizeof(T));
+    times.uploaded += part.words.size() * sizeof(uint);
     times.upload += seconds_since(start);
     // Everything free of contact first; then the blocks that are listed.
     for (const uint binding : {layout::kMeshBindForce, layout::kMeshBindDepth, layout::kMeshBindUnshaded})
@@ -212,9 +218,9 @@ template <typename T> void MeshFieldRun<T>::submit(const layout::MeshPlan& plan)
     dispatcher.fill(layout::kMeshBindFacet, layout::kNoFacet);
     std::vector<Dispatcher::Run> runs;
     if (channels & layout::kChannelProxy)
-        runs.push_back({free_pipeline, divide_up(samples, kGroup), bytes_of(chunk), true});
+        runs.push_back({free_pipeline, samples, bytes_of(chunk), true});
     if (chunk.blocks != 0)
-        runs.push_back({pipeline, divide_up(chunk.blocks, kGroup), bytes_of(chunk), true, !runs.empty()});
+        runs.push_back({pipeline, chunk.blocks, bytes_of(chunk), true, !runs.empty()});
     dispatcher.submit(runs, part.words.size(), [this, one = chunk] {
         take(dispatcher.field_chunk<T>(layout::kMeshBindForce, input.x.size(), one));
     });
@@ -234,8 +240,7 @@ template <typename T> FieldTimes FieldKernel::evaluate(const layout::FieldInput<
             put_field_tables(input, field.lanes(), put);
             plan = field.reserve();
         });
-        const std::size_t pipeline =
-            dispatcher.pipeline(field.code(), constants_of(plan.group, input.law.features), times);
+        const std::size_t pipeline = dispatcher.pipeline(field.code(), constants_of(input.law.features), times);
         dispatcher.complete(times, [&] { field.run(plan, pipeline, times, take); });
     });
 }
@@ -261,7 +266,7 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input, const TakeFi
                               input,
                               take,
                               times,
-                              dispatcher.pipeline(code, constants_of(kGroup, input.law.features, loops), times),
+                              dispatcher.pipeline(code, constants_of(input.law.features, loops), times),
                               dispatcher.pipeline(code, free_constants(), times),
                               std::move(candidates),
                               x_pitch,

@@ -21,6 +21,7 @@ struct FieldTimes {
     std::uint64_t dispatches = 0;
     std::uint64_t uploaded = 0;     /* bytes of tables, plans and recorded positions */
     std::uint64_t host_updates = 0; /* of god-objects, left to the host */
+    std::uint32_t group = 0;        /* invocations of a work group, of the last dispatch */
 };
 
 class Dispatcher;

@@ -114,6 +114,8 @@ vk::MappedMemoryRange range_of(const Buffer& buffer) {
 Buffer make_buffer(Device::Implementation& device, std::size_t bytes, vk::BufferUsageFlags usage, Placement placement) {
     const std::string doing = fmt::format("allocating a buffer of {} bytes", bytes);
     return checked(doing, [&] {
+        if (device.taken.short_at != 0 && ++device.buffers == device.taken.short_at)
+            throw vk::OutOfDeviceMemoryError(kLimitsVariable);
         Buffer result;
         result.size = std::max<std::size_t>(bytes, 16);
         result.buffer = device.device.createBuffer({{}, result.size, usage, vk::SharingMode::eExclusive});

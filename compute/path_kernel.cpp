@@ -20,8 +20,6 @@ template <typename T> std::vector<layout::PathMetrics<T>> metrics_of(const std::
     return metrics;
 }
 
-constexpr std::uint32_t kPathGroup = kGroup / 2;
-
 // Batches of paths on their way through the device.
 template <typename T> struct Paths {
     Dispatcher& dispatcher;
@@ -35,7 +33,7 @@ template <typename T> struct Paths {
     std::size_t steps() const { return batch.longest ? batch.longest : input.steps; }
     std::size_t batch_paths() const;
     uint window() const;
-    void submit(std::size_t step, std::size_t count);
+    std::size_t submit(std::size_t step, std::size_t most);
     void run_batch(std::size_t first);
     std::vector<layout::PathMetrics<T>> metrics() const {
         return metrics_of<T>(dispatcher.kept(layout::kPathBindStates), batch.count);
@@ -55,15 +53,27 @@ template <typename T> uint Paths<T>::window() const {
     if (options.steps != 0)
         return options.steps;
     // Each dispatch loads and stores every state: short windows would be mostly that.
-    const std::uint64_t bytes = std::min<std::uint64_t>(options.chunk_bytes, dispatcher.report().buffer_range);
+    const std::uint64_t bytes =
+        std::min<std::uint64_t>(dispatcher.fitting(options.chunk_bytes), dispatcher.report().buffer_range);
     const uint most = steps_of_dispatch(
         step_work(input.law.features, input.features, input.law.params.facets, sizeof(T)), batch.count, steps(), bytes);
     return options.in_parts ? std::min(most, static_cast<uint>(part_of_steps(steps()))) : most;
 }
 
-template <typename T> void Paths<T>::submit(std::size_t step, std::size_t count) {
+// Up to `most` steps from `step` on, fewer where the device is short of memory; returns how many.
+template <typename T> std::size_t Paths<T>::submit(std::size_t step, std::size_t most) {
     dispatcher.begin(times);
     const Clock::time_point start = Clock::now();
+    std::size_t count = most;
+    const auto reserve = [&] {
+        if (input.features.motion == layout::kMotionRecorded)
+            dispatcher.put(layout::kPathBindRecorded,
+                           std::as_bytes(input.source->positions(step, std::min(count + 1, steps() - step))));
+        dispatcher.expect_channels(layout::kPathBindForce, input.features.channels, batch.count * count, sizeof(T));
+    };
+    dispatcher.fit(reserve, [&] { return (count /= 2) != 0; });
+    if (input.features.motion == layout::kMotionRecorded)
+        times.uploaded += 3 * sizeof(T) * batch.count * std::min(count + 1, steps() - step);
     layout::PathChunkParams chunk{};
     chunk.paths = static_cast<uint>(batch.count);
     chunk.step_first = static_cast<uint>(step);
@@ -72,15 +82,9 @@ template <typename T> void Paths<T>::submit(std::size_t step, std::size_t count)
     chunk.own_lengths = !batch.steps.empty();
     chunk.own_hands = input.hands.size() > 1;
     chunk.stretch = input.stretch;
-    if (input.features.motion == layout::kMotionRecorded) {
-        const Bytes positions = std::as_bytes(input.source->positions(step, std::min(count + 1, steps() - step)));
-        dispatcher.put(layout::kPathBindRecorded, positions);
-        times.uploaded += positions.size();
-    }
-    dispatcher.expect_channels(layout::kPathBindForce, input.features.channels, batch.count * count, sizeof(T));
     times.upload += seconds_since(start);
     // The dispatch before this one wrote the states.
-    const Dispatcher::Run run{pipeline, divide_up(batch.count, kPathGroup), bytes_of(chunk), true, true};
+    const Dispatcher::Run run{pipeline, batch.count, bytes_of(chunk), true, true};
     dispatcher.submit({&run, 1}, count, [this, step, count] {
         layout::PathChunk<T> results{};
         results.path_first = batch.first;
@@ -91,6 +95,7 @@ template <typename T> void Paths<T>::submit(std::size_t step, std::size_t count)
         dispatcher.put_results<T>(layout::kPathBindForce, results);
         take(results);
     });
+    return count;
 }
 
 template <typename T> void Paths<T>::run_batch(std::size_t first) {
@@ -102,12 +107,12 @@ template <typename T> void Paths<T>::run_batch(std::size_t first) {
     });
     const uint most = window();
     for (std::size_t step = 0, count = 0; step < steps(); step += count) {
-        count = std::min<std::size_t>(dispatcher.paced(most), steps() - step);
-        submit(step, count);
+        count = submit(step, std::min<std::size_t>(dispatcher.paced(most), steps() - step));
     }
     dispatcher.finish(times);
 }
 
+constexpr std::uint32_t kLeastListed = 64;                     // paths of a dispatch
 constexpr std::size_t kMostPathSamples = std::size_t(1) << 24; // from one callback to the next
 
 // A batch of paths on its way through its steps: what the kernels remember of each, and what they wrote. Memory that
@@ -130,9 +135,12 @@ public:
         words_ = share<uint>(layout::kMeshPathBindWalkWords, words + 1 + paths_);
         reals_ = share<T>(layout::kMeshPathBindWalkReals, layout::kWalkRealCount * paths_);
         states_ = share<layout::PathState<T>>(layout::kMeshPathBindStates, paths_);
-        recorded_ = share<T>(layout::kMeshPathBindRecorded, recorded ? 3 * (rows_ + 1) * paths_ : 0);
-        samples_ = share_results(layout::kMeshPathBindSamples, reals);
-        facets_ = share_results(layout::kMeshPathBindFacet, facet);
+        const auto reserve = [&] {
+            recorded_ = share<T>(layout::kMeshPathBindRecorded, recorded ? 3 * (rows_ + 1) * paths_ : 0);
+            samples_ = share_results(layout::kMeshPathBindSamples, reals);
+            facets_ = share_results(layout::kMeshPathBindFacet, facet);
+        };
+        dispatcher.fit(reserve, [&] { return (rows_ /= 2) != 0; });
         std::memset(words_, 0, (words + 1) * sizeof(uint));
         std::memset(reals_, 0, layout::kWalkRealCount * paths_ * sizeof(T));
         std::memset(static_cast<void*>(states_), 0, paths_ * sizeof(layout::PathState<T>));
@@ -297,7 +305,7 @@ template <typename T> layout::PathChunk<T> Batch<T>::chunk(std::size_t step_firs
 } // namespace
 
 PathKernel::PathKernel(Device& device, const KernelOptions& options)
-    : Kernel(device, options, {layout::kPathBindCount, layout::kPathBindStatus, sizeof(layout::PathChunkParams)}) {}
+    : Kernel(device, options, {layout::kPathBindCount, layout::kPathBindStatus, sizeof(layout::PathChunkParams), 32}) {}
 
 template <typename T>
 FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePaths<T>& take,
@@ -307,7 +315,7 @@ FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePath
         dispatcher.upload(times, [&](const PutTable& put) { put_path_tables(input.law, put); });
         const Code code =
             code_for<T>(dispatcher.report(), kernels::path_f32(), kernels::path_f32_exact(), kernels::path_f64());
-        const std::size_t pipeline = dispatcher.pipeline(code, constants_of(kPathGroup, input), times);
+        const std::size_t pipeline = dispatcher.pipeline(code, constants_of(input), times);
         Paths<T> paths{dispatcher, options_, input, take, times, pipeline};
         dispatcher.complete(times, [&] {
             for (std::size_t first = 0; first < input.paths; first += paths.batch.count) {
@@ -325,7 +333,7 @@ template FieldTimes PathKernel::explore<double>(const layout::PathInput<double>&
 
 MeshPathKernel::MeshPathKernel(Device& device, const KernelOptions& options)
     : Kernel(device, options,
-             {layout::kMeshPathBindCount, DispatchShape::kNoStatus, sizeof(layout::MeshPathChunkParams), 1}) {}
+             {layout::kMeshPathBindCount, DispatchShape::kNoStatus, sizeof(layout::MeshPathChunkParams), 64, 1}) {}
 
 template <typename T>
 FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const FinishUpdates<T>& finish,
@@ -341,7 +349,7 @@ FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const Fini
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
         const Code code = code_for<T>(dispatcher.report(), kernels::mesh_path_f32(), kernels::mesh_path_f32_exact(),
                                       kernels::mesh_path_f64());
-        const Constants constants = constants_of(kGroup, input, loops);
+        const Constants constants = constants_of(input, loops);
         const std::size_t pipeline = dispatcher.pipeline(code, constants, times);
         const std::size_t most = std::min(options_.batch_paths, options_.in_parts ? part_of(input.paths) : input.paths);
         for (std::size_t first = 0; first < input.paths;) {
@@ -367,8 +375,8 @@ FieldTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const Fini
                 // Every path as far as one dispatch goes, until all have reached the end.
                 while ((chunk.listed = static_cast<std::uint32_t>(batch.list_waiting(chunk.step_end))) != 0) {
                     const auto next = static_cast<uint>(dispatcher.paced(chunk.listed)); // the others' turn comes
-                    chunk.listed = std::min(chunk.listed, std::max(next, kGroup));
-                    const Dispatcher::Run run{pipeline, divide_up(chunk.listed, kGroup), bytes_of(chunk)};
+                    chunk.listed = std::min(chunk.listed, std::max(next, kLeastListed));
+                    const Dispatcher::Run run{pipeline, chunk.listed, bytes_of(chunk)};
                     dispatcher.complete(times, [&] {
                         dispatcher.begin(times);
                         dispatcher.submit({&run, 1}, chunk.listed, [] {});

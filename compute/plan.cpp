@@ -13,7 +13,6 @@ namespace {
 using layout::kMeshBlock;
 using layout::uint;
 
-// A small group shares few rows out evenly; on the software device 64 to 256 run alike.
 // A column costs as much as six samples, so that more rows an invocation have no gain; and loops stay far from where
 // drivers end them.
 constexpr std::uint64_t kMostRows = 128;
@@ -63,17 +62,15 @@ SampleBytes bytes_per_sample(uint channels, std::size_t real_size) {
     return bytes;
 }
 
-std::uint32_t FieldPlan::groups(std::uint64_t y_count, std::uint64_t z_count) const {
-    const std::uint64_t parts = along_z ? y_count * divide_up(z_count, rows) : divide_up(y_count * z_count, rows);
-    return static_cast<std::uint32_t>(divide_up(parts * blocks, group));
+std::uint64_t FieldPlan::invocations(std::uint64_t y_count, std::uint64_t z_count) const {
+    return blocks * (along_z ? y_count * divide_up(z_count, rows) : divide_up(y_count * z_count, rows));
 }
 
 FieldPlan plan_field(std::uint64_t nx, std::uint64_t ny, std::uint64_t nz, SampleBytes sample,
                      const PlanLimits& limits) {
     const std::uint64_t blocks = divide_up(nx, limits.lanes);
     const std::uint64_t pitch = blocks * limits.lanes;
-    const std::uint64_t group = std::min(kGroup, limits.group_invocations);
-    const std::uint64_t most_invocations = group * limits.group_count;
+    const std::uint64_t most_invocations = std::uint64_t(limits.group_invocations) * limits.group_count;
     const std::uint64_t rows = std::min({limits.buffer_range / (pitch * sample.largest),
                                          limits.chunk_bytes / (pitch * sample.all), most_invocations / blocks});
     if (rows < 1)
@@ -84,7 +81,6 @@ FieldPlan plan_field(std::uint64_t nx, std::uint64_t ny, std::uint64_t nz, Sampl
                         nx, pitch * sample.all, limits.chunk_bytes, limits.buffer_range));
     FieldPlan plan;
     plan.x_pitch = static_cast<std::uint32_t>(pitch);
-    plan.group = static_cast<std::uint32_t>(group);
     plan.blocks = static_cast<std::uint32_t>(blocks);
     plan.along_z = limits.along_z;
     plan.y_step = static_cast<std::uint32_t>(std::min(ny, rows));
@@ -192,9 +188,8 @@ std::uint32_t steps_of_dispatch(const StepWork& work, std::uint64_t paths, std::
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(most, 1, std::max<std::uint64_t>(1, steps)));
 }
 
-Constants constants_of(std::uint32_t group, const layout::Features& law, FacetLoops loops) {
+Constants constants_of(const layout::Features& law, FacetLoops loops) {
     Constants values{};
-    values[layout::kSpecLocalX] = group;
     values[layout::kSpecSurface] = law.surface;
     values[layout::kSpecShading] = law.shading;
     values[layout::kSpecDepth] = law.depth;
@@ -207,12 +202,12 @@ Constants constants_of(std::uint32_t group, const layout::Features& law, FacetLo
     return values;
 }
 
-template <typename T> Constants constants_of(std::uint32_t group, const layout::PathInput<T>& input, FacetLoops loops) {
+template <typename T> Constants constants_of(const layout::PathInput<T>& input, FacetLoops loops) {
     const auto some_hand = [&](const auto& of) {
         return input.features.loop == layout::kLoopClosed &&
                std::ranges::any_of(input.hands, [&](const auto& hand) { return of(hand) > T(0); });
     };
-    Constants values = constants_of(group, input.law.features, loops);
+    Constants values = constants_of(input.law.features, loops);
     values[layout::kSpecChannels] = input.features.channels;
     values[layout::kSpecMotion] = input.features.motion;
     values[layout::kSpecLoop] = input.features.loop;
@@ -224,7 +219,7 @@ template <typename T> Constants constants_of(std::uint32_t group, const layout::
     return values;
 }
 
-template Constants constants_of<float>(std::uint32_t, const layout::PathInput<float>&, FacetLoops);
-template Constants constants_of<double>(std::uint32_t, const layout::PathInput<double>&, FacetLoops);
+template Constants constants_of<float>(const layout::PathInput<float>&, FacetLoops);
+template Constants constants_of<double>(const layout::PathInput<double>&, FacetLoops);
 
 } // namespace forceshade::compute

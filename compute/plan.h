@@ -36,8 +36,6 @@ struct SampleBytes {
 };
 SampleBytes bytes_per_sample(layout::uint channels, std::size_t real_size);
 
-inline constexpr std::uint32_t kGroup = 64; /* invocations of a work group */
-
 constexpr std::uint64_t divide_up(std::uint64_t value, std::uint64_t by) {
     return (value + by - 1) / by;
 }
@@ -54,7 +52,7 @@ constexpr std::size_t part_of_steps(std::size_t all) {
 struct PlanLimits {
     std::uint64_t buffer_range = 0;      /* bytes that one storage buffer may span */
     std::uint64_t chunk_bytes = 0;       /* bytes that all results of one dispatch may take */
-    std::uint32_t group_invocations = 0; /* most invocations of a work group */
+    std::uint32_t group_invocations = 0; /* least invocations of a work group */
     std::uint32_t group_count = 0;       /* most groups of a dispatch */
     std::uint32_t lanes = 1;             /* neighbouring x samples an invocation evaluates */
     std::uint32_t rows = 0;              /* rows an invocation evaluates; 0: as many as leave the device filled */
@@ -64,14 +62,13 @@ struct PlanLimits {
 
 struct FieldPlan {
     std::uint32_t x_pitch = 0; /* samples a row takes in the buffers: x_count rounded up to whole invocations */
-    std::uint32_t group = 0;   /* invocations of a work group */
     std::uint32_t blocks = 0;  /* invocations side by side in a row */
     std::uint32_t rows = 0;    /* rows an invocation evaluates */
     std::uint32_t y_step = 0, z_step = 0; /* rows of a dispatch: y_step * z_step; y_step < ny only where z_step is 1 */
     bool along_z = false;                 /* an invocation's rows are of one y; else they are neighbours in memory */
 
-    /// Work groups that cover a chunk.
-    std::uint32_t groups(std::uint64_t y_count, std::uint64_t z_count) const;
+    /// Invocations that cover a chunk.
+    std::uint64_t invocations(std::uint64_t y_count, std::uint64_t z_count) const;
 };
 
 /// Cuts a grid of nx * ny * nz samples into chunks of consecutive rows.
@@ -130,12 +127,11 @@ std::uint32_t steps_of_dispatch(const StepWork& work, std::uint64_t paths, std::
 /// Values of the specialization constants, by their ids.
 using Constants = std::array<std::uint32_t, layout::kSpecCount>;
 
-/// Of a field in work groups of `group` invocations.
-Constants constants_of(std::uint32_t group, const layout::Features& law, FacetLoops loops = {});
+/// Of a field; the size of work groups is left to whoever dispatches.
+Constants constants_of(const layout::Features& law, FacetLoops loops = {});
 
 /// Of paths.
-template <typename T>
-Constants constants_of(std::uint32_t group, const layout::PathInput<T>& input, FacetLoops loops = {});
+template <typename T> Constants constants_of(const layout::PathInput<T>& input, FacetLoops loops = {});
 
 // Tables by binding, from a law, a grid, a mesh and a batch of paths.
 

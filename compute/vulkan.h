@@ -11,6 +11,7 @@
 
 #include "compute/device.h"
 #include "compute/device_limits.h"
+#include "compute/groups.h"
 
 namespace forceshade::compute {
 
@@ -54,6 +55,7 @@ struct Device::Implementation {
     DeviceLimits taken;            // to be the device's, below its own
     std::uint64_t allocated = 0;   // bytes of the device's own memory
     std::uint64_t submissions = 0; // so far
+    std::uint64_t buffers = 0;     // that were asked for
     std::shared_ptr<Loaded> loaded;
     std::mutex messages_mutex;
     std::vector<std::string> messages; // of the validation layers; filled by the messenger below
@@ -61,6 +63,8 @@ struct Device::Implementation {
     vk::raii::PhysicalDevice physical{nullptr};
     vk::PhysicalDeviceLimits limits;
     vk::PhysicalDeviceMemoryProperties memory;
+    bool tells_budget = false; // of its memory
+    GroupSizes groups;
     std::uint32_t queue_family = 0;
     std::uint32_t timestamp_bits = 0; // 0: the queue keeps no time
     vk::raii::Device device{nullptr};
@@ -68,6 +72,9 @@ struct Device::Implementation {
     vk::raii::PipelineCache pipeline_cache{nullptr};
     // Of small buffers: by type, and whether mapped.
     std::map<std::pair<std::uint32_t, bool>, std::vector<std::shared_ptr<MemoryPiece>>> pieces;
+
+    /// Bytes of the device's own memory that are free, where its driver says.
+    std::optional<std::uint64_t> free_memory() const;
 };
 
 /// Of a piece of memory, given back to it at the end.

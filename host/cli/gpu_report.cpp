@@ -79,6 +79,7 @@ struct Row {
     std::string first_difference{};
     std::uint64_t samples = 0;             /* of the run that was timed */
     double seconds = INFINITY, kernel = 0; /* s: of it, and in kernels; not finite: it failed */
+    std::uint32_t group = 0;               /* invocations of its work groups */
     double cpu = 0;                        /* samples/s of the CPU's engine */
     std::uint64_t bytes = 0;               /* of its results */
 };
@@ -119,6 +120,7 @@ void time_runs(Engine& engine, const PreparedCase& prepared, Row& row) {
         if (const double seconds = seconds_since(start); seconds < row.seconds) {
             row.seconds = seconds;
             row.kernel = times.kernel;
+            row.group = times.group;
         }
     }
 }
@@ -157,7 +159,7 @@ DeviceRows examine(const compute::DeviceReport& device, const std::vector<Precis
                    Stage& stage) {
     options.gpu = std::to_string(device.index);
     EngineOptions twice = options, oracle = options;
-    twice.twice = oracle.cpu = true;
+    twice.twice = oracle.cpu = options.try_groups = true;
     oracle.gpu.clear();
     const auto timed = make_engine(options), compared = make_engine(twice), cpu = make_engine(oracle);
     DeviceRows found{device, {}, {}};
@@ -226,8 +228,9 @@ std::string table_of(const DeviceRows& device) {
         "## {}\n\n{}, {}, Vulkan {}, {:.1f} GiB, subgroups of {}, {} invocations a group, {}, {}\n\n"
         "Bandwidth: {} stored, {} copied, {} read back.\n\n"
         "| law | precision | values compared | differ | f32 from f64, of the largest force | verdict | million "
-        "samples/s | in kernels alone | results written, of the store bandwidth | the CPU's million samples/s |\n"
-        "|---|---|---|---|---|---|---|---|---|---|\n",
+        "samples/s | in kernels alone | work group | results written, of the store bandwidth | the CPU's million "
+        "samples/s |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|\n",
         device.device.name, device.device.type, device.device.driver, device.device.api,
         static_cast<double>(device.device.memory) / (1 << 30), device.device.subgroup, device.device.group_invocations,
         device.device.f64 ? "double precision" : "no double precision",
@@ -235,11 +238,11 @@ std::string table_of(const DeviceRows& device) {
         gigabytes(device.bandwidth.copy), gigabytes(device.bandwidth.read_back));
     for (const Row& row : device.rows)
         text +=
-            fmt::format("| {} | {} | {} | {} | {} | {} | {:.3g} | {:.3g} | {:.2g} % | {:.3g} |\n", row.law->name,
+            fmt::format("| {} | {} | {} | {} | {} | {} | {:.3g} | {:.3g} | {} | {:.2g} % | {:.3g} |\n", row.law->name,
                         name_of(row.precision), row.compared, row.differing,
                         row.rounding ? fmt::format("{:.2g}", *row.rounding) : "", row.passed ? "ok" : "**FAILED**",
                         1e-6 * static_cast<double>(row.samples) / row.seconds,
-                        row.kernel > 0 ? 1e-6 * static_cast<double>(row.samples) / row.kernel : 0,
+                        row.kernel > 0 ? 1e-6 * static_cast<double>(row.samples) / row.kernel : 0, row.group,
                         row.kernel > 0 ? 100 * static_cast<double>(row.bytes) / row.kernel / device.bandwidth.store : 0,
                         1e-6 * row.cpu);
     for (const Row& row : device.rows)
@@ -261,6 +264,7 @@ Json with_rows(const DeviceRows& device) {
                         {"samples", row.samples},
                         {"seconds", row.seconds},
                         {"kernel_s", row.kernel},
+                        {"group_invocations", row.group},
                         {"cpu_samples_per_s", row.cpu},
                         {"result_bytes", row.bytes}});
     Json json = json_of(device.device);

@@ -215,7 +215,7 @@ public:
 
     ~GpuEngine() override {
         try {
-            write_pipeline_cache(cache_, identity(), device_.pipeline_cache());
+            write_pipeline_cache(cache_, identity(), device_.cache());
         } catch (const std::exception& error) {
             spdlog::debug("compiled kernels are not kept: {}", error.what());
         }
@@ -243,6 +243,7 @@ private:
         spent.read_back = times.read_back;
         spent.uploaded = times.uploaded;
         spent.host_updates = times.host_updates;
+        spent.group = times.group;
         print_times(report(), spent);
         return spent;
     }
@@ -311,7 +312,9 @@ private:
         wanted.wanted = options.gpu;
         wanted.needs_f64 = options.needs_f64;
         wanted.validation = options.validation;
-        wanted.pipeline_cache = kept;
+        wanted.cache = kept;
+        if (options.try_groups)
+            wanted.try_groups_after = 0;
         return compute::Device(wanted);
     }
 

@@ -98,6 +98,7 @@ struct EngineOptions {
     bool validation = false;                         /* Vulkan validation layers; complaints end the run */
     std::size_t chunk_bytes = std::size_t(32) << 20; /* results held at once */
     std::filesystem::path cache;                     /* folder of compiled kernels; empty: none is kept */
+    bool try_groups = false; /* hardware tries sizes of work groups at once, not only when a run is long */
     /// Computes all a second time on a Vulkan device, in parts (compute/kernels.h). \throws compute::DeviceError
     /// (differs_in_parts) where a bit differs.
     bool twice = false;

@@ -25,6 +25,7 @@ struct EngineTimes {
     std::uint64_t voxels_evaluated = 0; /* of a mesh; the others were found free as whole blocks */
     std::uint64_t host_updates = 0;     /* of proxies on a mesh, which a kernel of paths left to the host */
     std::uint64_t uploaded = 0;         /* bytes copied to a device: tables, plans, recorded positions */
+    std::uint32_t group = 0;            /* invocations of a work group of the last dispatch */
 
     double sum() const { return prepare + plan + compile + upload + kernel + read_back; } /* s */
 };

@@ -38,6 +38,21 @@ TEST_F(Gpu, LimitsAreReadOrRefused) {
     EXPECT_NE(with_limits("no-f64", {"gpus"}).out.find("no double precision"), std::string::npos);
 }
 
+// Forces of 1e-39 N: most GPUs make them 0, which is within the bounds that hardware has for the oracle's bits.
+TEST_F(Gpu, FlushedDenormalsAreWithinTheBounds) {
+#if !defined(__SSE2__)
+    GTEST_SKIP() << "the software device flushes on x86 alone";
+#endif
+    write("small.toml", "[surface]\nkind = \"bump\"\n[force]\nstiffness = \"1e-20 N/m\"\n"
+                        "[grid]\norigin = [\"-20 mm\", \"-1e-22 mm\", \"-8e-16 mm\"]\n"
+                        "spacing = [\"0.5 mm\", \"1e-22 mm\", \"1e-17 mm\"]\nsize = [81, 4, 100]\n");
+    const std::vector<std::string> arguments{"validate", "small.toml", "--gpu", "llvmpipe", "--precision", "f32"};
+    EXPECT_NE(expect_success(arguments).out.find("32400 voxels, 0 differ"), std::string::npos);
+    const Outcome flushed = with_limits("flush", arguments);
+    EXPECT_EQ(flushed.code, 0) << flushed.error;
+    EXPECT_NE(flushed.out.find("32400 voxels, 25920 differ"), std::string::npos) << flushed.out;
+}
+
 TEST_F(Gpu, AReportOfItIsAFolder) {
     const std::vector<std::string> arguments{"doctor",   "--gpu-report", "gpu", "--gpu",
                                              "llvmpipe", "--precision",  "f32", "--quiet"};
@@ -55,6 +70,7 @@ TEST_F(Gpu, AReportOfItIsAFolder) {
         EXPECT_GT(row["kernel_s"], 0) << row;
         EXPECT_LE(row["kernel_s"], row["seconds"]) << row;
         EXPECT_GT(row["cpu_samples_per_s"], 0) << row;
+        EXPECT_GE(row["group_invocations"], 32) << row;
     }
     EXPECT_NE(read_text(path("gpu/report.md")).find("| mesh, mean_value | f32 |"), std::string::npos);
     expect_failure(2, arguments, {"gpu", "is there already"});

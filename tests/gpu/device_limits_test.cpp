@@ -70,8 +70,8 @@ protected:
 };
 
 TEST_F(DeviceLimits, AreRead) {
-    const auto limits = read_device_limits("no-f64,memory=268435456,lost-at=3,longest=0.5,group=128,buffer=1024");
-    EXPECT_TRUE(limits.no_f64);
+    const auto limits = read_device_limits("no-f64,flush,memory=268435456,lost-at=3,longest=0.5,group=128,buffer=1024");
+    EXPECT_TRUE(limits.no_f64 && limits.flush);
     EXPECT_FALSE(limits.no_int64 || limits.incoherent);
     EXPECT_EQ(limits.memory, 268435456u);
     EXPECT_EQ(limits.lost_at, 3u);
@@ -120,6 +120,28 @@ TEST_F(DeviceLimits, MemoryThatHoldsNothingIsSaidToBe) {
         test::Kernels kernels(device);
         const std::string said = device_error(DeviceError::Kind::out_of_memory, [&] { kernels.hold<float>(row); });
         EXPECT_NE(said.find("out of device memory"), std::string::npos) << said;
+    }
+}
+
+// Whichever buffer finds no memory: an error, or smaller dispatches and the same bits.
+TEST_F(DeviceLimits, SmallerDispatchesServeWhereMemoryIsShort) {
+    const std::map<std::string, int> tables{{"field", 4}, {"mesh_field", 6}, {"paths", 5}, {"mesh_paths", 6}};
+    for (const Row& row : a_row_of_each()) {
+        int served = 0, ended = 0;
+        for (int at = 1; at < 40; at += 3) {
+            compute::Device device = limited(fmt::format("memory=1073741824,short-at={}", at));
+            test::Kernels kernels(device);
+            try {
+                for (const Held& held : kernels.hold<float>(row))
+                    EXPECT_TRUE(is_equal(held)) << row.name << " at buffer " << at;
+                ++served;
+            } catch (const DeviceError& error) {
+                EXPECT_EQ(error.kind(), DeviceError::Kind::out_of_memory) << error.what();
+                ++ended;
+            }
+        }
+        fmt::print("{}: {} served, {} ended with an error\n", row.name, served, ended);
+        EXPECT_LE(ended, tables.at(row.name)) << "tables alone have no smaller form";
     }
 }
 

@@ -137,18 +137,22 @@ TEST_F(EngineCache, SurvivesForeignBytes) {
         compute::FieldKernel kernel(device);
         const FieldTables<float> tables = make_tables<float>(Scene{}, {}, Extent::what_varies);
         kernel.evaluate<float>(tables.input(), [](const layout::FieldChunk<float>&) {});
-        return device.pipeline_cache();
+        return device.cache();
     }();
-    ASSERT_GE(kept.size(), 32u); // the header that Vulkan prescribes
+    constexpr std::size_t kOurs = 16; // bytes before the header that Vulkan prescribes
+    ASSERT_GE(kept.size(), kOurs + 32);
     Bytes other_vendor = kept, other_uuid = kept;
-    other_vendor[8] ^= std::byte{1};
-    other_uuid[16] ^= std::byte{1};
+    other_vendor[kOurs + 8] ^= std::byte{1};
+    other_uuid[kOurs + 16] ^= std::byte{1};
+    Bytes too_many_groups = kept;
+    too_many_groups[kOurs - 1] = std::byte{0x7F};
     const Bytes half(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(kept.size() / 2));
     const Bytes header(kept.begin(), kept.begin() + 20);
-    for (const Bytes& bytes : {kept, other_vendor, other_uuid, half, header, some_bytes(10), some_bytes(10000)}) {
+    for (const Bytes& bytes :
+         {kept, other_vendor, other_uuid, too_many_groups, half, header, some_bytes(10), some_bytes(10000)}) {
         compute::DeviceOptions options;
         options.wanted = test::tested_gpu();
-        options.pipeline_cache = bytes;
+        options.cache = bytes;
         compute::Device device(options);
         compute::FieldKernel kernel(device);
         const FieldTables<float> tables = make_tables<float>(Scene{}, {}, Extent::what_varies);
