@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <fcntl.h>
 #include <fstream>
-#include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -13,6 +12,8 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+
+#include "host/arenas.h"
 
 namespace forceshade::device {
 
@@ -33,8 +34,7 @@ Permissions::One priority() {
 
 // Also locks pages that are touched later, unless they could run into a limit.
 Permissions::One locked_memory() {
-    constexpr int kArenas = 2; // of the allocator: each thread's own would lock 64 MB
-    ::mallopt(M_ARENA_MAX, kArenas);
+    share_arenas();
     if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
         void* const probe =
             ::mmap(nullptr, std::size_t(64) << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

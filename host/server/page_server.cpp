@@ -22,6 +22,7 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
+#include "host/arenas.h"
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/program.h"
@@ -392,6 +393,7 @@ PageServer::PageServer(std::vector<ServedPage> pages, std::uint16_t port,
                        std::function<void(const std::string& page)> on_close)
     : core_(std::make_shared<Core>(std::move(pages), std::move(on_close))) {
     const QuietSignals quiet;
+    share_arenas(); // before the first of many threads
     core_->listen(port);
 }
 

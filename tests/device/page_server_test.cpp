@@ -1,10 +1,8 @@
 // Pages for browsers: one that takes nothing holds up neither who sends nor the others.
 #include <algorithm>
-#include <arpa/inet.h>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
-#include <netinet/in.h>
 #include <optional>
 #include <sys/socket.h>
 #include <thread>
@@ -14,37 +12,15 @@
 #include <gtest/gtest.h>
 
 #include "host/server/page_server.h"
+#include "tests/device/page_connection.h"
 #include "tests/io/folder.h"
 
 namespace forceshade {
 namespace {
 
+using test::connection_to;
+using test::Place;
 using testing::says;
-
-struct Place {
-    explicit Place(const std::string& address) {
-        const std::size_t colon = address.find(':', 5) + 1, slash = address.find('/', colon);
-        path = address.substr(slash);
-        host = address.substr(7, slash - 7);
-        port = static_cast<std::uint16_t>(std::stoi(address.substr(colon)));
-    }
-    std::string path, host;
-    std::uint16_t port;
-};
-
-/// A connection that has sent `asked`.
-int connection_to(const Place& place, const std::string& asked, int receive_buffer = 0) {
-    const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (receive_buffer > 0)
-        ::setsockopt(client, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
-    sockaddr_in there{};
-    there.sin_family = AF_INET;
-    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    there.sin_port = htons(place.port);
-    EXPECT_EQ(::connect(client, reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
-    EXPECT_EQ(::send(client, asked.data(), asked.size(), MSG_NOSIGNAL), std::ssize(asked));
-    return client;
-}
 
 /// A WebSocket of a page, connected, of which little waits to be read.
 class PageClient {

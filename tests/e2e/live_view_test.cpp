@@ -1,4 +1,5 @@
 // The page of a live loop in headless Chromium: what is felt is seen, and who looks changes nothing.
+#include "tests/device/page_connection.h"
 #include "tests/e2e/live_workplace.h"
 #include "tests/report/browser.h"
 
@@ -16,6 +17,7 @@ protected:
         all.insert(all.end(), further.begin(), further.end());
         Launch launch = this->launch(std::move(all));
         launch.error = path("stderr");
+        std::filesystem::remove(path("stderr")); // an earlier run's address
         auto process = std::make_unique<Process>(launch);
         await(*process, [&] {
             const std::string said = text("stderr");
@@ -95,6 +97,46 @@ TEST_F(LiveView, WhoLooksAndGoesDoesNotChangeTheRun) {
     first.open_address("data:text/html,gone");
     EXPECT_TRUE(is_in(second, "ended"));
     expect_undisturbed(process->wait(), 5000);
+}
+
+// Fifty at a time that begin a request and do not end it: the loop is not later than without them, no memory piles up
+// (all of it is locked), and who asks properly is answered.
+TEST_F(LiveView, HalfRequestsDoNotMakeTheLoopLate) {
+    const auto late = [](const Outcome& outcome) {
+        return 1e-3 * nlohmann::json::parse(outcome.out)["late"]["p99_ns"].get<double>(); // us
+    };
+    const Outcome alone = viewed("bump.toml", {"--duration", "5 s"})->wait();
+    expect_undisturbed(alone, 5000);
+    const auto process = viewed("bump.toml", {"--duration", "8 s", "--overwrite"});
+    const test::Place place(address);
+    const auto open_halves = [&] {
+        std::vector<int> halves;
+        for (int i = 0; i < 50; ++i)
+            halves.push_back(test::connection_to(place, "GET /", 0, false));
+        return halves;
+    };
+    const auto close_all = [](const std::vector<int>& halves) { std::ranges::for_each(halves, ::close); };
+    for (int second = 0; second < 4; ++second) {
+        const std::vector<int> halves = open_halves();
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        close_all(halves);
+    }
+    std::ifstream status("/proc/" + std::to_string(process->id()) + "/status");
+    std::size_t locked = 0; // KiB
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmLck:"))
+            locked = std::stoul(line.substr(6));
+    EXPECT_LT(locked, 256u * 1024);
+    const int asking =
+        test::connection_to(place, fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\n\r\n", place.path, place.host));
+    std::string answer(15, '\0');
+    EXPECT_EQ(::recv(asking, answer.data(), answer.size(), MSG_WAITALL), 15);
+    EXPECT_EQ(answer, "HTTP/1.1 200 OK");
+    ::close(asking);
+    const Outcome beside = process->wait();
+    expect_undisturbed(beside, 8000);
+    fmt::print("late, p99: {:.0f} us alone, {:.0f} us with 50 half requests at a time; {} KiB locked\n", late(alone),
+               late(beside), locked);
 }
 
 // At 10 kHz a part of the samples is shown; a force of one sample is among them.
