@@ -1,13 +1,9 @@
 #include "host/output/exr_image.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <exception>
-#include <mutex>
-#include <thread>
 
 #include <fmt/core.h>
 #include <half.h>
@@ -52,7 +48,6 @@ struct Image::Context {
             return static_cast<std::int64_t>(
                 context.file.read_some(offset, {static_cast<std::byte*>(bytes), static_cast<std::size_t>(count)}));
         } catch (const IoError& error) {
-            const std::lock_guard lock(context.mutex);
             context.failure = context.failure ? context.failure : error;
             return -1;
         }
@@ -62,14 +57,12 @@ struct Image::Context {
         if (!handle || exr_get_user_data(handle, &self) != EXR_ERR_SUCCESS || !self)
             return;
         auto& context = *static_cast<Context*>(self);
-        const std::lock_guard lock(context.mutex);
         if (context.error_text.empty())
             context.error_text = message;
     }
 
     const ReadableFile& file;
     exr_context_t handle = nullptr;
-    std::mutex mutex;
     std::optional<IoError> failure; // of the file itself
     std::string error_text;
 };
@@ -95,10 +88,8 @@ private:
         begun_ = false;
     }
     void require(exr_result_t result) const {
-        if (result == EXR_ERR_SUCCESS)
-            return;
-        const std::lock_guard lock(image_.context_->mutex); // another thread's block may be damaged, too
-        refuse(image_.context_->error_text);
+        if (result != EXR_ERR_SUCCESS)
+            refuse(image_.context_->error_text);
     }
     [[noreturn]] void refuse(const std::string& why) const {
         const bool tiled = image_.layers_[static_cast<std::size_t>(part_)].tiled;
@@ -180,7 +171,8 @@ void Image::Decoder::give(std::int32_t first, std::int32_t last, const std::func
 }
 
 Image::Image(const ReadableFile& file, std::filesystem::path name)
-    : file_(file), name_(std::move(name)), context_(std::make_unique<Context>(file)) {
+    : file_(file), name_(std::move(name)), context_(std::make_unique<Context>(file)),
+      decoder_(std::make_unique<Decoder>(*this)) {
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = Context::complain;
     start.user_data = context_.get();
@@ -270,7 +262,7 @@ std::optional<exr_attr_v3i_t> Image::integers(const char* name) const {
     return attribute<exr_attr_v3i_t>(name, exr_attr_get_v3i);
 }
 
-void Image::read(std::size_t which, std::int32_t first, std::int32_t last, int threads,
+void Image::read(std::size_t which, std::int32_t first, std::int32_t last,
                  const std::function<void(const Line&)>& take) {
     const Layer& layer = layers_[which];
     if (!layer.is_supported())
@@ -282,38 +274,12 @@ void Image::read(std::size_t which, std::int32_t first, std::int32_t last, int t
         damaged("no valid EXR file, " + context_->error_text);
     const auto block_row = [&](std::int32_t y) { return (std::int64_t{y} - layer.data.min.y) / height; };
     const std::int64_t columns = layer.tiled ? static_cast<std::int64_t>((layer.columns() - 1) / width + 1) : 1;
-    const std::int64_t begin = block_row(first) * columns, end = (block_row(last) + 1) * columns;
-    std::atomic<std::int64_t> next = begin;
-    const auto work = [&](Decoder& decoder) {
-        for (std::int64_t block = next++; block < end; block = next++) {
-            const auto column = static_cast<std::int32_t>(block % columns);
-            const auto row = static_cast<std::int32_t>(block / columns);
-            decoder.read(part, column, layer.tiled ? row : layer.data.min.y + row * height);
-            decoder.give(first, last, take);
-        }
-    };
-    const auto workers = static_cast<std::size_t>(std::clamp<std::int64_t>(threads, 1, end - begin));
-    while (decoders_.size() < workers)
-        decoders_.push_back(std::make_unique<Decoder>(*this));
-    if (workers == 1)
-        return work(*decoders_.front());
-    std::mutex mutex;
-    std::exception_ptr error;
-    {
-        std::vector<std::jthread> running;
-        for (std::size_t i = 0; i < workers; ++i)
-            running.emplace_back([&, i] {
-                try {
-                    work(*decoders_[i]);
-                } catch (...) {
-                    const std::lock_guard lock(mutex);
-                    error = error ? error : std::current_exception();
-                    next = end;
-                }
-            });
+    for (std::int64_t block = block_row(first) * columns; block < (block_row(last) + 1) * columns; ++block) {
+        const auto row = static_cast<std::int32_t>(block / columns);
+        decoder_->read(part, static_cast<std::int32_t>(block % columns),
+                       layer.tiled ? row : layer.data.min.y + row * height);
+        decoder_->give(first, last, take);
     }
-    if (error)
-        std::rethrow_exception(error);
 }
 
 } // namespace forceshade::exr
@@ -409,7 +375,7 @@ HeightImage read_height_exr(const ReadableFile& file) {
     const std::int32_t first = std::max(layer.display.min.y, layer.data.min.y);
     const std::int32_t last = std::min(layer.display.max.y, layer.data.max.y);
     if (first <= last)
-        source.read(0, first, last, 1, add_line);
+        source.read(0, first, last, add_line);
     return image;
 }
 

@@ -56,7 +56,7 @@ struct Line {
 };
 
 /// Every method throws IoError `cannot read NAME: ...` for a file that is cut off, damaged or no EXR; a block that
-/// holds less than it should is damaged. Memory is that of one block a thread, and a file of few bytes has no large
+/// holds less than it should is damaged. Memory is that of one block, and a file of few bytes has no large
 /// blocks.
 class Image {
 public:
@@ -70,10 +70,9 @@ public:
     std::optional<exr_attr_v3d_t> vector(const char* name) const;
     std::optional<exr_attr_v3i_t> integers(const char* name) const;
 
-    /// Hands over the lines from row `first` to row `last` of a layer, and others of the same blocks; with more than
-    /// one thread several at once. The block that was read last is kept, so that rows may be read one by one.
-    void read(std::size_t layer, std::int32_t first, std::int32_t last, int threads,
-              const std::function<void(const Line&)>& take);
+    /// Hands over the lines from row `first` to row `last` of a layer, and others of the same blocks. The block that
+    /// was read last is kept, so that rows may be read one by one.
+    void read(std::size_t layer, std::int32_t first, std::int32_t last, const std::function<void(const Line&)>& take);
 
     [[noreturn]] void damaged(const std::string& what) const;
 
@@ -89,7 +88,7 @@ private:
     std::filesystem::path name_;
     std::unique_ptr<Context> context_;
     std::vector<Layer> layers_;
-    std::vector<std::unique_ptr<Decoder>> decoders_; // one a thread
+    std::unique_ptr<Decoder> decoder_; // before the context is gone
 };
 
 // How volumes are laid out in an EXR's parts, for what writes them and what reads them.

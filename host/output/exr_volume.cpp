@@ -98,7 +98,7 @@ void spread(std::span<const std::byte> values, std::size_t stride, std::byte* ta
 }
 
 /// Rows of a part as they stand in memory: samples interleaved by component; halves as floats.
-void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t first, std::uint64_t count, int threads,
+void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t first, std::uint64_t count,
                std::byte* target) {
     std::vector<std::size_t> places; // of the components in the file
     for (const char* name : part.channels)
@@ -118,7 +118,7 @@ void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t 
                 });
         }
     };
-    image.read(layer, static_cast<std::int32_t>(first), static_cast<std::int32_t>(first + count - 1), threads, take);
+    image.read(layer, static_cast<std::int32_t>(first), static_cast<std::int32_t>(first + count - 1), take);
 }
 
 glm::dvec3 place_origin_of(const Image& image) {
@@ -131,13 +131,13 @@ glm::dvec3 place_origin_of(const Image& image) {
 } // namespace exr
 
 struct VolumeReader::State {
-    State(const std::filesystem::path& path_, int threads)
-        : path(path_), file(path_), image(file, path_), header(read_header(threads)), parts(exr::parts_of(header)) {
+    explicit State(const std::filesystem::path& path_)
+        : path(path_), file(path_), image(file, path_), header(read_header()), parts(exr::parts_of(header)) {
         for (std::size_t i = 0; i < parts.size(); ++i)
             require_layout(image.layers()[i], parts[i]);
     }
 
-    VolumeHeader read_header(int threads) const;
+    VolumeHeader read_header() const;
     void require_layout(const exr::Layer& found, const exr::Part& part) const {
         if (!exr::has_layout(found, part, header.size[0], rows()) ||
             exr::compression_from(found.compression) != header.compression ||
@@ -157,7 +157,7 @@ struct VolumeReader::State {
             refuse(fmt::format("it lacks {} in rows {} to {}", name_of_channel(channel), first, first + count));
         values.resize(count * header.size[0] * components_of(channel));
         if (count > 0)
-            exr::read_rows(image, static_cast<std::size_t>(part - parts.begin()), *part, first, count, header.threads,
+            exr::read_rows(image, static_cast<std::size_t>(part - parts.begin()), *part, first, count,
                            std::as_writable_bytes(std::span(values)).data());
     }
 
@@ -168,7 +168,7 @@ struct VolumeReader::State {
     std::vector<exr::Part> parts;
 };
 
-VolumeHeader VolumeReader::State::read_header(int threads) const {
+VolumeHeader VolumeReader::State::read_header() const {
     VolumeHeader found;
     const exr::Layer& first = image.layers().front();
     const auto require = [&](auto value, const char* name) {
@@ -192,7 +192,6 @@ VolumeHeader VolumeReader::State::read_header(int threads) const {
     found.version = text("forceshade.version");
     found.omitted = text("forceshade.omitted");
     found.place_origin = exr::place_origin_of(image);
-    found.threads = threads;
     const auto compression = exr::compression_from(first.compression);
     if (!compression)
         refuse("its compression is another");
@@ -213,8 +212,7 @@ VolumeHeader VolumeReader::State::read_header(int threads) const {
     return found;
 }
 
-VolumeReader::VolumeReader(const std::filesystem::path& path, int threads)
-    : state_(std::make_unique<State>(path, threads)) {}
+VolumeReader::VolumeReader(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
 VolumeReader::~VolumeReader() = default;
 
 const VolumeHeader& VolumeReader::header() const noexcept {
@@ -272,7 +270,7 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
         const auto components = static_cast<std::ptrdiff_t>(components_of(channel));
         std::vector<Value> row(static_cast<std::size_t>(components) * columns);
         for (std::uint64_t at = 0; at < rows; at += every_path) {
-            exr::read_rows(image, static_cast<std::size_t>(layer - image.layers().begin()), part, at, 1, 0,
+            exr::read_rows(image, static_cast<std::size_t>(layer - image.layers().begin()), part, at, 1,
                            std::as_writable_bytes(std::span(row)).data());
             for (std::uint64_t step = 0; step < columns; step += read.every_step) {
                 const auto sample = row.begin() + components * static_cast<std::ptrdiff_t>(step);

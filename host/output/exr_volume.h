@@ -34,7 +34,6 @@ struct VolumeHeader : ExrOptions {
     std::array<double, 3> origin{};                 /* m: voxel (i, j, k) samples origin + spacing * (i, j, k) */
     std::array<double, 3> spacing{};                /* m */
     std::uint32_t channels = layout::kChannelForce; /* layout::kChannel... bits; force is always among them */
-    bool allow_non_finite = false;                  /* else NaN and infinity are refused */
 };
 
 /// Peak memory is about 20 MiB plus a few rows, whatever the grid. The bytes of the file depend on the header and the
@@ -62,10 +61,10 @@ private:
 /// foreign.
 class VolumeReader {
 public:
-    explicit VolumeReader(const std::filesystem::path& path, int threads = 0);
+    explicit VolumeReader(const std::filesystem::path& path);
     ~VolumeReader();
 
-    /// As it was written; `threads` as given here.
+    /// As it was written.
     const VolumeHeader& header() const noexcept;
     std::uint64_t rows() const noexcept; /* ny * nz */
 

@@ -193,8 +193,8 @@ using PlaceText = std::function<std::string(const Voxel&)>;
 class RowsWriter {
 public:
     // Throws IoError.
-    RowsWriter(const std::filesystem::path& path, Sheet sheet, bool allow_non_finite)
-        : sheet_(std::move(sheet)), allow_non_finite_(allow_non_finite), file_(path), stream_(file_),
+    RowsWriter(const std::filesystem::path& path, Sheet sheet)
+        : sheet_(std::move(sheet)), file_(path), stream_(file_),
           group_rows_(rows_per_group(sheet_.width, sheet_.rows)) {
         require_workers(sheet_.threads);
         for (const Part& part : sheet_.parts)
@@ -254,7 +254,6 @@ private:
     void throw_if_refused(const PlaceText& place) const;
 
     Sheet sheet_;
-    bool allow_non_finite_;
     TemporaryFile file_;
     WriteStream stream_;
     std::unique_ptr<Imf::MultiPartOutputFile> output_; // before the parts: they refer to it
@@ -284,7 +283,7 @@ void RowsWriter::flush_group() {
 
 bool RowsWriter::refused() const {
     for (const PartRows& rows : parts_) {
-        if (rows.watch.non_finite() > 0 && !allow_non_finite_)
+        if (rows.watch.non_finite() > 0)
             return true;
         if (rows.part.format == PixelFormat::half && overflows_half(static_cast<float>(rows.watch.largest().value)))
             return true;
@@ -295,7 +294,7 @@ bool RowsWriter::refused() const {
 void RowsWriter::throw_if_refused(const PlaceText& place) const {
     for (const PartRows& rows : parts_) {
         const auto& [value, at, found] = rows.watch.first_non_finite();
-        if (found && !allow_non_finite_)
+        if (found)
             throw Error(ExitCode::failed,
                         fmt::format("{}: {} is {} at {}: {} values are not finite as floats; no file was written",
                                     file_.path().string(), name_of_channel(rows.part.channel), value, place(at),
@@ -330,8 +329,6 @@ VolumeResult RowsWriter::finish(const PlaceText& place) {
     const WatchedValue& longest = parts_.front().watch.longest();
     result.largest_force = longest.value;
     result.largest_voxel = longest.voxel;
-    for (const PartRows& rows : parts_)
-        result.non_finite += rows.watch.non_finite();
     return result;
 }
 
@@ -357,7 +354,7 @@ Sheet sheet_of(const VolumeHeader& volume) {
 
 struct VolumeWriter::State {
     State(const std::filesystem::path& path, const VolumeHeader& volume)
-        : rows(path, sheet_of(volume), volume.allow_non_finite), order(volume.size) {}
+        : rows(path, sheet_of(volume)), order(volume.size) {}
 
     template <typename real> void write(const layout::FieldChunk<real>& chunk, std::size_t repeat_y) {
         for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
@@ -437,8 +434,7 @@ Sheet sheet_of(const PathVolumeHeader& header) {
 } // namespace
 
 struct PathVolumeWriter::State {
-    State(const std::filesystem::path& path, const PathVolumeHeader& from)
-        : header(from), rows(path, sheet_of(from), false) {}
+    State(const std::filesystem::path& path, const PathVolumeHeader& from) : header(from), rows(path, sheet_of(from)) {}
 
     template <typename T> void write(const PathRows<T>& paths) {
         if (paths.path_first != next || paths.step_first != step || paths.step_first + paths.pitch > header.steps ||

@@ -136,49 +136,28 @@ void encode_row(std::span<const float> values, PixelFormat format, std::byte* by
 
 void PixelWatch::add(std::span<const float> values, std::uint64_t y, std::uint64_t z, std::uint64_t repeat,
                      std::uint64_t x) {
-    const Voxel first{x, y, z};
-    const std::int32_t largest = largest_magnitude(values);
-    if (largest >= static_cast<std::int32_t>(kInfinity))
-        add_non_finite(values, first, repeat);
-    const auto magnitude = static_cast<double>(std::bit_cast<float>(largest));
-    if (!largest_.found || !(magnitude <= std::abs(largest_.value)))
-        add_largest(values, first);
+    const auto most = static_cast<double>(std::bit_cast<float>(largest_magnitude(values)));
     // No sample of this row is longer than sqrt(3) times its largest component.
-    if (!longest_.found || !(magnitude * 1.7320508075688775 <= longest_.value))
-        add_longest(values, first);
-}
-
-void PixelWatch::add_largest(std::span<const float> values, const Voxel& first) {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto value = static_cast<double>(values[i]);
-        if (std::isfinite(value) && (!largest_.found || std::abs(value) > std::abs(largest_.value)))
-            largest_ = {value, {first[0] + i / components_, first[1], first[2]}, true};
-    }
-}
-
-void PixelWatch::add_longest(std::span<const float> values, const Voxel& first) {
-    std::size_t where = values.size();
+    if (largest_.found && most <= std::abs(largest_.value) && most * 1.7320508075688775 <= longest_.value)
+        return;
     for (std::size_t i = 0; i < values.size(); i += components_) {
+        const Voxel at{x + i / components_, y, z};
         double squared = 0; // of floats, in double: cannot overflow
-        for (std::size_t c = 0; c < components_; ++c)
-            squared += static_cast<double>(values[i + c]) * static_cast<double>(values[i + c]);
-        if (squared > longest_squared_ && std::isfinite(squared)) {
-            longest_squared_ = squared;
-            where = i;
+        for (const float one : values.subspan(i, components_)) {
+            const auto value = static_cast<double>(one);
+            squared += value * value;
+            if (!std::isfinite(value)) {
+                non_finite_ += repeat;
+                if (!first_non_finite_.found)
+                    first_non_finite_ = {value, at, true};
+            } else if (!largest_.found || std::abs(value) > std::abs(largest_.value)) {
+                largest_ = {value, at, true};
+            }
         }
-    }
-    if (where < values.size())
-        longest_ = {std::sqrt(longest_squared_), {first[0] + where / components_, first[1], first[2]}, true};
-}
-
-void PixelWatch::add_non_finite(std::span<const float> values, const Voxel& first, std::uint64_t repeat) {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (std::isfinite(values[i]))
-            continue;
-        non_finite_ += repeat;
-        if (!first_non_finite_.found)
-            first_non_finite_ = {
-                static_cast<double>(values[i]), {first[0] + i / components_, first[1], first[2]}, true};
+        if (std::isfinite(squared) && squared > longest_squared_) {
+            longest_squared_ = squared;
+            longest_ = {std::sqrt(squared), at, true};
+        }
     }
 }
 

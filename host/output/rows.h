@@ -43,7 +43,6 @@ struct VolumeResult {
     VolumeTimings timings;
     double largest_force = 0;                     /* N: largest |F|, of the values rounded to float */
     std::array<std::uint64_t, 3> largest_voxel{}; /* where it stands first in file order */
-    std::uint64_t non_finite = 0;                 /* NaN and infinite values */
 };
 
 /// In either precision; it only points to samples.
@@ -175,10 +174,6 @@ public:
     const WatchedValue& longest() const noexcept { return longest_; }
 
 private:
-    void add_largest(std::span<const float> values, const Voxel& first);
-    void add_longest(std::span<const float> values, const Voxel& first);
-    void add_non_finite(std::span<const float> values, const Voxel& first, std::uint64_t repeat);
-
     std::size_t components_;
     std::uint64_t non_finite_ = 0;
     WatchedValue first_non_finite_;

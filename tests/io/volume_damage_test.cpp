@@ -82,31 +82,30 @@ TEST(DamagedVolume, WhoseBlockIsTooShortIsNoticed) {
                                                {Compression::zip1, testing::Packing::zips},
                                                {Compression::zip, testing::Packing::zip},
                                                {Compression::pxr24, testing::Packing::pxr24}})
-        for (const PixelType pixel : {PixelType::float32, PixelType::half})
-            for (const int threads : {0, 2}) {
-                SCOPED_TRACE(static_cast<int>(packing));
-                VolumeHeader header = sample_header(kOneBlock, layout::kChannelForce);
-                header.compression = compression;
-                header.pixel = pixel;
-                VolumeWriter writer(folder / "a.exr", header);
-                SampleField(kOneBlock).write_to(writer);
-                writer.finish();
-                const std::string file = read_file(folder / "a.exr");
-                const std::size_t whole = 64 * 3 *
-                                          (pixel == PixelType::half            ? 2
-                                           : compression == Compression::pxr24 ? 3
-                                                                               : 4);
-                const auto values_with = [&](std::size_t size) {
-                    write_file_atomically(folder / "a.exr",
-                                          testing::with_block(file, testing::packed_zeros(packing, size)));
-                    std::vector<float> values;
-                    VolumeReader(folder / "a.exr", threads).read(layout::kChannelForce, 0, 1, values);
-                    return values;
-                };
-                EXPECT_EQ(values_with(whole), std::vector<float>(64 * 3, 0.0f));
-                for (const std::size_t size : {whole - 1, whole / 2, std::size_t{1}, std::size_t{0}})
-                    EXPECT_THROW(values_with(size), IoError) << size;
-            }
+        for (const PixelType pixel : {PixelType::float32, PixelType::half}) {
+            SCOPED_TRACE(static_cast<int>(packing));
+            VolumeHeader header = sample_header(kOneBlock, layout::kChannelForce);
+            header.compression = compression;
+            header.pixel = pixel;
+            VolumeWriter writer(folder / "a.exr", header);
+            SampleField(kOneBlock).write_to(writer);
+            writer.finish();
+            const std::string file = read_file(folder / "a.exr");
+            const std::size_t whole = 64 * 3 *
+                                      (pixel == PixelType::half            ? 2
+                                       : compression == Compression::pxr24 ? 3
+                                                                           : 4);
+            const auto values_with = [&](std::size_t size) {
+                write_file_atomically(folder / "a.exr",
+                                      testing::with_block(file, testing::packed_zeros(packing, size)));
+                std::vector<float> values;
+                VolumeReader(folder / "a.exr").read(layout::kChannelForce, 0, 1, values);
+                return values;
+            };
+            EXPECT_EQ(values_with(whole), std::vector<float>(64 * 3, 0.0f));
+            for (const std::size_t size : {whole - 1, whole / 2, std::size_t{1}, std::size_t{0}})
+                EXPECT_THROW(values_with(size), IoError) << size;
+        }
 }
 
 /// Changes a byte in the middle of a file.
@@ -181,25 +180,6 @@ TEST(Refusal, OfValuesThatAreNotFiniteNamesTheFirst) {
     EXPECT_TRUE(
         says(refusal<Error>(folder, sample_header(testing::kSampleSize), field), "depth is -inf at voxel (0, 0, 6)"));
     EXPECT_TRUE(folder.names().empty());
-}
-
-TEST(Refusal, OfValuesThatAreNotFiniteCanBeWaived) {
-    const Folder folder;
-    SampleField field(testing::kSampleSize);
-    field.force[3 * sample_of(field, 2, 3, 4) + 1] = std::numeric_limits<float>::quiet_NaN();
-    for (const Compression compression : {Compression::zip, Compression::pxr24})
-        for (const PixelType pixel : {PixelType::float32, PixelType::half}) {
-            VolumeHeader header = sample_header(testing::kSampleSize);
-            header.allow_non_finite = true;
-            header.compression = compression;
-            header.pixel = pixel;
-            VolumeWriter writer(folder / "a.exr", header);
-            field.write_to(writer);
-            EXPECT_EQ(writer.finish().non_finite, 1u);
-            std::vector<float> values;
-            VolumeReader(folder / "a.exr").read(layout::kChannelForce, 0, 77, values);
-            EXPECT_TRUE(std::isnan(values[((4 * 11 + 3) * 37 + 2) * 3 + 1]));
-        }
 }
 
 TEST(Refusal, OfWhatHalfCannotHoldNamesTheLargest) {

@@ -302,8 +302,6 @@ function drawMap(element, study, figure) {
   figure.curves.forEach((curve, i) => {
     const points = rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
       .filter(([a, b]) => a !== null && b !== null && a >= xs[0] && a <= xs[xs.length - 1] && b >= ys[0] && b <= ys[ys.length - 1]);
-    if (curve.low)
-      drawBand(frame.body, curve.points, x, y);
     const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
     if (points.length)
       drawLine(frame.body, points, along(x, xs), along(y, ys), "var(--plot-ink)", dash, 1.8);
