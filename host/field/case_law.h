@@ -104,6 +104,12 @@ public:
     const CaseLaw<T>& law() const { return law_; }
     /// Forgets the history: the next sample begins a path.
     void begin_path() noexcept { path_.begun = false; }
+    /// Forgets what lies around the proxy: the next sample has to find it anew, and gives the same.
+    void forget_neighbours() noexcept {
+        around_.count = 0;
+        around_.box = reference::kNoBox;
+        around_.close.forget();
+    }
     /// As CaseLaw::follow.
     PathContact<T> at(const glm::dvec3& probe) noexcept { return law_.follow(path_, around_, probe); }
 

@@ -48,17 +48,27 @@ reference::Vector<T> force_after(CaseProbe<T>& probe, std::span<const glm::dvec3
     return force;
 }
 
-/// With a history: the god-object of a mesh, which approaches places from above.
-template <typename T> class ProxyForce {
+/// With a history: the god-object of a mesh, which approaches places from above. Without a hint it looks for the
+/// triangles about its proxy anew at each update.
+template <typename T, bool hint = true> class ProxyForce {
 public:
+    static constexpr std::size_t kUpdates = kDescent; /* of force() */
+
     explicit ProxyForce(const PreparedCase& prepared, const TouchScale& scale = {}) : scale_(scale), probe_(prepared) {}
 
     std::vector<glm::dvec3> input(const TouchPlace& place) const { return descent(place, scale_); }
-    reference::Vector<T> force(std::span<const glm::dvec3> approach) noexcept { return force_after(probe_, approach); }
+    reference::Vector<T> force(std::span<const glm::dvec3> approach) noexcept {
+        reference::Vector<T> force(T(0));
+        for (std::size_t i = 0; i < approach.size(); ++i)
+            force = update(approach, i);
+        return force;
+    }
     /// Of update `i` of an approach alone: they come in order.
     reference::Vector<T> update(std::span<const glm::dvec3> approach, std::size_t i) noexcept {
         if (i == 0)
             probe_.begin_path();
+        if constexpr (!hint)
+            probe_.forget_neighbours();
         return probe_.at(approach[i]).contact.force;
     }
 

@@ -60,29 +60,9 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
     };
 }
 
-// A god-object whose updates begin without the triangles about the one before.
-template <typename T> class ProxyWithoutHint {
-public:
-    ProxyWithoutHint(const PreparedCase& prepared, const TouchScale& scale) : scale_(scale), law_(prepared) {}
-    std::vector<glm::dvec3> input(const TouchPlace& place) const { return descent(place, scale_); }
-    reference::Vector<T> force(std::span<const glm::dvec3> approach) noexcept {
-        path_.begun = false;
-        reference::Vector<T> force(T(0));
-        for (const glm::dvec3& place : approach) {
-            around_.count = 0;
-            around_.box = reference::kNoBox;
-            around_.close.forget();
-            force = law_.follow(path_, around_, place).contact.force;
-        }
-        return force;
-    }
-
-private:
-    TouchScale scale_;
-    CaseLaw<T> law_;
-    typename CaseLaw<T>::Path path_;
-    reference::Neighbourhood<T> around_;
-};
+// Evaluations in a law's force(): those of a law with a history are timed one by one.
+template <typename Law> constexpr std::size_t kUpdatesOf = 1;
+template <typename T, bool hint> constexpr std::size_t kUpdatesOf<ProxyForce<T, hint>> = ProxyForce<T, hint>::kUpdates;
 
 // How a volume is stored and read.
 enum class Reading { trilinear, tricubic, depth, band, adaptive };
@@ -217,10 +197,10 @@ public:
           draw_(draw), random_(21 + 1000 * draw) {}
 
     void add_direct() {
-        add_laws("direct", 1, [&]<typename T>(T) { return direct_law<T>(); });
+        add_laws("direct", [&]<typename T>(T) { return direct_law<T>(); });
     }
     void add_god_object() {
-        add_laws("god-object", kDescent, [&]<typename T>(T) {
+        add_laws("god-object", [&]<typename T>(T) {
             return [&prepared = *variant_.prepared, &scale = subject_.scale] {
                 return std::make_unique<ProxyForce<T>>(prepared, scale);
             };
@@ -229,11 +209,10 @@ public:
     // Its errors are the god-object's, to the bit: it has none of its own.
     void add_god_object_without_hint() {
         const auto add_one = [&]<typename T>(T) {
-            set_law(add(Use::live, "god-object, without a hint", kPrecision<T>), kDescent,
-                    [&prepared = *variant_.prepared, &scale = subject_.scale] {
-                        return std::make_unique<ProxyWithoutHint<T>>(prepared, scale);
-                    })
-                .forces = nullptr;
+            set_law(add(Use::live, "god-object, without a hint", kPrecision<T>), [&prepared = *variant_.prepared,
+                                                                                  &scale = subject_.scale] {
+                return std::make_unique<ProxyForce<T, false>>(prepared, scale);
+            }).forces = nullptr;
         };
         add_one(0.0);
         add_one(0.0F);
@@ -335,11 +314,11 @@ private:
         return methods_.emplace_back(std::move(method));
     }
 
-    // A law in both precisions; `updates` a place.
-    template <typename MakeOf> void add_laws(const std::string& family, std::size_t updates, const MakeOf& make_of) {
+    // A law in both precisions.
+    template <typename MakeOf> void add_laws(const std::string& family, const MakeOf& make_of) {
         const ForcesAt exact = forces_of(make_of(0.0));
         const auto add_law = [&](const char* precision, const auto& make) {
-            Method& method = set_law(add(Use::live, family, precision), updates, make);
+            Method& method = set_law(add(Use::live, family, precision), make);
             method.exact = exact;
             method.drawn = tessellated_;
         };
@@ -347,7 +326,8 @@ private:
         add_law("f32", make_of(0.0F));
     }
 
-    template <typename Make> Method& set_law(Method& method, std::size_t updates, Make make) const {
+    template <typename Make> Method& set_law(Method& method, Make make) const {
+        constexpr std::size_t updates = kUpdatesOf<std::decay_t<decltype(*make())>>;
         method.forces = forces_of(make);
         const std::span<const TouchPlace> places =
             std::span(subject_.places).first(std::min(kTimedPlaces, subject_.places.size()));
@@ -367,12 +347,12 @@ private:
             }
             return sum;
         });
-        method.once = [loop, updates](std::size_t number) {
+        method.once = [loop](std::size_t number) {
             auto& law = loop().first;
             const auto& inputs = loop().second;
             const auto& input = inputs[number / updates * kStride % inputs.size()];
             const auto evaluate = [&law, &input, i = number % updates] {
-                if constexpr (requires { law->update(input, i); })
+                if constexpr (updates > 1)
                     return law->update(input, i);
                 else
                     return law->force(input);
@@ -398,7 +378,7 @@ private:
         const auto law = lazily([&prepared = *variant_.prepared, grid, values, deepest] {
             return std::make_shared<LookUp<R, Stored>>(prepared, grid, values(), deepest);
         });
-        set_law(method, 1, [law] { return law(); });
+        set_law(method, [law] { return law(); });
         method.built = [law] { return law()->built(); };
     }
 
