@@ -29,7 +29,7 @@ constexpr double kShortest = 1e-3;        // s: of a measurement
 
 template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
 
-// Makes a value on first use, and keeps it.
+// Makes a value on first use, which no other thread may share, and keeps it.
 template <typename Make> auto lazily(Make make) {
     auto kept = std::make_shared<std::optional<decltype(make())>>();
     return [ kept, make ]() -> auto& {
@@ -227,11 +227,13 @@ public:
             return all;
         });
         add(Use::batch, "direct, a batch on all threads", kPrecision<T>).seconds = timed(kBatch, [law, inputs] {
+            const CaseLaw<T>& one = *law(); // made here, before threads share them
+            const auto& at = inputs();
             std::vector<double> sums(kBatch / kShare);
             reference::share_out(reference::threads_for(0), sums.size(), [&](std::size_t, std::size_t share) {
                 layout::uint hint = 0;
                 for (std::size_t i = share * kShare; i < (share + 1) * kShare; ++i)
-                    sums[share] += static_cast<double>(law()->at_rounded(inputs()[i], hint).force.z);
+                    sums[share] += static_cast<double>(one.at_rounded(at[i], hint).force.z);
             });
             return std::accumulate(sums.begin(), sums.end(), 0.0);
         });
