@@ -8,7 +8,6 @@
 
 #include "device/run_report/text.h"
 #include "host/output/files.h"
-#include "host/picture/canvas.h"
 #include "host/program.h"
 #include "host/report/report.h"
 #include "host/spelling.h"

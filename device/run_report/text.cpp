@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "host/picture/canvas.h"
 #include "host/spelling.h"
 
 namespace forceshade::device {

@@ -13,7 +13,6 @@
 #include "device/backends/devices.h"
 #include "host/clock.h"
 #include "host/paths/motions.h"
-#include "host/picture/canvas.h"
 #include "host/program.h"
 #include "host/spelling.h"
 #include "shaders/shared/law.h"

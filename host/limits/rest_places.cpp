@@ -224,13 +224,11 @@ LoopSurface scene_surface(const PreparedCase& given) {
     return surface;
 }
 
-std::string hand_text(const LoopSurface& surface, bool with_delay) {
+std::string hand_text(const LoopSurface& surface) {
     const HandSpec& hand = surface.hand;
     return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz{}", hand.mass, damping_of(hand),
                        hand.grip_stiffness, surface.rate,
-                       !with_delay              ? ""
-                       : hand.delay_samples > 0 ? fmt::format(", {} samples late", hand.delay_samples)
-                                                : ", no delay");
+                       hand.delay_samples > 0 ? fmt::format(", {} samples late", hand.delay_samples) : ", no delay");
 }
 
 const char* name_of(PlaceKind kind) {

@@ -34,7 +34,7 @@ struct LoopSurface {
 LoopSurface scene_surface(const PreparedCase& scene);
 
 /// "hand of 0.2 kg, 3 N s/m, grip 300 N/m, 1000 Hz", and its delay.
-std::string hand_text(const LoopSurface& surface, bool with_delay = true);
+std::string hand_text(const LoopSurface& surface);
 
 /// By the direction of the force: flat: that of a level plane; crest, hollow: nearly upright, turning
 /// outwards or inwards; slope: tilted; edge, foot: it jumps outwards, or inwards as at the foot of a bump.

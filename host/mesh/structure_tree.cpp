@@ -348,11 +348,12 @@ Below below_leaf(const MeshParts& parts, const MeshReals<double>& reals, layout:
 /// Sets the slab of a node's child.
 void set_slab(const MeshParts& parts, const MeshReals<double>& reals, const Below& below, layout::MeshSlabs& slabs,
               std::size_t i) {
-    constexpr double kFacesOneWay = 0.5; // of the area; where less does, a slab is hardly thinner than the box
+    constexpr double kFacesOneWay = 0.5;  // of the area; where less does, a slab is hardly thinner than the box
+    constexpr double kLeastArea = 1e-140; // of smaller ones the squares underflow, and a normal would not be a unit
     slabs.low[i] = -kFar;
     slabs.high[i] = kFar;
     const double length = glm::length(below.area);
-    if (!(length > kFacesOneWay * below.all))
+    if (!(length > kFacesOneWay * below.all && length > kLeastArea))
         return;
     const glm::dvec3 unit = below.area / (length * (1 + 4 * double(std::numeric_limits<float>::epsilon())));
     slabs.normal_x[i] = static_cast<float>(unit.x);

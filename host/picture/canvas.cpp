@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "host/output/files.h"
+#include "host/spelling.h"
 
 namespace forceshade::picture {
 namespace {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "host/picture/picture.h"
-#include "host/spelling.h"
 
 #include <cstdint>
 #include <memory>
@@ -85,7 +84,7 @@ private:
 // Colours and marks of series by the name, the same in files and on the report's page.
 
 /// A number for each name, of which colour and mark follow: known names have theirs everywhere, the others get in
-/// their order the first colours that are left.
+/// their order the first colours that are left; without a name it is 0.
 std::vector<std::size_t> series_numbers(std::span<const std::string> names);
 /// {"direct": 0, ...}: the known names, for the page.
 std::string known_series_json();

@@ -148,12 +148,7 @@ public:
         std::vector<std::string> names;
         for (const ChartSeries& series : chart.series)
             names.push_back(series.marks ? series.name : "");
-        std::vector<std::string> marked = names;
-        std::erase(marked, "");
-        const std::vector<std::size_t> numbers = series_numbers(marked);
-        for (const std::string& name : names)
-            numbers_.push_back(
-                name.empty() ? 0 : numbers[static_cast<std::size_t>(std::ranges::find(marked, name) - marked.begin())]);
+        numbers_ = series_numbers(names);
         std::vector<std::string> shapes;
         for (const ChartSeries& series : chart.series)
             for (const ChartPoint& point : series.points)
@@ -451,32 +446,27 @@ private:
     // Next to their marks, where no mark, line or other label is.
     void draw_labels(Canvas& canvas) const {
         std::vector<Box> taken;
+        for (const Point& mark : marks_)
+            taken.push_back({mark.x - 5, mark.y - 5, 10, 10});
+        std::size_t drawn = 0;
         for (const auto& [text, at] : labels_) {
             const Extent size = measure(text, kChartLabelStyle);
-            for (const auto& [dx, dy] : {std::pair{10.0, -9.0},
-                                         {-10 - size.width, -9.0},
-                                         {10.0, -26.0},
-                                         {10.0, 8.0},
-                                         {-10 - size.width, -26.0},
-                                         {-10 - size.width, 8.0}}) {
+            const double left = -10 - size.width;
+            for (const auto& [dx, dy] :
+                 {std::pair{10.0, -9.0}, {left, -9.0}, {10.0, -26.0}, {10.0, 8.0}, {left, -26.0}, {left, 8.0}}) {
                 const Box box{at.x + dx, at.y + dy, size.width, size.height};
+                const bool inside = box.x > plot_.x + 2 && box.x + box.width < plot_.x + plot_.width - 2 &&
+                                    box.y > plot_.y + 2 && box.y + box.height < plot_.y + plot_.height - 2;
                 const auto meets = [&](const Box& other) {
                     return box.x < other.x + other.width && other.x < box.x + box.width &&
                            box.y < other.y + other.height && other.y < box.y + box.height;
                 };
-                const bool inside = box.x > plot_.x + 2 && box.x + box.width < plot_.x + plot_.width - 2 &&
-                                    box.y > plot_.y + 2 && box.y + box.height < plot_.y + plot_.height - 2;
-                const bool covers = std::ranges::any_of(taken, meets) ||
-                                    std::ranges::any_of(marks_,
-                                                        [&](Point m) {
-                                                            return meets({m.x - 5, m.y - 5, 10, 10});
-                                                        }) ||
-                                    std::ranges::any_of(lines_, [&](const auto& line) {
-                                        return crosses(line.first, line.second, box);
-                                    });
-                if (inside && !covers && taken.size() < kMostLabels) {
+                const auto is_crossed = [&](const auto& line) { return crosses(line.first, line.second, box); };
+                if (inside && drawn < kMostLabels && std::ranges::none_of(taken, meets) &&
+                    std::ranges::none_of(lines_, is_crossed)) {
                     canvas.text(text, {box.x, box.y + box.height / 2}, kChartLabelStyle);
                     taken.push_back(box);
+                    ++drawn;
                     break;
                 }
             }

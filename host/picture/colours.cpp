@@ -182,8 +182,8 @@ std::vector<std::size_t> series_numbers(std::span<const std::string> names) {
             colours.insert(found->second % kColours.size());
     std::size_t next = kFirstUnknown;
     for (const std::string& name : names) {
-        if (const auto found = kKnown.find(name); found != kKnown.end()) {
-            numbers.push_back(found->second);
+        if (const auto found = kKnown.find(name); found != kKnown.end() || name.empty()) {
+            numbers.push_back(name.empty() ? 0 : found->second);
             continue;
         }
         for (std::size_t tries = 0; tries < kColours.size() && colours.contains(next % kColours.size()); ++tries)

@@ -24,7 +24,6 @@ struct PanelSheet {
     std::vector<Panel> panels;      // at least one
     std::vector<ColourScale> scales;
     SurfaceLines lines; // over every panel
-    Census census;      // of all that was there before it was cropped
 };
 
 constexpr double kRoomForOne = 860, kRoomForMany = 1100; // pixels: the height of all panels together
@@ -56,15 +55,19 @@ struct ArrowRow {
     }
 };
 
-// Empty without a force, or of one that is not finite.
+// Empty without a force.
 std::optional<std::array<double, 3>> direction_of(std::array<double, 3> force) {
     const double largest = std::max({std::fabs(force[0]), std::fabs(force[1]), std::fabs(force[2])});
-    if (!std::isfinite(force[0] + force[1] + force[2]) || largest == 0)
+    if (largest == 0)
         return std::nullopt;
     for (double& part : force)
         part /= largest; // no square overflows or vanishes
     const double length = std::hypot(force[0], force[1], force[2]);
     return std::array{force[0] / length, force[1] / length, force[2] / length};
+}
+
+bool is_free(const ValueSlice& slice) {
+    return std::ranges::all_of(slice.value, [](double value) { return value == kNoForce; });
 }
 
 class Layout {
@@ -215,14 +218,9 @@ private:
             legend_.push_back(line_item("surface", surface_stroke(false)));
         if (!pieces(sample, sheet_.lines.smooth).empty())
             legend_.push_back(line_item("shape that the shading imitates", surface_stroke(true)));
-        Census all;
-        for (const Panel& panel : sheet_.panels)
-            all = all + take_census(panel.values.value);
-        if (all.none > 0)
+        if (std::ranges::any_of(
+                sheet_.panels, [](const Panel& panel) { return std::ranges::count(panel.values.value, kNoForce) > 0; }))
             legend_.push_back(swatch_item("no force", kNoForceColour));
-        if (all.non_finite > 0)
-            legend_.push_back(checker_item(fmt::format("not a finite number ({} of {} samples)",
-                                                       sheet_.census.non_finite, sheet_.census.samples)));
     }
 
     void draw_panel(Canvas& canvas, std::size_t i) const {
@@ -242,7 +240,7 @@ private:
         draw_axes(canvas, plot, horizontal_, vertical_, {lowest, i % columns_ == 0});
         if (!panel.label.empty())
             canvas.text(panel.label, {plot.x, plot.y - 4}, kPanelStyle);
-        if (const Census census = take_census(panel.values.value); census.none == census.samples)
+        if (is_free(panel.values))
             for (const char* text : {"no force in this slice", "no force", "0 N"})
                 if (const Extent size = measure(text, kNoteStyle);
                     size.width + 8 <= plot.width && size.height <= plot.height) {
@@ -313,18 +311,16 @@ std::optional<std::array<double, 2>> reach_of(const SurfaceLines& lines, const S
 Picture draw_slices(const Look& look, std::vector<Panel> panels, const std::vector<Quantity>& quantities,
                     const SurfaceLines& lines, const std::vector<std::string>& more_notes) {
     std::vector<ValueSlice> values;
-    std::vector<Census> censuses(quantities.size());
-    PanelSheet sheet{look, {}, {}, {}, lines, {}};
+    std::vector<double> largest(quantities.size());
+    PanelSheet sheet{look, {}, {}, {}, lines};
     for (const Panel& panel : panels) {
         assert(panel.values.value.size() == panel.values.axes.u.size() * panel.values.axes.v.size());
         values.push_back(panel.values);
-        const Census census = take_census(panel.values.value);
-        sheet.census = sheet.census + census;
-        censuses[panel.scale] = censuses[panel.scale] + census;
+        largest[panel.scale] = std::max(largest[panel.scale], largest_of(panel.values));
     }
     const SliceAxes& whole = values[0].axes;
     for (std::size_t i = 0; i < quantities.size(); ++i)
-        sheet.scales.push_back(scale_for(quantities[i], censuses[i].largest, whole.axis, look.full_scale));
+        sheet.scales.push_back(scale_for(quantities[i], largest[i], whole.axis, look.full_scale));
     const Window window = contact_window(values, reach_of(lines, whole));
     for (Panel& panel : panels)
         sheet.panels.push_back({panel.label, cropped(panel.values, window), panel.scale, cropped(panel.force, window)});
@@ -333,7 +329,7 @@ Picture draw_slices(const Look& look, std::vector<Panel> panels, const std::vect
     sheet.notes.push_back(fmt::format(
         "{}–{} slice at {}: {} as colour{}, its direction as arrows centred on their samples", kAxisNames[u],
         kAxisNames[v], position_labels(kAxisNames[normal], {whole.at}, whole.at_spacing, axes.longer_unit).front(),
-        sheet.scales[0].words, largest_note(sheet.scales[0], censuses[0].largest)));
+        sheet.scales[0].words, largest_note(sheet.scales[0], largest[0])));
     sheet.notes.insert(sheet.notes.end(), more_notes.begin(), more_notes.end());
     add_axes_notes(axes, true, sheet.notes);
     return draw_panels(sheet);
@@ -356,20 +352,18 @@ std::string magnitude_note(const ValueSlice& before, const ValueSlice& after) {
 
 Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantity quantity) {
     assert(!tiles.empty());
-    Census census;
+    double largest = 0;
     std::vector<ValueSlice> filled;
-    for (const ValueSlice& tile : tiles) {
-        const Census of_tile = take_census(tile.value);
-        census = census + of_tile;
-        if (of_tile.none < of_tile.samples)
+    for (const ValueSlice& tile : tiles)
+        if (!is_free(tile)) {
+            largest = std::max(largest, largest_of(tile));
             filled.push_back(tile);
-    }
+        }
     const bool empty = filled.empty();
     if (empty)
         filled.push_back(tiles[0]);
     const Window window = contact_window(filled);
-    PanelSheet sheet{look, {},    {}, {scale_for(quantity, census.largest, tiles[0].axes.axis, look.full_scale)},
-                     {},   census};
+    PanelSheet sheet{look, {}, {}, {scale_for(quantity, largest, tiles[0].axes.axis, look.full_scale)}, {}};
     std::vector<double> heights;
     for (std::size_t i = 0; i < filled.size(); i += (filled.size() + kShownTiles - 1) / kShownTiles) {
         heights.push_back(filled[i].axes.at);
@@ -383,7 +377,7 @@ Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantit
                                ? sheet.scales[0].words + " in one slice of constant z"
                                : fmt::format("{} in {} slices of constant z through the contact, one colour scale",
                                              sheet.scales[0].words, labels.size())) +
-                          largest_note(sheet.scales[0], census.largest));
+                          largest_note(sheet.scales[0], largest));
     add_axes_notes(axes, false, sheet.notes);
     if (empty)
         sheet.notes.push_back("no force in this field");
@@ -400,7 +394,7 @@ Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSl
     assert(unshaded.force.size() == shaded.force.size());
     const ValueSlice before = values_of(unshaded, Quantity::magnitude), after = values_of(shaded, Quantity::magnitude),
                      angle = values_of(shaded, Quantity::angle, unshaded);
-    const double turn = take_census(angle.value).largest;
+    const double turn = largest_of(angle);
     return draw_slices(look,
                        {{"unshaded", before, 0, unshaded},
                         {"shaded", after, 0, shaded},

@@ -270,16 +270,6 @@ LegendItem swatch_item(std::string text, Rgb8 colour, std::function<void(Canvas&
             }};
 }
 
-LegendItem checker_item(std::string text) {
-    return {std::move(text), kSwatch, [](Canvas& canvas, Point left, Point) {
-                constexpr double kSquare = kSwatch / 4;
-                for (int y = 0; y < 4; ++y)
-                    for (int x = 0; x < 4; ++x)
-                        canvas.fill({left.x + x * kSquare, left.y - kSwatch / 2 + y * kSquare, kSquare, kSquare},
-                                    kNonFiniteColours[static_cast<std::size_t>((x + y) % 2)]);
-            }};
-}
-
 void draw_arrow(Canvas& canvas, Point tail, Point tip) {
     const double length = std::hypot(tip.x - tail.x, tip.y - tail.y);
     if (length < kLeastArrowLength) {

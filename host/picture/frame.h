@@ -52,8 +52,6 @@ struct AxisTick {
 struct Axis {
     std::string title; // "x / mm", or "(x − 1000 m) / mm": each label is the offset coordinate in that unit
     std::vector<AxisTick> ticks;
-    double offset = 0; /* m */
-    Unit unit{};
     std::vector<double> minor{}; // fractions: of short ticks without a label
 };
 
@@ -149,8 +147,6 @@ void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upp
 LegendItem line_item(std::string text, Stroke stroke, double width = kKeyLength);
 /// `more` is drawn upon it.
 LegendItem swatch_item(std::string text, Rgb8 colour, std::function<void(Canvas&, const Box&)> more = {});
-/// Of values that are not finite.
-LegendItem checker_item(std::string text);
 
 inline constexpr double kLeastArrowLength = 4; // pixels
 

@@ -13,7 +13,7 @@
 #include "host/output/height_image.h"
 #include "host/picture/frame.h"
 #include "host/picture/picture.h"
-#include "host/reference/elementary.h"
+#include "host/reference/surfaces.h"
 #include "host/scene/schema.h"
 
 namespace forceshade::picture {
@@ -91,27 +91,23 @@ constexpr std::size_t kPoints = 401;          // of a curve; more would not show
 constexpr std::uint32_t kMostVertices = 2000; // beyond that facets do not show either, and the circle is drawn
 
 double circle_height(double half_width, double radius, double x) {
-    if (std::abs(x) >= half_width)
-        return 0;
     return reference::cylinder_height(half_width, radius, std::sqrt((radius - half_width) * (radius + half_width)), x);
 }
 
 double image_height(const HeightMapSpec& map, const HeightImage& image, double x, double y) {
     if (2 * std::abs(x) > map.size[0] || 2 * std::abs(y) > map.size[1])
         return 0;
-    const auto cell = [](double position, std::size_t count) {
-        const double clamped = std::clamp(position, 0.0, static_cast<double>(count - 1));
-        const auto low = std::min(static_cast<std::size_t>(clamped), count > 1 ? count - 2 : 0);
-        return std::pair(low, clamped - static_cast<double>(low));
+    const auto cell = [](double share, std::size_t count) {
+        return reference::cell_at(std::clamp(share, 0.0, 1.0) * static_cast<double>(count - 1),
+                                  static_cast<layout::uint>(count));
     };
-    const auto [column, across] = cell((x / map.size[0] + 0.5) * static_cast<double>(image.columns - 1), image.columns);
-    const auto [row, down] = cell((0.5 - y / map.size[1]) * static_cast<double>(image.rows - 1), image.rows);
-    const auto at = [&](std::size_t i, std::size_t j) {
-        return image.samples[std::min(j, image.rows - 1) * image.columns + std::min(i, image.columns - 1)];
+    const reference::Cell<double> across = cell(x / map.size[0] + 0.5, image.columns),
+                                  down = cell(0.5 - y / map.size[1], image.rows);
+    const auto in_row = [&](std::size_t row) {
+        return std::lerp(image.samples[row * image.columns + across.low],
+                         image.samples[row * image.columns + across.high], across.fraction);
     };
-    const double top = std::lerp(at(column, row), at(column + 1, row), across);
-    const double bottom = std::lerp(at(column, row + 1), at(column + 1, row + 1), across);
-    return map.height * std::lerp(top, bottom, down);
+    return map.height * std::lerp(in_row(down.low), in_row(down.high), down.fraction);
 }
 
 double map_height(const HeightMapSpec& map, const HeightImage* image, double x, double y) {

@@ -113,9 +113,7 @@ Axis make_axis(std::string_view name, const std::vector<double>& samples, double
     const Placed placed = place(samples.front(), samples.back(), extent);
     Axis axis{placed.offset_text.empty() ? fmt::format("{}{}", name, per_unit(unit))
                                          : fmt::format("({}{}){}", name, placed.offset_text, per_unit(unit)),
-              {},
-              placed.offset,
-              unit};
+              {}};
     if (samples.size() == 1) {
         const double value = divide_by_power_of_ten(placed.low, unit.exponent);
         axis.ticks.push_back({0.5, trimmed(value, decimals_for(spacing, unit) + 3)});
@@ -151,9 +149,7 @@ std::vector<std::string> position_labels(std::string_view name, const std::vecto
 Axis quantity_axis(std::string_view name, std::string_view base, double low, double high, std::size_t most) {
     const Unit unit = base == "°" ? Unit{0, "°"} : choose_unit(std::max(std::fabs(low), std::fabs(high)), base);
     const Range range{divide_by_power_of_ten(low, unit.exponent), divide_by_power_of_ten(high, unit.exponent)};
-    Axis axis = number_axis(std::string(name) + per_unit(unit), range, most, decimal);
-    axis.unit = unit;
-    return axis;
+    return number_axis(std::string(name) + per_unit(unit), range, most, decimal);
 }
 
 } // namespace forceshade::picture

@@ -1,7 +1,6 @@
 #include "host/picture/values.h"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -12,17 +11,12 @@
 namespace forceshade::picture {
 namespace {
 
-constexpr int kCheckerSize = 4; // pixels: squares of the pattern that marks NaN
-constexpr double kMissingValue = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegreesInTurn = 180 / std::numbers::pi;
 
 using Force = std::array<double, 3>;
 
-// The library's hypot of three says 0 for (0, 0, NaN), which would pass as free space.
 double length(const Force& f) {
-    const bool finite = std::isfinite(f[0]) && std::isfinite(f[1]) && std::isfinite(f[2]);
-    const double result = finite ? std::hypot(f[0], f[1], f[2]) : kMissingValue;
-    return std::isfinite(result) ? result : kMissingValue;
+    return std::hypot(f[0], f[1], f[2]);
 }
 
 // Between two vectors of those lengths (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).
@@ -53,8 +47,8 @@ SliceAxes cut(SliceAxes axes, const Window& window) {
 
 double value_of(Quantity quantity, const Force& force, const Force& unshaded, const std::array<std::size_t, 3>& axis) {
     const double size = length(force);
-    if (std::isnan(size) || size == 0)
-        return size == 0 ? kNoForce : size;
+    if (size == 0)
+        return kNoForce;
     switch (quantity) {
     case Quantity::magnitude:
         return size;
@@ -77,20 +71,12 @@ ValueSlice values_of(const FieldSlice& slice, Quantity quantity, const FieldSlic
     return result;
 }
 
-Census take_census(std::span<const double> values) {
-    Census census;
-    census.samples = values.size();
-    for (const double value : values) {
-        census.none += value == kNoForce;
-        census.non_finite += std::isnan(value);
-        if (std::isfinite(value))
-            census.largest = std::max(census.largest, std::fabs(value));
-    }
-    return census;
-}
-
-Census operator+(const Census& a, const Census& b) {
-    return {std::max(a.largest, b.largest), a.samples + b.samples, a.none + b.none, a.non_finite + b.non_finite};
+double largest_of(const ValueSlice& slice) {
+    double largest = 0;
+    for (const double value : slice.value)
+        if (value != kNoForce)
+            largest = std::max(largest, std::fabs(value));
+    return largest;
 }
 
 Rgb8 ColourScale::of(double value) const {
@@ -99,7 +85,6 @@ Rgb8 ColourScale::of(double value) const {
 
 ColourScale scale_for(Quantity quantity, double largest, const std::array<std::size_t, 3>& axis, double full_scale) {
     const double end = full_scale > 0 ? std::min(largest, full_scale) : largest; /* N */
-    const std::string_view name = kQuantityNames[static_cast<std::size_t>(quantity)];
     switch (quantity) {
     case Quantity::magnitude:
         return {quantity, ColourMap::sequential, 0, end, "force magnitude |F|", "force magnitude", "N"};
@@ -112,13 +97,8 @@ ColourScale scale_for(Quantity quantity, double largest, const std::array<std::s
                             : ColourScale{quantity, ColourMap::diverging, -largest, largest, words, "direction", "°"};
     }
     default:
-        return {quantity,
-                ColourMap::diverging,
-                -end,
-                end,
-                fmt::format("force along {}", name),
-                fmt::format("force along {}", name),
-                "N"};
+        const std::string words = fmt::format("force along {}", kQuantityNames[static_cast<std::size_t>(quantity)]);
+        return {quantity, ColourMap::diverging, -end, end, words, words, "N"};
     }
 }
 
@@ -150,19 +130,11 @@ std::vector<std::uint32_t> rasterise(const ValueSlice& slice, int width, int hei
     const std::vector<std::size_t> column = nearest_samples(slice.axes.u, slice.axes.u_spacing, width);
     const std::vector<std::size_t> row = nearest_samples(slice.axes.v, slice.axes.v_spacing, height);
     std::vector<std::uint32_t> colour(slice.value.size()), pixels;
-    std::ranges::transform(slice.value, colour.begin(), [&](double value) {
-        return packed(value == kNoForce || std::isnan(value) ? kNoForceColour : scale.of(value));
-    });
-    for (int y = 0; y < height; ++y) {
-        const std::size_t line = row[static_cast<std::size_t>(height - 1 - y)] * slice.axes.u.size();
-        for (int x = 0; x < width; ++x) {
-            const std::size_t sample = line + column[static_cast<std::size_t>(x)];
-            pixels.push_back(
-                std::isnan(slice.value[sample])
-                    ? packed(kNonFiniteColours[static_cast<std::size_t>((x / kCheckerSize + y / kCheckerSize) % 2)])
-                    : colour[sample]);
-        }
-    }
+    std::ranges::transform(slice.value, colour.begin(),
+                           [&](double value) { return packed(value == kNoForce ? kNoForceColour : scale.of(value)); });
+    for (auto line = row.rbegin(); line != row.rend(); ++line)
+        for (const std::size_t sample : column)
+            pixels.push_back(colour[*line * slice.axes.u.size() + sample]);
     return pixels;
 }
 
@@ -232,10 +204,10 @@ SliceCollector::SliceCollector(const GridSpec& grid, bool repeat_y, const SliceC
     : grid_(grid), repeat_y_(repeat_y), choice_(choice),
       plane_(plane(choice.axis, chosen_index(grid, choice.axis, choice.at))) {
     slice_.axes = unshaded_.axes = axes_of(plane_);
-    slice_.force.assign(plane_.u.size() * plane_.v.size(), {kMissingValue, kMissingValue, kMissingValue});
+    slice_.force.resize(plane_.u.size() * plane_.v.size());
     for (const std::uint64_t z : even_indices(grid.size[2], kMaxTiles)) {
         const Plane& tile = tile_planes_.emplace_back(plane(2, z));
-        tiles_.push_back({axes_of(tile), std::vector<double>(tile.u.size() * tile.v.size(), kMissingValue)});
+        tiles_.push_back({axes_of(tile), std::vector<double>(tile.u.size() * tile.v.size(), kNoForce)});
     }
 }
 
@@ -292,8 +264,8 @@ template <typename real> void SliceCollector::add(const layout::FieldChunk<real>
     const auto force_at = [](std::span<const real> channel, std::size_t i) {
         return channel.empty() ? Force{} : Force{double(channel[i]), double(channel[i + 1]), double(channel[i + 2])};
     };
-    if (!chunk.unshaded.empty() && unshaded_.force.empty())
-        unshaded_.force.assign(slice_.force.size(), {kMissingValue, kMissingValue, kMissingValue});
+    if (!chunk.unshaded.empty())
+        unshaded_.force.resize(slice_.force.size());
     visit(chunk, plane_, [&](std::size_t sample, std::size_t place) {
         slice_.force[sample] = force_at(chunk.force, place);
         if (!chunk.unshaded.empty())

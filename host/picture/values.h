@@ -33,8 +33,6 @@ constexpr std::uint32_t packed(Rgb8 c) {
 
 /// Where the force is zero.
 inline constexpr Rgb8 kNoForceColour{255, 255, 255};
-/// NaN values are drawn as a checker of these two, so that they stand out without colour vision too.
-inline constexpr std::array<Rgb8, 2> kNonFiniteColours{Rgb8{255, 0, 200}, Rgb8{0, 0, 0}};
 
 /// viridis; plasma, for a second quantity; blue, white, red; a rainbow that begins again where it ends.
 enum class ColourMap { sequential, second, diverging, cyclic };
@@ -55,7 +53,8 @@ struct SliceAxes {
 
 inline constexpr std::array kAxisNames{"x", "y", "z"};
 
-/// Force vectors over a slice; (Fx, Fy, Fz) whatever u and v are.
+/// Force vectors over a slice; (Fx, Fy, Fz) whatever u and v are. Finite: a volume with other values is refused before
+/// its pictures are drawn.
 struct FieldSlice {
     SliceAxes axes;
     std::vector<std::array<double, 3>> force; /* N */
@@ -67,7 +66,7 @@ enum class Quantity { magnitude, x, y, z, direction, angle };
 /// As the command line names them, in the order of Quantity.
 inline constexpr std::array<std::string_view, 6> kQuantityNames{"magnitude", "x", "y", "z", "direction", "turn"};
 
-/// The value without force; a value that is not finite is NaN.
+/// The value without force.
 inline constexpr double kNoForce = -INFINITY;
 
 struct ValueSlice {
@@ -83,14 +82,8 @@ double value_of(Quantity quantity, const std::array<double, 3>& force, const std
 /// `unshaded` is used for an angle only.
 ValueSlice values_of(const FieldSlice& slice, Quantity quantity, const FieldSlice& unshaded = {});
 
-/// What a set of values holds.
-struct Census {
-    double largest = 0; // of the finite ones, without their sign; 0 without any
-    std::size_t samples = 0, none = 0, non_finite = 0;
-};
-
-Census take_census(std::span<const double> values);
-Census operator+(const Census& a, const Census& b);
+/// The largest of the values without their signs; 0 without a force.
+double largest_of(const ValueSlice& slice);
 
 /// How values become colours.
 struct ColourScale {
@@ -122,8 +115,8 @@ struct Window {
     std::size_t u_first = 0, u_last = 0, v_first = 0, v_last = 0;
 };
 
-/// Where some slice has a force or NaN, with a border; of `reach` (m: low and high v), if given, all that
-/// the slice has. The whole slice without contact.
+/// Where some slice has a force, with a border; of `reach` (m: low and high v), if given, all that the slice has. The
+/// whole slice without contact.
 Window contact_window(std::span<const ValueSlice> slices, std::optional<std::array<double, 2>> reach = {});
 
 ValueSlice cropped(const ValueSlice& slice, const Window& window);
@@ -144,7 +137,7 @@ struct SliceChoice {
     Quantity quantity = Quantity::magnitude; // an angle needs chunks with unshaded forces
 };
 
-/// Receives every chunk of a field once, in any order and of any size. Samples that never came are NaN.
+/// Receives every chunk of a field once, in any order and of any size.
 class SliceCollector {
 public:
     /// With `repeat_y`, chunks hold the one row y_first = 0, y_count = 1, which stands for every y of the grid.

@@ -28,6 +28,24 @@ bool has_results(const std::filesystem::path& folder) {
     return is_there(folder / "manifest.json") || is_there(folder / "manifest.d") || is_there(folder / "study.json");
 }
 
+// The names in a folder for which wanted(entry, name) holds, in order; hidden ones are never wanted.
+template <typename Wanted>
+std::vector<std::string> names_in(const std::filesystem::path& folder, std::error_code& error, const Wanted& wanted) {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.front() != '.' && wanted(entry, name))
+            names.push_back(name);
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+std::vector<std::string> names_with(const std::filesystem::path& folder, const char* ending) {
+    std::error_code ignored;
+    return names_in(folder, ignored, [&](const auto&, const std::string& name) { return name.ends_with(ending); });
+}
+
 void take_account(Sweep& sweep, const Json& manifest) {
     const auto text = [](const Json& json, const char* key) {
         return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
@@ -72,13 +90,6 @@ struct Reading {
             trouble(name, "its contents are not what was written");
     }
 
-    void check_case(Sweep& sweep, const CaseRecord& record) {
-        for (const FileRecord& file : record.files)
-            check_file(sweep.folder, file);
-        if (const std::string wrong = error_text(record); !wrong.empty())
-            contents.troubles.push_back(wrong);
-    }
-
     // The page draws figures out of tables.
     void check_figure(const std::string& folder, const StudyPart& part, const study::Figure& figure) {
         try {
@@ -113,32 +124,18 @@ struct Reading {
                 for (const CaseRecord& record : sweep.cases)
                     know(record.files);
             }
-        std::set<std::string> loose;
-        std::error_code ignored;
-        for (const auto& entry : std::filesystem::directory_iterator(root / folder, ignored)) {
-            const std::string name = entry.path().filename().string();
-            if (!account.empty() && name.ends_with(".exr") && name.front() != '.' && !known.contains(name))
-                loose.insert(below(folder, name));
-        }
-        for (const std::string& name : loose)
-            trouble(name, "not listed in {}, skipped", account);
-    }
-
-    std::vector<std::string> records_in(const std::string& folder) {
-        std::vector<std::string> names;
-        std::error_code ignored;
-        for (const auto& entry : std::filesystem::directory_iterator(root / folder / "manifest.d", ignored)) {
-            const std::string name = entry.path().filename().string();
-            if (name.ends_with(".json") && name.front() != '.')
-                names.push_back("manifest.d/" + name);
-        }
-        std::ranges::sort(names);
-        return names;
+        if (!account.empty())
+            for (const std::string& name : names_with(root / folder, ".exr"))
+                if (!known.contains(name))
+                    trouble(below(folder, name), "not listed in {}, skipped", account);
     }
 
     void take_case(Sweep& sweep, const std::string& where, const Json& json) {
         if (std::optional<CaseRecord> record = record_of(json)) {
-            check_case(sweep, *record);
+            for (const FileRecord& file : record->files)
+                check_file(sweep.folder, file);
+            if (const std::string wrong = error_text(*record); !wrong.empty())
+                contents.troubles.push_back(wrong);
             sweep.cases.push_back(std::move(*record));
         } else {
             trouble(where, "this case cannot be understood, it may be of another version of the program");
@@ -147,7 +144,7 @@ struct Reading {
 
     void read_manifest(const std::string& folder) {
         const std::string name = below(folder, "manifest.json");
-        const std::vector<std::string> record_names = records_in(folder);
+        const std::vector<std::string> record_names = names_with(root / folder / "manifest.d", ".json");
         if (record_names.empty() && !is_there(root / name))
             return;
         Sweep sweep;
@@ -174,12 +171,14 @@ struct Reading {
                 take_case(sweep, fmt::format("{}, case {}", name, ++number), one);
         } else {
             trouble(name, "{}{}", wrong, record_names.empty() ? "" : "; the cases are taken from manifest.d");
-            for (const std::string& record : record_names)
+            for (const std::string& one : record_names) {
+                const std::string record = below(folder, "manifest.d/" + one);
                 try {
-                    take_case(sweep, below(folder, record), read_json(root / below(folder, record)));
+                    take_case(sweep, record, read_json(root / record));
                 } catch (const Error& error) {
-                    trouble(below(folder, record), "{}", error.what());
+                    trouble(record, "{}", error.what());
                 }
+            }
         }
         sweep.cases_of_study = std::max(sweep.cases_of_study, sweep.cases.size());
         if (sweep.cases.empty())
@@ -210,15 +209,10 @@ struct Reading {
 };
 
 std::vector<std::string> folders_below(const std::filesystem::path& root, std::error_code& error) {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(root, error)) {
-        const std::string name = entry.path().filename().string();
+    return names_in(root, error, [](const auto& entry, const std::string& name) {
         std::error_code vanished;
-        if (entry.is_directory(vanished) && name.front() != '.' && !name.ends_with(".d"))
-            names.push_back(name);
-    }
-    std::ranges::sort(names);
-    return names;
+        return entry.is_directory(vanished) && !name.ends_with(".d");
+    });
 }
 
 // Those that may hold results, the report's own first.

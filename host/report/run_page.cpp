@@ -209,11 +209,10 @@ void add_samples(study::StudyData& data, const std::filesystem::path& file) {
         if (paths >= kLeastOfBand)
             data.tables.push_back(bands_of(samples.all, over));
         for (const Shown& value : kValues) {
-            study::Figure figure =
-                study::make_figure(fmt::format("{}-{}", value.column, over.name),
-                                   fmt::format("{} over {}", value.name, over.name), "", study::FigureKind::scatter,
-                                   "samples", {}, {over.column, over.label}, {value.column, value.label}, "path");
-            figure.joined = true;
+            study::Figure figure = study::make_figure(
+                fmt::format("{}-{}", value.column, over.name), fmt::format("{} over {}", value.name, over.name), "",
+                study::FigureKind::scatter, "samples", {}, {over.column, over.label}, {value.column, value.label},
+                "path", "", {.joined = true});
             if (paths >= kLeastOfBand) {
                 const std::string column = value.column;
                 figure.curves.push_back({data.tables.back().name,

@@ -1,7 +1,6 @@
 // Markup, and a study: its findings next to the figure that shows them; how it was measured, its tables and files.
 // Figures and tables are drawn by the page, out of the study's data.
 #include "host/report/sections.h"
-#include "host/spelling.h"
 
 #include <algorithm>
 
@@ -9,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <openssl/evp.h>
 
-#include "host/picture/canvas.h"
+#include "host/spelling.h"
 #include "host/study/data/study_data.h"
 
 namespace forceshade::report {

@@ -146,12 +146,10 @@ void add_errors(study::StudyData& data, const OverAxis& over, const char* table,
                                                   {{"series", "", "the other parameters"}, &Touched::series}};
     study::append(columns, std::move(errors));
     data.tables.push_back(study::table_of<Touched>(table, title, columns, over.rows));
-    for (const DrawnError& one : figures) {
-        study::Figure figure = study::make_figure(one.figure, fmt::format("{} over {}", one.title, over.axis), caption,
-                                                  study::FigureKind::scatter, table, {}, over.x, one.y, "series");
-        figure.joined = true;
-        data.figures.push_back(std::move(figure));
-    }
+    for (const DrawnError& one : figures)
+        data.figures.push_back(study::make_figure(one.figure, fmt::format("{} over {}", one.title, over.axis), caption,
+                                                  study::FigureKind::scatter, table, {}, over.x, one.y, "series", "",
+                                                  {.joined = true}));
 }
 
 // The least and the largest of some numbers, of one alone that.

@@ -113,9 +113,8 @@ std::string verdict_rows(const Contents& contents) {
         std::string time = "1";
         if (base && base != way) {
             const study::Interval ratio = time_ratio(rounds, *way, *base);
-            time = study::is_significant(ratio)
-                       ? fmt::format("{:.2f} [{:.2f}, {:.2f}]", ratio.median, ratio.low, ratio.high)
-                       : fmt::format("no difference [{:.2f}, {:.2f}]", ratio.low, ratio.high);
+            time = study::is_significant(ratio) ? study::ratio_text(ratio)
+                                                : fmt::format("no difference [{:.2f}, {:.2f}]", ratio.low, ratio.high);
         }
         const auto force = stability ? stable_force(*stability, scheme.felt_on) : std::nullopt;
         const auto gain = energy ? gain_of(*energy, scheme) : std::nullopt;

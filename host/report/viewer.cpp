@@ -133,6 +133,7 @@ struct Packed {
     Json about;
     std::string data; /* base64 */
     Json surface;     /* null where the scene does not say */
+    std::uint64_t samples = 0;
     bool thinned = false;
 };
 
@@ -176,6 +177,7 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
     Packed packed;
     packed.data = base64(force.bytes);
     packed.surface = surface_data(volume);
+    packed.samples = samples(volume);
     packed.thinned = volume.stride[0] > 1 || volume.stride[2] > 1 || (volume.stride[1] > 1 && !volume.alike_in_y);
     packed.about = {{"name", wanted.name},          {"address", address(wanted.path)},
                     {"full", volume.full},          {"stride", volume.stride},
@@ -224,9 +226,7 @@ std::vector<Packed> pack_within(const std::filesystem::path& root, std::vector<W
         // A limit above the size of the volumes had no effect.
         std::uint64_t largest = 0;
         for (const Packed& one : packed)
-            largest = std::max(largest, one.about["size"][0].get<std::uint64_t>() *
-                                            one.about["size"][1].get<std::uint64_t>() *
-                                            one.about["size"][2].get<std::uint64_t>());
+            largest = std::max(largest, one.samples);
         most =
             std::max(kLeastSamples, static_cast<std::uint64_t>(share * static_cast<double>(std::min(most, largest))));
     }

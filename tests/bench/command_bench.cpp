@@ -4,7 +4,6 @@
 // and writing those of the outputs through to the disk, both measured here, and the plan, the kernels (with what goes
 // to the device and back) and the encoding, as the program accounts for them (explore does not tell of encoding). And
 // of meshes, how fast a field is beside one query of the tree a voxel.
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -16,18 +15,18 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "host/field/prepared_case.h"
-#include "host/mesh/mesh_file.h"
 #include "host/output/files.h"
-#include "host/reference/mesh_nearest.h"
 #include "host/sweep/sweep.h"
 #include "tests/bench/geodesic.h"
-#include "tests/bench/measure.h"
+#include "tests/bench/tree_queries.h"
+#include "tests/io/folder.h"
+#include "tests/mesh/written_files.h"
 
 namespace forceshade::bench {
 namespace {
@@ -139,52 +138,16 @@ double write_seconds(double bytes) {
     });
 }
 
-// The nearest point of every voxel, rows shared out between two threads; what was nearest to a voxel is the next one's
-// guess. Voxels a second.
-class TreeQueries {
-public:
-    explicit TreeQueries(const Row& row) {
-        const PreparedCase prepared = CasePreparation().prepare(read_scene(row.mesh));
-        const FieldTables<float> tables = make_tables<float>(prepared.one.scene, prepared.images, Extent::what_varies);
-        mesh_ = tables.mesh;
-        x_ = tables.x, y_ = tables.y, z_ = tables.z;
-    }
-    double rate() const {
-        const layout::MeshView<float> mesh = mesh_->view();
-        std::atomic<std::size_t> next{0};
-        std::atomic<std::uint64_t> sum{0};
-        const auto work = [&] {
-            layout::uint hint = 0;
-            std::uint64_t mine = 0;
-            for (std::size_t row; (row = next++) < y_.size() * z_.size();)
-                for (const float x : x_) {
-                    hint = reference::nearest(mesh, {x, y_[row % y_.size()], z_[row / y_.size()]}, hint).triangle;
-                    mine += hint;
-                }
-            sum += mine;
-        };
-        const double spent = seconds([&] {
-            std::jthread other(work);
-            work();
-        });
-        return sum > 0 ? static_cast<double>(x_.size() * y_.size() * z_.size()) / spent : 0;
-    }
-
-private:
-    std::shared_ptr<const MeshTables<float>> mesh_;
-    std::vector<float> x_, y_, z_;
-};
+FieldTables<float> field_of(const std::string& scene) {
+    const PreparedCase prepared = CasePreparation().prepare(read_scene(scene));
+    return make_tables<float>(prepared.one.scene, prepared.images, Extent::what_varies);
+}
 
 void write_ball(unsigned frequency, const std::string& name) {
-    const PolygonSoup ball = geodesic(frequency);
-    std::string text;
-    for (const glm::dvec3& vertex : ball.vertices)
-        fmt::format_to(std::back_inserter(text), "v {:.9g} {:.9g} {:.9g}\n", vertex.x, vertex.y, vertex.z);
-    for (std::size_t f = 0; f < ball.facets(); ++f) {
-        const std::uint32_t* corners = &ball.corners[ball.begins[f]];
-        fmt::format_to(std::back_inserter(text), "f {} {} {}\n", corners[0] + 1, corners[1] + 1, corners[2] + 1);
-    }
-    write_file_atomically(name, text);
+    PolygonSoup ball = geodesic(frequency);
+    for (glm::dvec3& vertex : ball.vertices) // as many digits as programs write
+        vertex = glm::round(1e9 * vertex) / 1e9;
+    write_file_atomically(name, testing::as_obj(ball));
 }
 
 std::string write_scene(const std::string& name, const std::string& text) {
@@ -225,7 +188,7 @@ std::vector<Row> rows() {
         row.mesh = row.arguments[1];
     }
     explore("explore-bump", bump + strokes);
-    const std::string spot = "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_DATA
+    const std::string spot = "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_TEST_DATA
                              "/spot.obj\"\ntransform = { scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }\n";
     explore("explore-spot-strokes", spot + strokes);
     explore("explore-spot-circles", spot + circles);
@@ -249,9 +212,9 @@ struct Options {
 void measure(const Row& row, const Options& options) {
     std::vector<std::vector<Ran>> runs(options.programs.size());
     std::vector<double> reads, writes, rates;
-    std::optional<TreeQueries> queries;
+    std::optional<FieldTables<float>> field;
     if (!row.mesh.empty())
-        queries.emplace(row);
+        field = field_of(row.mesh);
     for (int round = -1; round < options.rounds; ++round) // the first warms caches, of kernels too
         for (std::size_t i = 0; i < runs.size(); ++i) {
             const std::size_t which = round % 2 == 0 ? i : runs.size() - 1 - i;
@@ -265,8 +228,8 @@ void measure(const Row& row, const Options& options) {
             if (which == 0) {
                 reads.push_back(read_seconds(row.input));
                 writes.push_back(ran.bytes > 0 ? write_seconds(ran.bytes) : 0);
-                if (queries)
-                    rates.push_back(queries->rate());
+                if (field)
+                    rates.push_back(voxels_of(*field) / query_seconds(*field));
             }
             runs[which].push_back(std::move(ran));
         }
@@ -283,7 +246,7 @@ void measure(const Row& row, const Options& options) {
         line += fmt::format(" {:>9.1f} {:>9.1f} {:>6.2f}", 1e3 * median_of(runs[1], &Ran::wall),
                             1e3 * median_of(runs[1], &Ran::cpu), median_of(runs[1], &Ran::wall) / wall);
     fmt::print("{}\n", line);
-    if (queries) {
+    if (field) {
         const double rate = mine.front().voxels / (plan + kernel);
         fmt::print("    {:.2f} M voxels/s planned and computed, {:.2f} M voxels/s by queries of the tree: {:.2f}\n",
                    1e-6 * rate, 1e-6 * median(rates), rate / median(rates));
@@ -311,10 +274,8 @@ std::optional<Options> read_options(int argc, char** argv) {
 }
 
 int compare(const Options& options) {
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / ("forceshade-bench-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder);
-    std::filesystem::current_path(folder);
+    const testing::Folder folder;
+    std::filesystem::current_path(folder.path());
     fmt::print("{}, {} threads; medians of {}, ms\n", cpu_name(), std::thread::hardware_concurrency(), options.rounds);
     fmt::print("{:<22} {:<4} {:>8} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>6}", "command", "on", "wall", "cpu",
                "read", "plan", "kernel", "encode", "write", "bound", "ratio");
@@ -325,7 +286,6 @@ int compare(const Options& options) {
         if (row.name.find(options.only) != std::string::npos)
             measure(row, options);
     std::filesystem::current_path("/");
-    std::filesystem::remove_all(folder);
     return 0;
 }
 

@@ -103,11 +103,10 @@ const MeshStructure& sphere(int frequency) {
     const auto found = spheres.find(frequency);
     if (found != spheres.end())
         return found->second;
-    PolygonSoup polygons =
+    const PolygonSoup unit =
         frequency < 0 ? ringed_sphere(static_cast<unsigned>(-frequency)) : geodesic(static_cast<unsigned>(frequency));
-    for (glm::dvec3& v : polygons.vertices)
-        v *= kRadius;
-    return spheres.emplace(frequency, build_structure(shapes::mesh_of(std::move(polygons)))).first->second;
+    const Mesh mesh = shapes::mesh_of(shapes::moved(unit, glm::dvec3(kRadius), {}));
+    return spheres.emplace(frequency, build_structure(mesh)).first->second;
 }
 
 template <typename T> struct Course {

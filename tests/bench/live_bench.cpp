@@ -3,11 +3,8 @@
 //   live_bench [SECONDS]    by the clock, at each rate; 60 if left out
 #include <charconv>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "device/backends/devices.h"
 #include "device/loop/live_loop.h"
@@ -15,6 +12,8 @@
 #include "device/session/session.h"
 #include "host/scene/study.h"
 #include "tests/bench/geodesic.h"
+#include "tests/io/folder.h"
+#include "tests/mesh/written_files.h"
 
 namespace forceshade::bench {
 namespace {
@@ -22,31 +21,12 @@ namespace {
 constexpr unsigned kFrequency = 71;
 constexpr double kRadius = 0.025; /* m */
 
-class Folder {
-public:
-    Folder() : path(std::filesystem::temp_directory_path() / fmt::format("forceshade-live-bench-{}", ::getpid())) {
-        std::filesystem::create_directory(path);
-    }
-    ~Folder() { std::filesystem::remove_all(path); }
-    const std::filesystem::path path;
-};
-
-void write_sphere(const std::filesystem::path& file) {
-    const PolygonSoup sphere = geodesic(kFrequency);
-    std::ofstream out(file);
-    for (const glm::dvec3& v : sphere.vertices)
-        out << fmt::format("v {} {} {}\n", kRadius * v.x, kRadius * v.y, kRadius * v.z);
-    for (std::size_t i = 0; i < sphere.corners.size(); i += 3)
-        out << fmt::format("f {} {} {}\n", sphere.corners[i] + 1, sphere.corners[i + 1] + 1, sphere.corners[i + 2] + 1);
-}
-
 // Strokes over the top that press 1 N, where the hand's tremor never comes to the same triangles twice.
-std::filesystem::path write_scene(const std::filesystem::path& folder, const std::string& shading) {
-    const std::filesystem::path file = folder / (shading + ".toml");
-    std::ofstream(file) << "[surface]\nkind = \"mesh\"\nfile = \"sphere.obj\"\n[force]\nshading = \"" << shading
-                        << "\"\n[paths]\npress = \"1 N\"\nlength = \"25 mm\"\nstart_depth = \"-1 mm\"\n"
-                           "tremor = { amplitude = \"0.2 mm\" }\n";
-    return file;
+std::filesystem::path write_scene(const testing::Folder& folder, const std::string& shading) {
+    return folder.write(shading + ".toml",
+                        "[surface]\nkind = \"mesh\"\nfile = \"sphere.obj\"\n[force]\nshading = \"" + shading +
+                            "\"\n[paths]\npress = \"1 N\"\nlength = \"25 mm\"\nstart_depth = \"-1 mm\"\n"
+                            "tremor = { amplitude = \"0.2 mm\" }\n");
 }
 
 device::SessionOptions options_for(const std::filesystem::path& scene, CasePreparation& preparation) {
@@ -118,13 +98,13 @@ void by_the_clock(const std::filesystem::path& scene, CasePreparation& preparati
 }
 
 int run(double seconds) {
-    const Folder folder;
-    write_sphere(folder.path / "sphere.obj");
+    const testing::Folder folder;
+    folder.write("sphere.obj", testing::as_obj(shapes::moved(geodesic(kFrequency), glm::dvec3(kRadius), {})));
     CasePreparation preparation;
     for (const char* const shading : {"none", "morgenbesser", "mean_value"})
-        as_fast_as_possible(write_scene(folder.path, shading), preparation);
+        as_fast_as_possible(write_scene(folder, shading), preparation);
     for (const double rate : {1000.0, 4000.0})
-        by_the_clock(write_scene(folder.path, "morgenbesser"), preparation, rate, seconds);
+        by_the_clock(write_scene(folder, "morgenbesser"), preparation, rate, seconds);
     return 0;
 }
 

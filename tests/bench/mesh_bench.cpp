@@ -1,16 +1,8 @@
 // The mesh's own structure: how fast it is built and how large it is, and how many nearest points two threads find a
 // second, and one beside a peer.
-#include <thread>
-
-#include <benchmark/benchmark.h>
-
-#include "host/mesh/mesh_file.h"
-#include "host/mesh/structure.h"
 #include "host/random.h"
-#include "host/reference/mesh_nearest.h"
 #include "tests/bench/cgal_tree.h"
-#include "tests/bench/measure.h"
-#include "tests/mesh/shapes.h"
+#include "tests/bench/tree_queries.h"
 
 namespace forceshade::bench {
 namespace {
@@ -37,66 +29,15 @@ void build(benchmark::State& state) {
 }
 BENCHMARK(build)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
 
-/// Spot, each triangle cut into four twice: 93 696 triangles.
-const MeshStructure& spot() {
-    static const MeshStructure structure = [] {
-        const PolygonSoup coarse = read_polygons(FORCESHADE_DATA "/spot.obj").polygons;
-        return build_structure(shapes::mesh_of(shapes::subdivided(shapes::subdivided(coarse))));
-    }();
-    return structure;
-}
-
-/// Voxels of a grid over the box and 5 % of its longest side, 128 along that side.
-struct Grid {
-    glm::dvec3 origin;
-    double spacing;
-    std::array<std::size_t, 3> size;
-};
-
-Grid grid_over(const MeshStructure& structure) {
-    glm::dvec3 high(0);
-    const std::vector<double>& vertices = structure.reals->vertices;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-        high[int(i % 3)] = std::max(high[int(i % 3)], vertices[i]);
-    const double longest = 2 * std::max({high.x, high.y, high.z}), margin = 0.025 * longest;
-    Grid grid{-high - margin, (longest + 2 * margin) / 127, {}};
-    for (int axis = 0; axis < 3; ++axis)
-        grid.size[std::size_t(axis)] = std::size_t(2 * (high[axis] + margin) / grid.spacing * (1 + 1e-9)) + 1;
-    return grid;
-}
-
-/// One query a voxel, each beginning with the triangle of the one before. Returns a sum, so that nothing is left out.
-template <typename T> double all_nearest(const layout::MeshView<T>& mesh, const Grid& grid) {
-    std::array<double, kThreads> sums{};
-    std::vector<std::jthread> threads;
-    for (unsigned thread = 0; thread < kThreads; ++thread)
-        threads.emplace_back([&, thread] {
-            layout::uint hint = 0;
-            double sum = 0;
-            for (std::size_t z = thread; z < grid.size[2]; z += kThreads)
-                for (std::size_t y = 0; y < grid.size[1]; ++y)
-                    for (std::size_t x = 0; x < grid.size[0]; ++x) {
-                        const glm::dvec3 at = grid.origin + grid.spacing * glm::dvec3(double(x), double(y), double(z));
-                        const reference::Nearest<T> found = reference::nearest(mesh, reference::Vector<T>(at), hint);
-                        hint = found.triangle;
-                        sum += double(found.square);
-                    }
-            sums[thread] = sum;
-        });
-    threads.clear();
-    return sums[0] + sums[1];
-}
-
 template <typename T> void nearest(benchmark::State& state) {
-    const MeshTables<T> tables = make_mesh_tables<T>(spot(), 1000);
-    const Grid grid = grid_over(spot());
-    const double voxels = double(grid.size[0]) * double(grid.size[1]) * double(grid.size[2]);
+    const FieldTables<T> field = field_of_fine_spot<T>();
+    const double voxels = voxels_of(field);
     std::vector<double> times;
     for (auto _ : state) {
-        times.push_back(seconds([&] { benchmark::DoNotOptimize(all_nearest(tables.view(), grid)); }));
+        times.push_back(query_seconds(field));
         state.SetIterationTime(times.back());
     }
-    state.counters["triangles"] = double(spot().triangles());
+    state.counters["triangles"] = double(field.mesh->params.triangles);
     state.counters["voxels"] = voxels;
     state.counters["queries_per_s"] = voxels / median(times);
     state.counters["of_wanted"] = voxels / median(times) / kQueries;
@@ -104,20 +45,17 @@ template <typename T> void nearest(benchmark::State& state) {
 /// One thread beside a peer's tree: along a grid, where each query begins with the last one's triangle and the peer has
 /// a hint of its own, and at places anywhere in its box.
 template <bool kAnywhere> void nearest_against_cgal(benchmark::State& state) {
-    const MeshTables<double> tables = make_mesh_tables<double>(spot(), 1000);
-    const layout::MeshView<double> mesh = tables.view();
+    const FieldTables<double> field = field_of_fine_spot<double>();
+    const layout::MeshView<double> mesh = field.mesh->view();
     const CgalTree peer(mesh.vertices, mesh.triangle_corners);
-    const Grid grid = grid_over(spot());
     Random draw(1);
+    const auto anywhere = [&](const std::vector<double>& axis) { return draw(axis.front(), axis.back()); };
     std::vector<glm::dvec3> places;
-    for (std::size_t z = 0; z < grid.size[2]; z += 8)
-        for (std::size_t y = 0; y < grid.size[1]; y += 4)
-            for (std::size_t x = 0; x < grid.size[0]; ++x) {
-                const glm::dvec3 at = kAnywhere ? glm::dvec3(draw(0, 1), draw(0, 1), draw(0, 1)) *
-                                                      glm::dvec3(grid.size[0], grid.size[1], grid.size[2])
-                                                : glm::dvec3(x, y, z);
-                places.push_back(grid.origin + grid.spacing * at);
-            }
+    for (std::size_t z = 0; z < field.z.size(); z += 8)
+        for (std::size_t y = 0; y < field.y.size(); y += 4)
+            for (const double x : field.x)
+                places.push_back(kAnywhere ? glm::dvec3(anywhere(field.x), anywhere(field.y), anywhere(field.z))
+                                           : glm::dvec3(x, field.y[y], field.z[z]));
     std::vector<double> ratios, ours;
     std::vector<double> squares(places.size()), theirs(places.size());
     for (auto _ : state) {
@@ -140,7 +78,7 @@ template <bool kAnywhere> void nearest_against_cgal(benchmark::State& state) {
     double apart = 0; // of the distances
     for (std::size_t i = 0; i < places.size(); ++i)
         apart = std::max(apart, std::abs(std::sqrt(squares[i]) - std::sqrt(theirs[i])));
-    state.counters["triangles"] = double(spot().triangles());
+    state.counters["triangles"] = double(mesh.params.triangles);
     state.counters["queries_per_s"] = double(places.size()) / median(ours);
     state.counters["times_as_fast"] = median(ratios);
     state.counters["least"] = *std::ranges::min_element(ratios);

@@ -38,7 +38,7 @@ PreparedCase prepared(Surface surface, const std::string& paths) {
     if (surface == bump)
         return CasePreparation().prepare(
             parse_scene("[surface]\nfacets = 3" + force + "reference\"\n[paths]\n" + paths, "bench"));
-    const std::string mesh = "[surface]\nkind = \"mesh\"\ntransform = { scale = 0.03 }\nfile = \"" FORCESHADE_DATA
+    const std::string mesh = "[surface]\nkind = \"mesh\"\ntransform = { scale = 0.03 }\nfile = \"" FORCESHADE_TEST_DATA
                              "/spot.obj\"" +
                              force + "mean_value\"\n[paths]\n" + paths;
     const Case one = parse_scene(mesh, "bench");

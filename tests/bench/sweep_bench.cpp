@@ -1,16 +1,15 @@
 // The default sweep's wall time against what bounds it: kernels and read-back alone, output alone, and all processor
 // time spread over the cores.
-#include <filesystem>
 #include <thread>
 
 #include <benchmark/benchmark.h>
-#include <unistd.h>
 
 #include "host/cases/case_pipeline.h"
 #include "host/cases/chunk_queue.h"
 #include "host/cases/engine_choice.h"
 #include "host/sweep/sweep.h"
 #include "tests/bench/measure.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::bench {
 namespace {
@@ -77,8 +76,7 @@ EngineOptions default_engine(const Study& study) {
 }
 
 void default_sweep(benchmark::State& state) {
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / ("forceshade-bench-" + std::to_string(getpid()));
+    const testing::Folder folder;
     const Study study = default_study();
     const EngineOptions wanted = default_engine(study);
     const auto engine = make_engine(wanted);
@@ -110,7 +108,6 @@ void default_sweep(benchmark::State& state) {
     state.counters["kernels_s"] = kernels;
     state.counters["output_s"] = output;
     state.counters["cpu_over_cores_s"] = processors;
-    std::filesystem::remove_all(folder);
 }
 
 BENCHMARK(default_sweep)->UseManualTime()->Iterations(3)->Unit(benchmark::kSecond);

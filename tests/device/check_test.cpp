@@ -124,15 +124,10 @@ TEST_F(DeviceChecks, LetGoOfAProbeThatRunsAwayAndPushNoMore) {
     const DeviceCheck checked = check(with_a_press(1));
     expect_step(checked, "axes", CheckResult::failed, {"+x", "ran away"});
     expect_step(checked, "watchdog", CheckResult::skipped);
-    std::ifstream in(folder / "record");
-    double time = 0, first = 0, last = 0;
-    for (glm::dvec3 force; in >> time >> force.x >> force.y >> force.z;)
-        if (force != glm::dvec3(0)) {
-            first = first == 0 ? time : first;
-            last = time;
-        }
-    EXPECT_GT(first, 0);
-    EXPECT_LT(last - first, 0.35) << "of the 0.4 s of a push";
+    std::vector<Recorded> pushes = recorded(folder / "record");
+    std::erase_if(pushes, [](const Recorded& one) { return !one.is_push(); });
+    ASSERT_FALSE(pushes.empty());
+    EXPECT_LT(pushes.back().time - pushes.front().time, 0.35) << "of the 0.4 s of a push";
 }
 
 TEST_F(DeviceChecks, FailADeviceThatDoesNotYieldOrIsOutOfPlace) {
@@ -145,7 +140,6 @@ TEST_F(DeviceChecks, FailADeviceThatDoesNotYieldOrIsOutOfPlace) {
 }
 
 TEST_F(DeviceChecks, PushNothingWithoutPositionsCalibrationOrAHand) {
-    stub_.hand(1);
     for (const auto& [fault, failed, words] :
          {std::tuple("nan", "rest", "without a valid position"), {"uncalibrated", "calibration", "not calibrated"}}) {
         stub_.call<void()>("stub_reset")();
@@ -154,8 +148,7 @@ TEST_F(DeviceChecks, PushNothingWithoutPositionsCalibrationOrAHand) {
             stub_.fail(fault, 100); // it told one when it was opened
         else
             stub_.fail(fault);
-        CheckGuide guide = with_a_press(1);
-        const DeviceCheck checked = check(guide);
+        const DeviceCheck checked = check(with_a_press(1));
         expect_step(checked, failed, CheckResult::failed, {words});
         expect_step(checked, "axes", CheckResult::skipped);
         expect_step(checked, "watchdog", CheckResult::skipped);

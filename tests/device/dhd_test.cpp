@@ -1,4 +1,5 @@
 // Force Dimension's devices, by a stub of their library: axes, units, every call failing in turn, no force at the end.
+#include <cmath>
 #include <thread>
 
 #include "device/backends/devices.h"

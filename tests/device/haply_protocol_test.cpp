@@ -114,19 +114,27 @@ TEST(HaplyProtocol, TakesNothingElseForAPosition) {
         return R"({"inverse3":[{"device_id":"04BA","state":{"cursor_position":)" + position + "}}]}";
     };
     ASSERT_EQ(read_state(of(R"({"x":0,"y":0,"z":0})"), "04BA").fault, nullptr);
-    for (const char* bad :
-         {R"({"x":null,"y":0,"z":0})", R"({"x":"0","y":0,"z":0})", R"({"x":true,"y":0,"z":0})", R"({"y":0,"z":0})",
-          R"({"x":NaN,"y":0,"z":0})", R"({"x":1e999,"y":0,"z":0})", R"({"x":11,"y":0,"z":0})",
-          R"({"x":0,"y":-1e300,"z":0})", "[0,0,0]", "null", "\"origin\"", "{}"})
-        EXPECT_NE(read_state(of(bad), "04BA").fault, nullptr) << bad;
-    for (const char* bad :
-         {"", "nonsense", "null", "[]", "{}", R"({"inverse3":[]})", R"({"inverse3":{}})", R"({"inverse3":[null,3]})",
-          R"({"inverse3":[{"device_id":"04BA"}]})", R"({"inverse3":[{"device_id":"04BA","state":{}}]})",
-          R"({"inverse3":[{"device_id":"XXXX","state":{"cursor_position":{"x":0,"y":0,"z":0}}}]})",
-          R"({"ok":false,"error":"no"})", "\xff\xfe"})
-        EXPECT_NE(read_state(bad, "04BA").fault, nullptr) << bad;
-    EXPECT_NE(read_state(std::string(900'000, '['), "04BA").fault, nullptr);
-    EXPECT_NE(read_state(std::string(400'000, '[') + std::string(400'000, ']'), "04BA").fault, nullptr);
+    const std::vector<std::pair<std::string, std::vector<std::string>>> faults{
+        {"not JSON",
+         {"", "nonsense", "\xff\xfe", std::string(900'000, '['), R"({"inverse3":[{"device_id":"04BA","sta)",
+          of(R"({"x":NaN,"y":0,"z":0})"), of(R"({"x":1e999,"y":0,"z":0})")}},
+        {"without a list of devices",
+         {"null", "[]", "{}", R"({"inverse3":{}})", R"({"inverse3":{"device_id":4,"state":[1,null]},"session_id":"7"})",
+          std::string(400'000, '[') + std::string(400'000, ']')}},
+        {"does not list the device",
+         {R"({"inverse3":[]})", R"({"inverse3":[null,3]})",
+          R"({"inverse3":[{"device_id":"XXXX","state":{"cursor_position":{"x":0,"y":0,"z":0}}}]})"}},
+        {"without a position",
+         {R"({"inverse3":[{"device_id":"04BA"}]})", R"({"inverse3":[{"device_id":"04BA","state":{}}]})",
+          of(R"({"x":null,"y":0,"z":0})"), of(R"({"x":"0","y":0,"z":0})"), of(R"({"x":true,"y":0,"z":0})"),
+          of(R"({"y":0,"z":0})"), of(R"({"x":11,"y":0,"z":0})"), of(R"({"x":0,"y":-1e300,"z":0})"), of("[0,0,0]"),
+          of("null"), of("\"origin\""), of("{}")}},
+        {"another dialect", {R"({"ok":false,"error":"no"})"}}};
+    for (const auto& [words, messages] : faults)
+        for (const std::string& message : messages) {
+            const char* const fault = read_state(message, "04BA").fault;
+            EXPECT_TRUE(fault != nullptr && says(fault, words)) << message.substr(0, 100);
+        }
 }
 
 TEST(HaplyProtocol, ReadsWhetherTheDeviceIsReadyForAForce) {

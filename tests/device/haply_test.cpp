@@ -92,21 +92,6 @@ TEST(Haply, OneOfSeveralDevicesMustBeChosen) {
     EXPECT_THROW(open_haply(options), DeviceAbsent);
 }
 
-TEST(Haply, LooksWithoutSendingAForce) {
-    ServiceScript script;
-    script.devices = {"04BA", "049D"};
-    SimulatedService service(script);
-    const HaplyFinding finding = look_for_haply(service.url());
-    EXPECT_EQ(finding.problem, "");
-    EXPECT_EQ(finding.version, "3.5.0.0");
-    ASSERT_EQ(finding.devices.size(), 2u);
-    EXPECT_EQ(finding.devices[1].id, "049D");
-    EXPECT_EQ(finding.devices[1].type, "inverse3");
-    EXPECT_EQ(finding.devices[1].status, "calibrated, not in use, power supply, ready, started");
-    EXPECT_TRUE(wait_until([&] { return service.farewells() == 1; }));
-    EXPECT_TRUE(service.received().empty());
-}
-
 TEST_F(RunningHaply, TakesLeavePolitelyWithoutForce) {
     ASSERT_TRUE(wait_until([&] { return service_.farewells() == 1; })); // of the look before
     device_.reset();

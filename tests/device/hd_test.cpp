@@ -1,8 +1,6 @@
 // 3D Systems' devices, by a stub of their library: axes, units, every call failing in turn, the scheduler's thread, no
 // force at the end.
-#include <chrono>
-#include <functional>
-#include <thread>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 
@@ -23,19 +21,9 @@ protected:
     StubLibrary stub_{"FORCESHADE_HD_LIBRARY", HD_STUB};
 };
 
-// The scheduler's frames come when they come.
-::testing::AssertionResult comes_true(const std::function<bool()>& condition) {
-    for (int i = 0; i < 5000; ++i) {
-        if (condition())
-            return ::testing::AssertionSuccess();
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return ::testing::AssertionFailure() << "not within 5 s";
-}
-
-// A force is displayed for 50 ms only, so it is written again and again.
-::testing::AssertionResult displays(BackEnd& device, const StubLibrary& stub, const dvec3& force, const dvec3& axes) {
-    return comes_true([&] {
+// The scheduler's frames come when they come. A force is displayed for 50 ms only, so it is written again and again.
+bool displays(BackEnd& device, const StubLibrary& stub, const dvec3& force, const dvec3& axes) {
+    return wait_until([&] {
         device.write(force);
         return stub.force() == axes;
     });
@@ -57,9 +45,9 @@ TEST_F(Hd, TellsItsButtons) {
     const auto device = open_hd("");
     EXPECT_EQ(device->facts().buttons, 4u);
     stub_.press(2);
-    EXPECT_TRUE(comes_true([&] { return device->read().buttons == 2; }));
+    EXPECT_TRUE(wait_until([&] { return device->read().buttons == 2; }));
     stub_.fail("buttons"); // from now on
-    EXPECT_TRUE(comes_true([&] { return device->read().buttons == 0; })) << "none that it does not tell";
+    EXPECT_TRUE(wait_until([&] { return device->read().buttons == 0; })) << "none that it does not tell";
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << "which is no failure of the rest";
     EXPECT_NE(device->read().answer, Answer::failed);
     EXPECT_EQ(device->error_text(), nullptr);
@@ -74,7 +62,7 @@ TEST_F(Hd, WithoutButtonsItIsADeviceAllTheSame) {
 TEST_F(Hd, TurnsItsAxesIntoTheWorlds) {
     const auto device = open_hd("");
     const auto reads = [&](const dvec3& place) {
-        return comes_true([&] { return glm::length(device->read().position - place) < 1e-12; });
+        return wait_until([&] { return glm::length(device->read().position - place) < 1e-12; });
     };
     stub_.place(0, 0, 10);
     EXPECT_TRUE(reads({0, -0.01, 0})) << "nearer to the user";
@@ -89,14 +77,14 @@ TEST_F(Hd, TurnsItsAxesIntoTheWorlds) {
 
 TEST_F(Hd, TellsANewPositionFromAnOldOne) {
     const auto device = open_hd("");
-    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::fresh; }));
+    EXPECT_TRUE(wait_until([&] { return device->read().answer == Answer::fresh; }));
     stub_.call<void(int)>("stub_freeze")(1);
-    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::repeated; }));
+    EXPECT_TRUE(wait_until([&] { return device->read().answer == Answer::repeated; }));
     EXPECT_LT(glm::length(device->read().position - dvec3(0.01, -0.03, 0.02)), 1e-12);
     stub_.call<void(int)>("stub_freeze")(0);
-    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::fresh; }));
+    EXPECT_TRUE(wait_until([&] { return device->read().answer == Answer::fresh; }));
     stub_.place(std::nan(""), 0, 0);
-    EXPECT_TRUE(comes_true([&] { return std::isnan(device->read().position.x); }));
+    EXPECT_TRUE(wait_until([&] { return std::isnan(device->read().position.x); }));
 }
 
 TEST_F(Hd, IsRefusedWhereUnitsCannotBeMillimetresAndNewtons) {
@@ -211,8 +199,8 @@ TEST_F(Hd, DoesWithoutWhatItCanDoWithout) {
 
 TEST_F(Hd, TellsOfCallsThatFailInMidLoopAndGoesOnWhenTheyDo) {
     const auto device = open_hd("");
-    const auto read = [&](Answer answer) { return comes_true([&] { return device->read().answer == answer; }); };
-    const auto written = [&](bool taken) { return comes_true([&] { return device->write({0, 0, 1}) == taken; }); };
+    const auto read = [&](Answer answer) { return wait_until([&] { return device->read().answer == answer; }); };
+    const auto written = [&](bool taken) { return wait_until([&] { return device->write({0, 0, 1}) == taken; }); };
     for (const char* call : {"hdBeginFrame", "position", "hdGetError"}) {
         EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << call;
         stub_.fail(call);
@@ -238,12 +226,12 @@ TEST_F(Hd, WithholdsForcesWhileItsMotorsAreTooWarm) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
     stub_.fail("warm motors", 1, 2);
-    EXPECT_TRUE(comes_true([&] { return !device->write({0, 0, 1}); }));
+    EXPECT_TRUE(wait_until([&] { return !device->write({0, 0, 1}); }));
     expect_words(device->withheld(), {"too warm"});
-    EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+    EXPECT_TRUE(wait_until([&] { return stub_.force() == dvec3(0); }));
     EXPECT_TRUE(device->write({0, 0, 0})) << "it waits";
     EXPECT_EQ(device->read().answer == Answer::failed, false);
-    EXPECT_TRUE(comes_true([&] { return device->withheld() == nullptr; })) << "after five seconds";
+    EXPECT_TRUE(wait_until([&] { return device->withheld() == nullptr; })) << "after five seconds";
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
 }
 
@@ -251,18 +239,18 @@ TEST_F(Hd, FollowsItsCalibration) {
     const auto device = open_hd("");
     const auto calibration = stub_.call<void(long)>("stub_calibration");
     calibration(0x5002);
-    EXPECT_TRUE(comes_true([&] { return device->withheld() != nullptr; }));
+    EXPECT_TRUE(wait_until([&] { return device->withheld() != nullptr; }));
     expect_words(device->withheld(), {"calibration", "inkwell"});
     EXPECT_FALSE(device->write({0, 0, 1}));
     calibration(0x5001); // the stylus is in the inkwell
-    EXPECT_TRUE(comes_true([&] { return device->withheld() == nullptr; }));
+    EXPECT_TRUE(wait_until([&] { return device->withheld() == nullptr; }));
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
 }
 
 TEST_F(Hd, DisplaysNoForceWhenNoneWasWrittenForAWhile) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
-    EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+    EXPECT_TRUE(wait_until([&] { return stub_.force() == dvec3(0); }));
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
 }
 
@@ -270,11 +258,11 @@ TEST_F(Hd, TellsOfASchedulerThatStandsStill) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
     stub_.call<void(int)>("stub_freeze")(1);
-    EXPECT_TRUE(comes_true([&] { return !device->write({0, 0, 1}); }));
-    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::failed; }));
+    EXPECT_TRUE(wait_until([&] { return !device->write({0, 0, 1}); }));
+    EXPECT_TRUE(wait_until([&] { return device->read().answer == Answer::failed; }));
     expect_words(device->error_text(), {"scheduler"});
     stub_.call<void(int)>("stub_freeze")(0);
-    EXPECT_TRUE(comes_true([&] { return device->write({0, 0, 1}); }));
+    EXPECT_TRUE(wait_until([&] { return device->write({0, 0, 1}); }));
 }
 
 TEST_F(Hd, LeavesNoForce) {
@@ -295,7 +283,7 @@ TEST_F(Hd, RestsUntilTheNextForce) {
         EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
         const long then = stub_.forces();
         device->rest();
-        EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+        EXPECT_TRUE(wait_until([&] { return stub_.force() == dvec3(0); }));
         fewest = std::min(fewest, stub_.forces() - then);
     }
     EXPECT_LT(fewest, 30);
@@ -305,10 +293,10 @@ TEST_F(Hd, DisplaysNothingOnceHalted) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
     device->halt();
-    EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+    EXPECT_TRUE(wait_until([&] { return stub_.force() == dvec3(0); }));
     device->halt();
     const long then = stub_.forces();
-    EXPECT_TRUE(comes_true([&] {
+    EXPECT_TRUE(wait_until([&] {
         device->write({0, 0, 1});
         return stub_.forces() > then + 20;
     }));

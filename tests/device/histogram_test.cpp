@@ -35,17 +35,6 @@ TEST(Histogram, ABinIsNoWiderThanAThirtySecondOfItsTimes) {
     }
 }
 
-TEST(Histogram, EveryNumberIsInTheBinThatHoldsIt) {
-    std::mt19937_64 random(3);
-    for (int i = 0; i < 100000; ++i) {
-        const std::uint64_t value = random() >> (random() % 64);
-        const std::size_t bin = Histogram::bin_of(value);
-        ASSERT_LT(bin, Histogram::kBins);
-        ASSERT_GE(value, Histogram::begin_of(bin));
-        ASSERT_TRUE(value < Histogram::begin_of(bin + 1) || bin + 1 == Histogram::kBins) << value;
-    }
-}
-
 // Of n sorted times the least that a share of them does not exceed is number ceil(share n), counted from 1.
 double sorted_quantile(const std::vector<std::int64_t>& sorted, double share) {
     const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));

@@ -26,10 +26,6 @@ Reading pressed(const dvec3& place, std::uint32_t buttons) {
     return {Answer::fresh, place, false, buttons};
 }
 
-double length_of(const dvec3& v) {
-    return std::sqrt(glm::dot(v, v));
-}
-
 TEST(Mapping, QuarterTurnsAreExact) {
     constexpr double kQuarter = std::numbers::pi / 2;
     EXPECT_EQ(turn_about(2, kQuarter) * dvec3(1, 0, 0), dvec3(0, 1, 0));
@@ -52,8 +48,8 @@ TEST(Mapping, TurnsForcesBackAndLeavesThemTheirSize) {
     ScriptedDevice device([](std::uint64_t) { return at(0.1, 0.2 - 1e-3, 0.3); }, 60);
     const LoopRun run = run_fast(device, prepared_scene(kPlane), settings);
     EXPECT_NEAR(run.samples[10].probe.z, -2e-3, 1e-15) << "scaled";
-    EXPECT_LT(length_of(device.forces[10] - dvec3(0, 2, 0)), 1e-9) << "1 N/mm, 2 mm deep";
-    EXPECT_LT(length_of(run.samples[10].commanded - dvec3(0, 0, 2)), 1e-9) << "logged in the scene's axes";
+    EXPECT_LT(glm::length(device.forces[10] - dvec3(0, 2, 0)), 1e-9) << "1 N/mm, 2 mm deep";
+    EXPECT_LT(glm::length(run.samples[10].commanded - dvec3(0, 0, 2)), 1e-9) << "logged in the scene's axes";
 }
 
 // Whatever the mapping, the energy is that of what the hand felt along its own way.
@@ -170,7 +166,7 @@ TEST(Buttons, TheClutchLetsTheHandMoveAlone) {
     const LoopRun run = run_fast(device, prepared_scene(kPlane), settings);
     const LiveSample &before = run.samples[199], &held = run.samples[399], &after = run.samples[400];
     EXPECT_EQ(held.probe, before.probe);
-    EXPECT_LT(length_of(after.probe - before.probe), 1e-15) << "the path goes on where it was";
+    EXPECT_LT(glm::length(after.probe - before.probe), 1e-15) << "the path goes on where it was";
     EXPECT_NEAR(run.samples[450].probe.x - after.probe.x, 2 * (x_of(450) - x_of(400)), 1e-15);
     EXPECT_NEAR(run.samples[600].probe.z - after.probe.z, -2 * 0.5e-3, 1e-15);
     for (std::size_t i = 200; i < 400; ++i) {

@@ -1,7 +1,6 @@
 // The report of a live run: as text, JSON and page, and as files.
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -18,6 +17,7 @@ namespace forceshade::device::test {
 namespace {
 
 using forceshade::testing::Folder;
+using forceshade::testing::lines_of;
 using forceshade::testing::message_of;
 using forceshade::testing::says;
 
@@ -102,14 +102,6 @@ TEST(ReportJson, WhatIsNoNumberIsNull) {
     EXPECT_TRUE(none["compute"]["largest_ns"].is_null());
     EXPECT_TRUE(none["log"]["file"].is_null());
     EXPECT_EQ(none["compute"]["histogram"], Json::array());
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-    std::vector<std::string> lines;
-    std::istringstream stream(text);
-    for (std::string line; std::getline(stream, line);)
-        lines.push_back(line);
-    return lines;
 }
 
 TEST(Units, ThreeDigitsAndAPrefix) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -45,10 +46,6 @@ public:
     std::uint32_t flags = 0;
 };
 
-double size_of(const glm::dvec3& v) {
-    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-}
-
 TEST(Safety, LetsAForceThroughThatIsNone) {
     Touch touch(quick());
     const glm::dvec3 force{0.1, -0.2, 2.0 / 3};
@@ -62,7 +59,7 @@ TEST(Safety, ClampsAndKeepsTheDirection) {
     EXPECT_NEAR(shown.x, 1.8, 1e-12);
     EXPECT_NEAR(shown.z, 2.4, 1e-12);
     EXPECT_EQ(touch.flags, kClamped);
-    EXPECT_LE(size_of(touch.show({1e200, 1e200, -1e200})), 3 * (1 + 1e-15)) << "whose square is no number";
+    EXPECT_LE(glm::length(touch.show({1e200, 1e200, -1e200})), 3 * (1 + 1e-15)) << "whose square is no number";
 }
 
 TEST(Safety, ForcesChangeNoFasterThanTheyMay) {
@@ -102,10 +99,10 @@ TEST(Safety, AForceThatTurnsFallsAtOnceAndComesUpSlowly) {
         const glm::dvec3 toward{std::sin(angle), 0, std::cos(angle)};
         const double kept = std::max(0.0, 2 * std::cos(angle));
         glm::dvec3 shown = touch.show(2.0 * toward);
-        EXPECT_LE(size_of(shown - glm::dvec3(0, 0, kept)), 0.1 * (1 + 1e-9)) << angle;
+        EXPECT_LE(glm::length(shown - glm::dvec3(0, 0, kept)), 0.1 * (1 + 1e-9)) << angle;
         for (int i = 0; i < 60; ++i)
             shown = touch.show(2.0 * toward);
-        EXPECT_LE(size_of(shown - 2.0 * toward), 1e-12) << angle;
+        EXPECT_LE(glm::length(shown - 2.0 * toward), 1e-12) << angle;
     }
     const bool held_true = rc::check("never larger than wanted, never against it, never up too fast", [&] {
         Touch touch(limits);
@@ -114,9 +111,9 @@ TEST(Safety, AForceThatTurnsFallsAtOnceAndComesUpSlowly) {
         for (int i = 0; i < 60; ++i) {
             const glm::dvec3 wanted{*some, *some, *some};
             const glm::dvec3 shown = touch.show(wanted);
-            RC_ASSERT(size_of(shown) <= size_of(wanted) * (1 + 1e-12));
-            RC_ASSERT(shown.x * wanted.x + shown.y * wanted.y + shown.z * wanted.z >= 0);
-            RC_ASSERT(size_of(shown) <= size_of(before) + 0.1 * (1 + 1e-9));
+            RC_ASSERT(glm::length(shown) <= glm::length(wanted) * (1 + 1e-12));
+            RC_ASSERT(glm::dot(shown, wanted) >= 0);
+            RC_ASSERT(glm::length(shown) <= glm::length(before) + 0.1 * (1 + 1e-9));
             before = shown;
         }
     });
@@ -309,9 +306,9 @@ TEST(Safety, WhateverComesTheForceIsWithinItsLimits) {
             now.probe = {place, 0, -place};
             now.late = *rc::gen::element(0.0, 0.0, 0.0, 0.001, 0.03, kNan);
             const glm::dvec3 shown = touch.show(now, {*wild, *wild, *wild}, *rc::gen::arbitrary<bool>());
-            RC_ASSERT(size_of(shown) <= 3 * (1 + 1e-12));
+            RC_ASSERT(glm::length(shown) <= 3 * (1 + 1e-12));
             RC_ASSERT((touch.flags & kZeroForceFlags) == 0 || shown == glm::dvec3(0));
-            RC_ASSERT(size_of(shown) <= size_of(before) + 0.5 * (1 + 1e-9));
+            RC_ASSERT(glm::length(shown) <= glm::length(before) + 0.5 * (1 + 1e-9));
             before = shown;
         }
     });

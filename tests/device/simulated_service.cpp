@@ -1,6 +1,7 @@
 #include "tests/device/simulated_service.h"
 
 #include <deque>
+#include <fcntl.h>
 #include <future>
 #include <mutex>
 #include <set>
@@ -188,7 +189,6 @@ private:
 class SimulatedService::Inside {
 public:
     explicit Inside(ServiceScript script) {
-        port_ = script.port;
         common_.script = std::move(script);
         listen();
         thread_ = std::thread([this] { common_.io.run(); });
@@ -202,11 +202,17 @@ public:
     void listen() {
         const Tcp::endpoint place(asio::ip::address_v4::loopback(), port_);
         acceptor_.open(place.protocol());
+        keep_from_children(acceptor_);
         acceptor_.set_option(Tcp::acceptor::reuse_address(true));
         acceptor_.bind(place);
         acceptor_.listen();
         port_ = acceptor_.local_endpoint().port();
         accept();
+    }
+
+    /// A program that the test starts would hold it open.
+    template <typename Socket> static void keep_from_children(Socket& socket) {
+        ::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC);
     }
 
     void accept() {
@@ -215,6 +221,7 @@ public:
                 return;
             ErrorCode ignored;
             socket.set_option(Tcp::no_delay(true), ignored);
+            keep_from_children(socket);
             std::make_shared<Session>(common_, std::move(socket))->begin();
             accept();
         });
@@ -251,11 +258,8 @@ public:
 SimulatedService::SimulatedService(ServiceScript script) : inside_(std::make_unique<Inside>(std::move(script))) {}
 SimulatedService::~SimulatedService() = default;
 
-unsigned short SimulatedService::port() const {
-    return inside_->port_;
-}
 std::string SimulatedService::url() const {
-    return fmt::format("ws://127.0.0.1:{}", port());
+    return fmt::format("ws://127.0.0.1:{}", inside_->port_);
 }
 
 void SimulatedService::set(Fault fault) {

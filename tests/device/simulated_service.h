@@ -11,7 +11,8 @@
 
 namespace forceshade::device::test {
 
-/// What a service does wrong, from the moment it is told to. fault_named() has the names in this order.
+/// What a service does wrong, from the moment it is told to. Of bad messages one of each kind: the others are texts for
+/// read_state() (haply_protocol_test.cpp).
 enum class Fault {
     none,
     no_inventory,  // takes up connections and says nothing
@@ -20,18 +21,8 @@ enum class Fault {
     unasked,       // after each answer, a state that nobody asked for, of a place far off
     older,         // after each answer, a state that nobody asked for, from half a second before
     not_json,      // answers with text that is none
-    wrong_types,   // JSON of another shape
-    huge,          // an answer of several MiB
-    deep,          // an answer of half a million brackets
-    nan,           // "x": NaN
     null,          // "x": null
-    text,          // "x": "0.1"
-    missing,       // no "x"
-    infinite,      // "x": 1e999
-    far,           // "x": 1e30
-    no_state,      // the device without a state
-    empty,         // no devices any more
-    refuses,       // answers {"ok": false, "error": ...} to every command
+    huge,          // an answer of several MiB
     no_websocket,  // an HTTP server that is nothing else
     no_http,       // answers what is not even HTTP
     closes,        // closes each connection at its first command
@@ -41,11 +32,7 @@ enum class Fault {
     not_started,
 };
 
-/// Throws std::invalid_argument for what is no name of one.
-Fault fault_named(const std::string& name);
-
 struct ServiceScript {
-    unsigned short port = 0;       // 0: any that is free
     bool speaks_vector = true;     // false: 3.1's `values`
     std::string version = "3.5.0"; // empty: GET /version is not known
     std::string basis = "XYZ";     // in which positions are told and forces read
@@ -72,8 +59,7 @@ public:
     explicit SimulatedService(ServiceScript script);
     ~SimulatedService();
 
-    unsigned short port() const;
-    std::string url() const; // ws://127.0.0.1:PORT
+    std::string url() const; // ws://127.0.0.1:PORT, of a port that was free
 
     void set(Fault fault);
     void set_devices(std::vector<std::string> devices);

@@ -71,6 +71,13 @@ bool fails(const char* name) {
     return number >= entry.first_failing && number < entry.end_failing;
 }
 
+/// In the vendor's units and axes.
+void place(double x, double y, double z) {
+    state.position[0] = x;
+    state.position[1] = y;
+    state.position[2] = z;
+}
+
 /// Remembers that something was called.
 void note(const std::string& call) {
     const std::lock_guard lock(state.order_mutex);
@@ -158,9 +165,7 @@ void reset(double x, double y, double z, double most_force) {
     state.styles = 2;
     display(0, 0, 0);
     state.forces = 0;
-    state.position[0] = x;
-    state.position[1] = y;
-    state.position[2] = z;
+    place(x, y, z);
     record_to(nullptr);
     const std::lock_guard lock(state.order_mutex);
     state.order.clear();
@@ -177,11 +182,8 @@ const bool set_up = [] {
         state.devices = std::atol(text);
     if (const char* text = std::getenv("STUB_BUTTONS"))
         state.buttons = std::atol(text);
-    if (const char* text = std::getenv("STUB_POSITION"); text && std::sscanf(text, "%lf,%lf,%lf", &x, &y, &z) == 3) {
-        state.position[0] = x;
-        state.position[1] = y;
-        state.position[2] = z;
-    }
+    if (const char* text = std::getenv("STUB_POSITION"); text && std::sscanf(text, "%lf,%lf,%lf", &x, &y, &z) == 3)
+        place(x, y, z);
     if (const char* text = std::getenv("STUB_HAND"))
         hold(std::atol(text));
     return true;
@@ -203,9 +205,7 @@ long stub_calls(const char* name) {
     return stub::call(stub::kept(name)).made;
 }
 void stub_position(double x, double y, double z) {
-    stub::state.position[0] = x;
-    stub::state.position[1] = y;
-    stub::state.position[2] = z;
+    stub::place(x, y, z);
 }
 
 /// The force that the device displays, in the vendor's axes.

@@ -1,16 +1,18 @@
-// A stub of a vendor's library in the test's own process: named by the environment, steered, looked into.
+// A stub of a vendor's library in the test's own process: named by the environment, steered, read, waited for.
 #pragma once
 
-#include <cmath>
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <limits>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <dlfcn.h>
 #include <glm/vec3.hpp>
@@ -28,8 +30,18 @@ using forceshade::testing::message_of;
 using forceshade::testing::says;
 
 inline void expect_words(const std::string& text, const std::vector<std::string>& words) {
-    for (const std::string& word : words)
-        EXPECT_TRUE(says(text, word));
+    EXPECT_TRUE(says(text, words));
+}
+
+/// Asks every millisecond; false if 20 s, which is generous, were not enough.
+inline bool wait_until(const std::function<bool()>& enough) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!enough()) {
+        if (std::chrono::steady_clock::now() > end)
+            return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
 }
 
 /// From construction on the environment names this library.
@@ -71,37 +83,20 @@ private:
     void* handle_;
 };
 
-/// The last force in a record that a stub wrote; not a number if there is none.
-inline glm::dvec3 last_recorded(const std::string& file) {
-    glm::dvec3 force{std::nan("")};
-    std::ifstream in(file);
-    for (std::string line; std::getline(in, line);) {
-        double time = 0;
-        std::istringstream(line) >> time >> force.x >> force.y >> force.z;
-    }
-    return force;
-}
+struct Recorded {
+    double time = 0; /* s, of the steady clock */
+    glm::dvec3 force{0};
 
-/// True if a record has a force that is not zero.
-inline bool recorded_any(const std::string& file) {
-    std::ifstream in(file);
-    double time = 0;
-    for (glm::dvec3 force; in >> time >> force.x >> force.y >> force.z;)
-        if (force != glm::dvec3(0))
-            return true;
-    return false;
-}
+    bool is_push() const { return force != glm::dvec3(0); }
+};
 
-/// Runs `work` in a child; the signal that ended it, 0 if it came to its end.
-template <typename Work> int signal_of_child(Work&& work) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-        work();
-        ::_exit(0);
-    }
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+/// The forces in a record that a stub wrote, in order.
+inline std::vector<Recorded> recorded(const std::string& file) {
+    std::vector<Recorded> all;
+    std::ifstream in(file);
+    for (Recorded one; in >> one.time >> one.force.x >> one.force.y >> one.force.z;)
+        all.push_back(one);
+    return all;
 }
 
 /// What a program does that has a device open: no force before it dies.
@@ -116,17 +111,21 @@ inline void expect_no_force_after_abort(const StubLibrary& stub, const std::func
                                         const std::function<void(BackEnd&)>& push) {
     const Folder folder;
     const std::string record = folder / "forces";
-    const int signal = signal_of_child([&] {
+    const pid_t child = ::fork();
+    if (child == 0) {
         stub.record(record);
         const auto device = open();
         to_be_halted = device.get();
         std::signal(SIGABRT, halt_and_die);
         push(*device);
         std::abort();
-    });
-    EXPECT_EQ(signal, SIGABRT);
-    EXPECT_TRUE(recorded_any(record));
-    EXPECT_EQ(last_recorded(record), glm::dvec3(0));
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT) << status;
+    const std::vector<Recorded> forces = recorded(record);
+    ASSERT_TRUE(std::ranges::any_of(forces, &Recorded::is_push));
+    EXPECT_FALSE(forces.back().is_push());
 }
 
 } // namespace forceshade::device::testing

@@ -1,13 +1,5 @@
 // The list of haptic devices as a user sees it, with vendors' libraries that are stubs or are not there.
-#include <array>
-#include <cmath>
-#include <csignal>
-#include <fstream>
-#include <sstream>
-#include <thread>
-
 #include "tests/e2e/live_workplace.h"
-#include "tests/e2e/workplace.h"
 
 namespace forceshade::testing {
 namespace {
@@ -18,9 +10,8 @@ class Devices : public Workplace {
 protected:
     json kind(const std::map<std::string, std::string>& environment, const std::string& option) const {
         Launch launch = this->launch({"devices", "--json"});
-        launch.environment.insert({{"FORCESHADE_DHD_LIBRARY", ""}, {"FORCESHADE_HD_LIBRARY", ""}});
-        for (const auto& [name, value] : environment)
-            launch.environment[name] = value;
+        launch.environment.insert(environment.begin(), environment.end());
+        launch.environment.insert({{"FORCESHADE_DHD_LIBRARY", ""}, {"FORCESHADE_HD_LIBRARY", ""}}); // if not named
         const Outcome outcome = run(launch);
         EXPECT_EQ(outcome.code, 0) << outcome.error;
         for (const json& one : json::parse(outcome.out))
@@ -46,125 +37,95 @@ TEST_F(Devices, AreFoundByTheLibraryThatTheEnvironmentNamesOrWhereTheLinkerLooks
 TEST_F(Devices, ThatFailOrAreNotThereAreToldInTheLibrarysWords) {
     EXPECT_EQ(kind({}, "sim")["devices"], json::array({"sim"}));
     EXPECT_EQ(kind({}, "dhd[:INDEX]")["devices"], json::array());
-    EXPECT_NE(kind({{"FORCESHADE_DHD_LIBRARY", DHD_STUB}, {"STUB_FAIL", "dhdGetDeviceCount"}}, "dhd[:INDEX]")["problem"]
-                  .dump()
-                  .find("no driver found"),
-              std::string::npos);
+    const json failed = kind({{"FORCESHADE_DHD_LIBRARY", DHD_STUB}, {"STUB_FAIL", "dhdGetDeviceCount"}}, "dhd[:INDEX]");
+    EXPECT_TRUE(says(failed["problem"].dump(), "no driver found"));
 }
 
-constexpr double kMostForce = 1; /* N */
-
-// Of the other vendor: live_fault_test.
-class LiveVendor : public Workplace {
+// The other vendor's device, a millimetre above the lowest place of a bump that pushes with 5 N.
+class LiveVendor : public LiveDevice {
 protected:
-    LiveVendor() { write("scene.toml", kOneCase); }
-
-    Launch live(const std::vector<std::string>& further) const {
-        std::vector<std::string> arguments{"live",        "scene.toml", "--device", "hd",
-                                           "--max-force", "1 N",        "--ramp",   "5 ms"};
-        arguments.insert(arguments.end(), further.begin(), further.end());
-        Launch launch = this->launch(arguments);
-        launch.environment = {{"FORCESHADE_HD_LIBRARY", HD_STUB},
-                              {"STUB_POSITION", "0,1,0"}, // 1 mm above its lowest
-                              {"STUB_RECORD", path("forces")}};
+    Launch on_hd(const std::vector<std::string>& further = {}) const {
+        Launch launch =
+            this->launch(with(live("bump.toml", {"--device", "hd", "--max-force", "1 N", "--ramp", "5 ms"}), further));
+        launch.environment["FORCESHADE_HD_LIBRARY"] = HD_STUB;
+        launch.environment["STUB_POSITION"] = "0,1,0";
+        launch.environment["STUB_RECORD"] = path("record").string();
+        std::filesystem::remove(path("record"));
         return launch;
     }
 
-    /// N: every force that the device displayed, in order.
-    std::vector<double> forces() const {
-        std::vector<double> sizes;
-        std::ifstream in(path("forces"));
-        for (std::array<double, 4> line; in >> line[0] >> line[1] >> line[2] >> line[3];)
-            sizes.push_back(std::hypot(line[1], line[2], line[3]));
-        return sizes;
-    }
-
-    bool pressed() const {
-        const std::vector<double> sizes = forces();
-        return std::ranges::any_of(sizes, [](double size) { return size > 0.5 * kMostForce; });
-    }
-
-    /// A process that pushes the probe out of the surface.
-    void await_force(Process& process) const {
-        while (!pressed() && process.running())
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        ASSERT_TRUE(process.running());
-    }
-
     void expect_no_force_left() const {
-        const std::vector<double> sizes = forces();
-        ASSERT_FALSE(sizes.empty());
-        EXPECT_EQ(sizes.back(), 0);
-        EXPECT_TRUE(pressed());
-        EXPECT_LE(*std::ranges::max_element(sizes), kMostForce * (1 + 1e-9));
+        const std::vector<Told> told = record();
+        ASSERT_FALSE(told.empty());
+        EXPECT_EQ(told.back().size(), 0);
+        const double largest = std::ranges::max(told, {}, &Told::size).size();
+        EXPECT_GT(largest, 0.95);
+        EXPECT_LE(largest, 1 + 1e-9);
     }
 };
 
 TEST_F(LiveVendor, LeavesNoForceWhenItsTimeIsOver) {
-    const Outcome outcome = run(live({"--duration", "0.3 s"}));
+    const Outcome outcome = run(on_hd({"--duration", "0.3 s"}));
     EXPECT_EQ(outcome.code, 0) << outcome.error;
     expect_no_force_left();
 }
 
 TEST_F(LiveVendor, LeavesNoForceWhateverSignalEndsIt) {
     for (const int signal : {SIGINT, SIGTERM, SIGABRT, SIGSEGV, SIGQUIT}) {
-        std::filesystem::remove(path("forces"));
-        Process process(live({}));
-        await_force(process);
+        SCOPED_TRACE(signal);
+        Process process(on_hd());
+        await(process, [&] { return is_pushing(); });
         process.send(signal);
         process.wait();
-        SCOPED_TRACE(signal);
         expect_no_force_left();
     }
 }
 
 TEST_F(LiveVendor, HasNoForceWhilePositionsFailAndEndsWhenTheyDoNotComeBack) {
-    Launch launch = live({"--patience", "0.5 s", "--duration", "60 s"});
+    Launch launch = on_hd({"--patience", "0.5 s", "--duration", "60 s"});
     launch.environment["STUB_FAIL"] = "position@300";
     const Outcome outcome = run(launch);
     EXPECT_EQ(outcome.code, 3) << outcome.error;
-    EXPECT_NE((outcome.out + outcome.error).find("ommunication error"), std::string::npos) << outcome.out;
+    EXPECT_TRUE(says(outcome.out + outcome.error, "ommunication error"));
     expect_no_force_left();
 }
 
 TEST_F(LiveVendor, IsNotBegunWithoutDeviceOrLibrary) {
-    Launch launch = live({});
+    Launch launch = on_hd();
     launch.environment["STUB_DEVICES"] = "0";
     expect_failure(3, launch, {HD_STUB});
-    launch.environment["FORCESHADE_HD_LIBRARY"] = path("none.so");
+    launch.environment["FORCESHADE_HD_LIBRARY"] = path("none.so").string();
     expect_failure(3, launch, {"none.so", "FORCESHADE_HD_LIBRARY"});
 }
 
 TEST_F(LiveVendor, FeelsAStiffnessThatTheHandCannotHoldOnlyIfItIsToldTo) {
-    write("scene.toml", "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n");
-    expect_failure(2, live({"--duration", "0.2 s"}), {"20000 N/m", "comes to rest below", "--unstable"});
-    EXPECT_EQ(run(live({"--duration", "0.2 s", "--unstable"})).code, 0);
+    write("bump.toml", "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n");
+    expect_failure(2, on_hd({"--duration", "0.2 s"}), {"20000 N/m", "comes to rest below", "--unstable"});
+    EXPECT_EQ(run(on_hd({"--duration", "0.2 s", "--unstable"})).code, 0);
 }
 
 // The check before a session: its outcome, and an exit code that a script can go by.
 TEST_F(LiveDevice, IsCheckedBeforeItIsFelt) {
-    const auto checked = [&](std::vector<std::string> further, const char* hand) {
-        std::vector<std::string> all{"device", "check", "plane.toml", "--quiet",    "--watchdog",
-                                     "100 ms", "--out", "check.json", "--overwrite"};
-        all.insert(all.end(), further.begin(), further.end());
-        Launch launch = this->launch(std::move(all));
+    const auto checked = [&](const std::vector<std::string>& further, const char* hand) {
+        Launch launch = this->launch(with(
+            {"device", "check", "plane.toml", "--quiet", "--watchdog", "100 ms", "--out", "check.json", "--overwrite"},
+            further));
         launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB_OLD; // without buttons
         launch.environment["STUB_HAND"] = hand;
         return run(launch);
     };
     const Outcome sound = checked({"--device", "dhd", "--yes"}, "1");
     EXPECT_EQ(sound.code, 1) << "the old library refuses its watchdog";
-    EXPECT_NE(sound.out.find("passed   axes"), std::string::npos) << sound.out;
-    EXPECT_NE(sound.out.find("failed   watchdog"), std::string::npos) << sound.out;
-    EXPECT_EQ(checked({"--device", "dhd", "--yes"}, "3").out.find("passed   axes"), std::string::npos);
+    EXPECT_TRUE(says(sound.out, "passed   axes", "failed   watchdog"));
+    EXPECT_FALSE(says(checked({"--device", "dhd", "--yes"}, "3").out, "passed   axes"));
     const Outcome alone = checked({"--device", "dhd"}, "1");
     EXPECT_EQ(alone.code, 1);
-    EXPECT_NE(alone.out.find("skipped  axes"), std::string::npos) << "nobody is at a terminal";
+    EXPECT_TRUE(says(alone.out, "skipped  axes")) << "nobody is at a terminal";
     EXPECT_EQ(read_json("check.json")["passed"], false);
     const Outcome simulated = checked({"--device", "sim", "--json"}, "0");
     EXPECT_EQ(simulated.code, 0) << simulated.out;
     EXPECT_EQ(simulated.error, "");
-    EXPECT_EQ(nlohmann::json::parse(simulated.out), read_json("check.json"));
+    EXPECT_EQ(json::parse(simulated.out), read_json("check.json"));
     EXPECT_EQ(read_json("check.json")["passed"], true);
     expect_failure(2, {"device", "check", "--device", "replay:x.csv"}, {"cannot be pushed"});
     expect_failure(2, {"device", "chek"}, {"did you mean forceshade device check?"});

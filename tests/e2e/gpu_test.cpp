@@ -23,9 +23,9 @@ TEST_F(Gpu, ALostDeviceEndsASweepThatTheNextRunContinues) {
                                          "--gpu", "llvmpipe",   "--quiet", "--json"};
     const Outcome lost = with_limits("lost-at=12", sweep);
     EXPECT_NE(lost.code, 0);
-    EXPECT_NE(lost.error.find("the device was lost"), std::string::npos) << lost.error;
+    EXPECT_TRUE(says(lost.error, "the device was lost"));
     EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
-    const json said = json::parse(expect_success(sweep).out);
+    const json said = json_of(sweep);
     EXPECT_EQ(said["computed"].get<int>() + said["kept"].get<int>(), 3);
     EXPECT_EQ(said["voxels_differing_from_oracle"], 0);
     EXPECT_GT(said["computed"], 0);
@@ -34,8 +34,8 @@ TEST_F(Gpu, ALostDeviceEndsASweepThatTheNextRunContinues) {
 TEST_F(Gpu, LimitsAreReadOrRefused) {
     const Outcome wrong = with_limits("no-f16", {"gpus"});
     EXPECT_NE(wrong.code, 0);
-    EXPECT_NE(wrong.error.find("\"no-f16\" is none of no-f64"), std::string::npos) << wrong.error;
-    EXPECT_NE(with_limits("no-f64", {"gpus"}).out.find("no double precision"), std::string::npos);
+    EXPECT_TRUE(says(wrong.error, "\"no-f16\" is none of no-f64"));
+    EXPECT_TRUE(says(with_limits("no-f64", {"gpus"}).out, "no double precision"));
 }
 
 // Forces of 1e-39 N: most GPUs make them 0, which is within the bounds that hardware has for the oracle's bits.
@@ -47,17 +47,17 @@ TEST_F(Gpu, FlushedDenormalsAreWithinTheBounds) {
                         "[grid]\norigin = [\"-20 mm\", \"-1e-22 mm\", \"-8e-16 mm\"]\n"
                         "spacing = [\"0.5 mm\", \"1e-22 mm\", \"1e-17 mm\"]\nsize = [81, 4, 100]\n");
     const std::vector<std::string> arguments{"validate", "small.toml", "--gpu", "llvmpipe", "--precision", "f32"};
-    EXPECT_NE(expect_success(arguments).out.find("32400 voxels, 0 differ"), std::string::npos);
+    EXPECT_TRUE(says(expect_success(arguments).out, "32400 voxels, 0 differ"));
     const Outcome flushed = with_limits("flush", arguments);
     EXPECT_EQ(flushed.code, 0) << flushed.error;
-    EXPECT_NE(flushed.out.find("32400 voxels, 25920 differ"), std::string::npos) << flushed.out;
+    EXPECT_TRUE(says(flushed.out, "32400 voxels, 25920 differ"));
 }
 
 TEST_F(Gpu, AReportOfItIsAFolder) {
     const std::vector<std::string> arguments{"doctor",   "--gpu-report", "gpu", "--gpu",
                                              "llvmpipe", "--precision",  "f32", "--quiet"};
     expect_success(arguments);
-    const json report = json::parse(read_text(path("gpu/report.json")));
+    const json report = read_json("gpu/report.json");
     const json& device = report["devices"].at(0);
     EXPECT_GT(device["store_bytes_per_s"], 1e8);
     EXPECT_GT(device["copy_bytes_per_s"], 1e8);
@@ -72,7 +72,7 @@ TEST_F(Gpu, AReportOfItIsAFolder) {
         EXPECT_GT(row["cpu_samples_per_s"], 0) << row;
         EXPECT_GE(row["group_invocations"], 32) << row;
     }
-    EXPECT_NE(read_text(path("gpu/report.md")).find("| mesh, mean_value | f32 |"), std::string::npos);
+    EXPECT_TRUE(says(read_text(path("gpu/report.md")), "| mesh, mean_value | f32 |"));
     expect_failure(2, arguments, {"gpu", "is there already"});
 }
 

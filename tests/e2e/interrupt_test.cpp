@@ -1,10 +1,12 @@
-// Sweeps that are interrupted or killed at any moment, and run again.
+// Sweeps that are interrupted or killed at any moment, and run again; and other commands that are interrupted.
 #include <chrono>
 #include <csignal>
+#include <iterator>
 #include <random>
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tests/e2e/folder_watch.h"
 
@@ -43,11 +45,13 @@ protected:
         return outcome;
     }
 
-    void expect_finished_by_another_run(const std::string& out) const {
-        const Outcome outcome = expect_success(arguments(out));
+    // Returns what that run says of itself.
+    nlohmann::json expect_finished_by_another_run(const std::string& out) const {
+        const nlohmann::json said = json_of(with(arguments(out), {"--json"}));
         EXPECT_EQ(differences(results_in(path(out)), whole_), std::set<std::string>{});
         EXPECT_EQ(temporaries_in(path(out)), std::vector<std::string>{});
         EXPECT_EQ(read_json(out + "/manifest.json")["complete"], true);
+        return said;
     }
 
     Tree whole_;
@@ -71,16 +75,9 @@ TEST_F(Interrupt, ByKillAtAnyMomentLeavesOnlyWholeFilesAndASweepThatCanGoOn) {
 }
 
 TEST_F(Interrupt, ByKillAgainAndAgainEndsInTheSameFiles) {
-    Outcome outcome;
-    for (std::size_t results = 5; results < 103; results += 12) {
-        outcome = run_until("out", 60, results, SIGKILL);
-        EXPECT_EQ(outcome.code, 128 + SIGKILL);
-    }
-    const nlohmann::json said = nlohmann::json::parse(
-        expect_success({"sweep", "paper.toml", "--out", "out", "--also", "npy", "--quiet", "--json"}).out);
-    EXPECT_GT(said["kept"], 30) << "what was done before is not done again";
-    EXPECT_EQ(differences(results_in(path("out")), whole_), std::set<std::string>{});
-    EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
+    for (std::size_t results = 5; results < 103; results += 12)
+        EXPECT_EQ(run_until("out", 60, results, SIGKILL).code, 128 + SIGKILL);
+    EXPECT_GT(expect_finished_by_another_run("out")["kept"], 30) << "what was done before is not done again";
 }
 
 TEST_F(Interrupt, ByASignalEndsWith130AtOnceAndLeavesNoTemporaries) {
@@ -90,7 +87,7 @@ TEST_F(Interrupt, ByASignalEndsWith130AtOnceAndLeavesNoTemporaries) {
             const auto start = std::chrono::steady_clock::now();
             const Outcome outcome = run_until(out, 60, results, signal);
             EXPECT_EQ(outcome.code, 130);
-            EXPECT_NE(outcome.error.find("interrupted"), std::string::npos) << outcome.error;
+            EXPECT_TRUE(says(outcome.error, "interrupted"));
             EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
             EXPECT_EQ(temporaries_in(path(out)), std::vector<std::string>{});
             if (std::filesystem::exists(path(out) / "manifest.json")) { // a busy machine has no time for it
@@ -111,47 +108,55 @@ TEST_F(Interrupt, OfOneOfTwoRunsInAFolderDoesNotDisturbTheOther) {
     }
 }
 
-TEST_F(Interrupt, OfAFieldLeavesNoFile) {
+// While a file is read or written, where one layer is repeated for minutes, and where no file is written at all.
+using InterruptedCommand = Workplace;
+
+TEST_F(InterruptedCommand, EndsSoonWith130AndLeavesNoFile) {
+    const std::string bump = "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n";
     write("large.toml", "[grid]\nsize = [256, 256, 256]\n[output]\ncompression = \"zip\"\n[texture]\n"
                         "stiffness = \"0.1 N/mm\"\nfunction = \"gaussian\"\nradius = \"3 mm\"\n");
-    for (const int signal : {SIGINT, SIGTERM}) {
-        Process process(launch({"field", "large.toml", "--out", "large.exr", "--also", "npy"}));
-        while (process.running() && temporaries_in(folder_.path()).empty())
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-        const auto start = std::chrono::steady_clock::now();
-        process.send(signal);
-        EXPECT_EQ(process.wait().code, 130);
-        EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
-        EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
-        EXPECT_FALSE(std::filesystem::exists(path("large.exr")));
-        EXPECT_FALSE(std::filesystem::exists(path("large.force.npy")));
-    }
-}
-
-TEST_F(Interrupt, OfAFieldOfWhichOneLayerIsRepeatedForMinutesEndsSoon) {
     write("huge.toml", "[grid]\nsize = [4096, 4096, 4096]\n");
-    Process process(launch({"field", "huge.toml", "--out", "huge.exr"}));
-    while (process.running() && temporaries_in(folder_.path()).empty())
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    const auto start = std::chrono::steady_clock::now();
-    process.send(SIGINT);
-    EXPECT_EQ(process.wait().code, 130);
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5)); // 0.2 s where the machine is free
-    EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
-}
-
-TEST_F(Interrupt, OfAValidationEndsWith130) {
-    for (const int signal : {SIGINT, SIGTERM}) {
-        Process process(launch({"validate"})); // half a minute of work
-        std::this_thread::sleep_for(std::chrono::milliseconds(500));
-        process.send(signal);
-        const Outcome outcome = process.wait();
-        EXPECT_EQ(outcome.code, 130) << outcome.error;
-        EXPECT_LT(outcome.seconds, 10);
-        EXPECT_EQ(outcome.out, "");
-    }
+    write("long.toml", bump + "[paths]\ncount = 200000\nsteps = 2000\n");
+    write("plain.toml", bump);
+    fmt::memory_buffer rows;
+    fmt::format_to(std::back_inserter(rows), "path,t,x,y,z\n");
+    for (int i = 0; i < 4'000'000; ++i)
+        fmt::format_to(std::back_inserter(rows), "{},{},{}e-5,0.001234567,-0.000123456789\n", i / 1'000'000, i,
+                       i % 1000 - 500);
+    write("in.csv", fmt::to_string(rows));
+    const std::vector<std::string> before = folder_.names();
+    const auto explore = [](const std::string& scene, const std::string& out, const std::vector<std::string>& more) {
+        return with({"explore", scene, "--out", out, "--engine", "cpu"}, more);
+    };
+    struct Row {
+        std::vector<std::string> arguments;
+        bool begins_file; // before the time counts
+        int wait;         // ms
+    };
+    for (const auto& [arguments, begins_file, wait] :
+         {Row{{"field", "large.toml", "--out", "a.exr", "--also", "npy"}, true, 100},
+          {{"field", "huge.toml", "--out", "a.exr"}, true, 300},
+          {explore("plain.toml", "a.csv", {"--paths", "in.csv", "--metrics-only"}), false, 250}, // read a first time
+          {explore("plain.toml", "a.csv", {"--paths", "in.csv", "--metrics-only"}), false, 900}, // and later
+          {explore("plain.toml", "a.csv", {"--paths", "in.csv"}), true, 50},
+          {explore("long.toml", "a.exr", {}), true, 300},
+          {explore("long.toml", "a.csv", {}), true, 300},
+          {explore("long.toml", "a.csv", {"--metrics-only"}), true, 300},
+          {{"validate"}, false, 500}}) // half a minute of work
+        for (const int signal : {SIGINT, SIGTERM}) {
+            SCOPED_TRACE(fmt::format("{}, {} ms, signal {}", fmt::join(arguments, " "), wait, signal));
+            Process process(launch(arguments));
+            while (begins_file && process.running() && temporaries_in(folder_.path()).empty())
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            std::this_thread::sleep_for(std::chrono::milliseconds(wait));
+            const auto start = std::chrono::steady_clock::now();
+            process.send(signal);
+            const Outcome outcome = process.wait();
+            EXPECT_EQ(outcome.code, 130) << outcome.error;
+            EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5)); // 0.2 s on a free machine
+            EXPECT_EQ(outcome.out, "");
+            EXPECT_EQ(folder_.names(), before);
+        }
 }
 
 } // namespace

@@ -211,7 +211,7 @@ TEST_F(LiveFault, ADeviceThatGoesAwayHasNoForceAndIsGivenUp) {
         const std::vector<Told> told =
             pushed(felt({"--patience", "0.3 s", "--log", "log.csv", "--overwrite"}, fail), outcome, [](Process&) {});
         EXPECT_EQ(outcome.code, 3) << outcome.error;
-        EXPECT_NE(outcome.error.find("error: dhd is gone: communication error"), std::string::npos) << outcome.error;
+        EXPECT_TRUE(says(outcome.error, "error: dhd is gone: communication error"));
         expect_whole_log("log.csv", read_json("log.live.json"));
         for (const auto& row : rows("log.csv"))
             if (happened_in(row, "failed") && std::string(fail).starts_with("dhdGet")) {
@@ -257,8 +257,7 @@ TEST_F(LiveFault, ForcesThatTheButtonSwitchedOffStayOff) {
     pushed(felt({"--duration", "1 s", "--patience", "0.2 s", "--log", "log.csv"}, "button@300+1"), outcome,
            [](Process&) {});
     EXPECT_EQ(outcome.code, 0) << outcome.error;
-    EXPECT_NE(outcome.error.find("no force: forces were switched off by the device's button"), std::string::npos)
-        << outcome.error;
+    EXPECT_TRUE(says(outcome.error, "no force: forces were switched off by the device's button"));
     const Rows log = rows("log.csv");
     ASSERT_EQ(log.size(), 1000u);
     std::size_t withheld = 0;
@@ -267,20 +266,19 @@ TEST_F(LiveFault, ForcesThatTheButtonSwitchedOffStayOff) {
         ASSERT_EQ(size_in(log[i], "cx", "cy", "cz"), 0) << i;
     }
     EXPECT_GT(withheld, 680u);
-    EXPECT_NE(read_json("log.live.json")["remarks"].dump().find("button"), std::string::npos);
+    EXPECT_TRUE(says(read_json("log.live.json")["remarks"].dump(), "button"));
 }
 
 TEST_F(LiveFault, ADeviceThatIsNotCalibratedHasNoForceUntilItIs) {
     Outcome outcome;
     pushed(felt({"--duration", "2 s", "--log", "log.csv"}, "uncalibrated@1+30"), outcome, [](Process&) {});
     EXPECT_EQ(outcome.code, 0) << outcome.error;
-    EXPECT_NE(outcome.error.find("no force: the device is not calibrated"), std::string::npos) << outcome.error;
-    EXPECT_NE(outcome.error.find("displays forces again"), std::string::npos) << outcome.error;
+    EXPECT_TRUE(says(outcome.error, "no force: the device is not calibrated", "displays forces again"));
     const Rows log = rows("log.csv");
     EXPECT_TRUE(happened_in(log.front(), "withheld"));
     EXPECT_FALSE(happened_in(log.back(), "withheld"));
     EXPECT_EQ(run(felt({"--origin", "here", "--patience", "0.3 s"}, "uncalibrated")).code, 3);
-    EXPECT_NE(text("stderr").find("not calibrated"), std::string::npos) << "its position says nothing";
+    EXPECT_TRUE(says(text("stderr"), "not calibrated")) << "its position says nothing";
 }
 
 TEST_F(LiveFault, ADeviceWithoutAWatchdogDisplaysLittleUnlessTheUserInsists) {
@@ -297,7 +295,7 @@ TEST_F(LiveFault, ADeviceWithoutAWatchdogDisplaysLittleUnlessTheUserInsists) {
         EXPECT_EQ(said["device"]["has_watchdog"], false);
         EXPECT_EQ(said["limits"]["largest force"], most < 1 ? "0.5 N" : "3 N");
         const std::string remarks = said["remarks"].dump();
-        EXPECT_NE(remarks.find("omega.3 (serial number 417) refuses its watchdog"), std::string::npos) << remarks;
+        EXPECT_TRUE(says(remarks, "omega.3 (serial number 417) refuses its watchdog"));
         EXPECT_EQ(remarks.find("--without-device-watchdog") != std::string::npos, most < 1) << remarks;
     }
 }
@@ -308,7 +306,7 @@ TEST_F(LiveFault, OutsideOfTheDevicesWorkspaceThereIsNoForce) {
     Outcome outcome = run(launch);
     const auto report = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(report["happened"]["outside"], 300);
-    EXPECT_NE(report["remarks"].dump().find("every position lay outside of the workspace"), std::string::npos);
+    EXPECT_TRUE(says(report["remarks"].dump(), "every position lay outside of the workspace"));
     EXPECT_EQ(pushes_after(record(), 0), 0u);
     launch.arguments.insert(launch.arguments.end(), {"--workspace", "none"});
     EXPECT_EQ(nlohmann::json::parse(run(launch).out)["happened"]["outside"], 0);

@@ -67,9 +67,9 @@ TEST_F(Live, ARecordingsOwnRateIsRoundedToOneThatTheLoopHas) {
     write("fast.csv", fast);
     write("slow.csv", slow);
     for (const auto& [name, rate] : {std::pair{"fast.csv", 10000}, {"slow.csv", 100}}) {
-        const Outcome outcome = expect_success(
-            live("plane.toml", {"--fast", "--device", fmt::format("replay:{}", name), "--quiet", "--json"}));
-        EXPECT_EQ(nlohmann::json::parse(outcome.out)["rate_Hz"], rate);
+        EXPECT_EQ(json_of(live("plane.toml",
+                               {"--fast", "--device", fmt::format("replay:{}", name), "--quiet", "--json"}))["rate_Hz"],
+                  rate);
     }
 }
 
@@ -79,9 +79,8 @@ TEST_F(Live, TheReportSaysWhatTheLogHolds) {
                                           "--slew", "0.05 N/ms", "--json"}));
     const nlohmann::json said = read_json("log.live.json");
     EXPECT_EQ(outcome.out, text("log.live.json"));
-    EXPECT_NE(outcome.error.find("2000 samples"), std::string::npos) << outcome.error;
-    EXPECT_NE(outcome.error.find(text("log.live.txt")), std::string::npos) << "the text is what the terminal got";
-    EXPECT_NE(text("log.live.html").find("Force over time"), std::string::npos);
+    EXPECT_TRUE(says(outcome.error, "2000 samples", text("log.live.txt"))) << "the text is what the terminal got";
+    EXPECT_TRUE(says(text("log.live.html"), "Force over time"));
     const Rows log = rows("log.csv");
     ASSERT_EQ(log.size(), 2000u);
     EXPECT_EQ(said["samples"], log.size());
@@ -129,10 +128,9 @@ TEST_F(Live, TheReportSaysWhatTheLogHolds) {
 TEST_F(Live, AStiffnessThatTheHandCannotHoldIsNamedBeforeItIsFelt) {
     write("stiff.toml", "surface.facets = 2\nforce.stiffness = \"20 N/mm\"\n");
     const Outcome outcome = expect_success(live("stiff.toml", {"--fast", "--duration", "0.1 s", "--json"}));
-    EXPECT_NE(outcome.error.find("this loop is unstable"), std::string::npos) << outcome.error;
-    EXPECT_NE(outcome.out.find("comes to rest below"), std::string::npos);
-    EXPECT_EQ(expect_success(live("bump.toml", {"--fast", "--duration", "0.1 s"})).error.find("unstable"),
-              std::string::npos);
+    EXPECT_TRUE(says(outcome.error, "this loop is unstable"));
+    EXPECT_TRUE(says(outcome.out, "comes to rest below"));
+    EXPECT_FALSE(says(expect_success(live("bump.toml", {"--fast", "--duration", "0.1 s"})).error, "unstable"));
 }
 
 // At 20 N/mm the loop cycles; the damping that a scene asks for is that of its session, unless the command states
@@ -143,7 +141,7 @@ TEST_F(Live, ASceneMayAskForThePassivityController) {
     write("damped.toml", stiff + "[hand]\npassivity = \"20 N s/m\"\n");
     const auto reported = [&](const char* scene, std::vector<std::string> options) {
         options.insert(options.end(), {"--fast", "--duration", "0.5 s", "--json", "--without-fade"});
-        return nlohmann::json::parse(expect_success(live(scene, options)).out);
+        return json_of(live(scene, options));
     };
     const auto free = reported("free.toml", {}), damped = reported("damped.toml", {});
     EXPECT_EQ(free["damped_J"], 0);

@@ -12,10 +12,8 @@ constexpr const char* kPictures = "['time', 'place'].map((id) => document.getEle
 class LiveView : public Live {
 protected:
     // By the clock, with a log; the page's address is said even by --quiet.
-    std::unique_ptr<Process> viewed(const std::string& scene, std::vector<std::string> further) {
-        std::vector<std::string> all = live(scene, {"--view", "--log", "log.csv", "--json", "--quiet"});
-        all.insert(all.end(), further.begin(), further.end());
-        Launch launch = this->launch(std::move(all));
+    std::unique_ptr<Process> viewed(const std::string& scene, const std::vector<std::string>& further) {
+        Launch launch = this->launch(with(live(scene, {"--view", "--log", "log.csv", "--json", "--quiet"}), further));
         launch.error = path("stderr");
         std::filesystem::remove(path("stderr")); // an earlier run's address
         auto process = std::make_unique<Process>(launch);
@@ -56,7 +54,7 @@ TEST_F(LiveView, ShowsTheForceOverTimeAndPlaceAndHowTheRunEnded) {
     EXPECT_TRUE(browser.wait_for("parseFloat(document.getElementById('sent').textContent) > 0.5"));
     EXPECT_TRUE(browser.wait_for("parseFloat(document.getElementById('rate').textContent) > 900"));
     EXPECT_EQ(browser.text("document.getElementById('scene').textContent"), "bump.toml");
-    EXPECT_NE(browser.text("document.getElementById('device').textContent").find("1000 Hz"), std::string::npos);
+    EXPECT_TRUE(says(browser.text("document.getElementById('device').textContent"), "1000 Hz"));
     const std::string before = browser.text(kPictures);
     EXPECT_TRUE(browser.wait_for(fmt::format("points.at(-1).t > {}", 0.3 + number(browser, "points.at(-1).t"))));
     EXPECT_NE(browser.text(kPictures), before) << "it scrolls";
@@ -78,9 +76,7 @@ TEST_F(LiveView, ShowsTheForceOverTimeAndPlaceAndHowTheRunEnded) {
     EXPECT_EQ(browser.text(kViewed), "ended") << "the program is gone, and that is no trouble";
     for (const char* const choice : {"axis", "show"}) {
         const std::string place = browser.text("document.getElementById('place').toDataURL()");
-        browser.evaluate(fmt::format("(() => {{ const s = document.getElementById('{}'); s.selectedIndex = 1; "
-                                     "s.dispatchEvent(new Event('change')); }})()",
-                                     choice));
+        browser.set("#" + std::string(choice), "e.options[1].value");
         EXPECT_TRUE(browser.wait_for("!wanted"));
         EXPECT_NE(browser.text("document.getElementById('place').toDataURL()"), place) << choice;
     }

@@ -9,16 +9,13 @@ namespace {
 
 class LiveWatch : public LiveDevice {
 protected:
-    bool is_said(const std::string& word) const { return text("stderr").find(word) != std::string::npos; }
+    bool is_said(const std::string& word) const { return bool(says(text("stderr"), word)); }
     void save(const std::string& scene) const { write("plane.toml", scene + "[run]\nprecision = \"f64\"\n"); }
     // The rows of a path, with the header.
     std::string rows_of(const std::string& log, const std::string& number) const {
-        std::istringstream lines(text(log));
-        std::string line, kept;
-        std::getline(lines, line);
-        kept = line + "\n";
-        while (std::getline(lines, line))
-            if (line.starts_with(number + ","))
+        std::string kept;
+        for (const std::string& line : lines_of(text(log)))
+            if (kept.empty() || line.starts_with(number + ","))
                 kept += line + "\n";
         return kept;
     }
@@ -126,7 +123,7 @@ TEST_F(LiveWatch, WithoutItTheFileIsLetBe) {
     process.wait();
     for (const Told& told : record())
         EXPECT_TRUE(told.size() < 1e-9 || told.z <= 1 + 1e-9);
-    EXPECT_EQ(text("stderr").find("read again"), std::string::npos);
+    EXPECT_FALSE(says(text("stderr"), "read again"));
 }
 
 } // namespace

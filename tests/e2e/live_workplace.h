@@ -40,9 +40,8 @@ inline bool happened_in(const std::map<std::string, std::string>& row, const std
 /// The columns from path to facet of a log: what explore writes.
 inline std::string felt_in(const std::string& log) {
     constexpr int kFelt = 13;
-    std::istringstream lines(log);
     std::string felt;
-    for (std::string line; std::getline(lines, line);) {
+    for (const std::string& line : lines_of(log)) {
         std::size_t end = 0;
         for (int i = 0; i < kFelt && end != std::string::npos; ++i)
             end = line.find(',', end == 0 ? 0 : end + 1);
@@ -68,10 +67,8 @@ protected:
                            "coulomb = \"0.05 N\"\nquantisation = \"0.03 mm\"\ndelay_samples = 1\n");
     }
 
-    static std::vector<std::string> live(const std::string& scene, std::vector<std::string> further = {}) {
-        std::vector<std::string> all{"live", scene};
-        all.insert(all.end(), further.begin(), further.end());
-        return all;
+    static std::vector<std::string> live(const std::string& scene, const std::vector<std::string>& further = {}) {
+        return with({"live", scene}, further);
     }
     static std::vector<std::string> replayed(const std::string& scene, const std::string& log, const std::string& out,
                                              const std::string& engine, const std::string& precision) {
@@ -106,11 +103,9 @@ protected:
 /// A device behind the stub of Force Dimension's library, resting a millimetre deep in the plane.
 class LiveDevice : public Live {
 protected:
-    Launch felt(std::vector<std::string> further, const std::string& fail = "") const {
-        std::vector<std::string> all =
-            live("plane.toml", {"--device", "dhd", "--ramp", "50 ms", "--watchdog", "400 ms"});
-        all.insert(all.end(), further.begin(), further.end());
-        Launch launch = this->launch(std::move(all));
+    Launch felt(const std::vector<std::string>& further, const std::string& fail = "") const {
+        Launch launch = this->launch(
+            with(live("plane.toml", {"--device", "dhd", "--ramp", "50 ms", "--watchdog", "400 ms"}), further));
         launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB;
         launch.environment["STUB_RECORD"] = path("record").string();
         launch.environment["STUB_POSITION"] = "0,0,-0.001";

@@ -1,7 +1,6 @@
 // The account that a sweep leaves: what stands in it, and that figures agree with the files.
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "tests/e2e/volume.h"
 #include "tests/e2e/workplace.h"
@@ -14,18 +13,6 @@ using nlohmann::json;
 // The digest by the system's own tool.
 std::string sha256_by_tool(const std::filesystem::path& path) {
     return run({.arguments = {path.string()}, .program = "/usr/bin/sha256sum"}).out.substr(0, 64);
-}
-
-std::vector<std::vector<std::string>> summary_cells(const std::string& csv) {
-    std::vector<std::vector<std::string>> rows;
-    std::istringstream lines(csv);
-    for (std::string line; std::getline(lines, line);) {
-        std::vector<std::string>& row = rows.emplace_back();
-        std::istringstream cells(line + ",");
-        for (std::string cell; std::getline(cells, cell, ',');)
-            row.push_back(cell);
-    }
-    return rows;
 }
 
 class Account : public Workplace {
@@ -42,7 +29,7 @@ TEST_F(Account, NamesProgramDeviceDriverAndProcessor) {
     const std::string version = expect_success({"--version"}).out;
     EXPECT_EQ("forceshade " + manifest_["program"].get<std::string>() + "\n", version);
     const json run = manifest_["last_run"];
-    const json gpu = json::parse(expect_success({"gpus", "--json", "--quiet"}).out)[0];
+    const json gpu = json_of({"gpus", "--json", "--quiet"})[0];
     EXPECT_EQ(run["device"], gpu["name"]);
     EXPECT_EQ(run["driver"], gpu["driver"]);
     EXPECT_GT(run["cpu"].get<std::string>().size(), 2u);
@@ -111,7 +98,9 @@ TEST_F(Account, GivesTheLargestForceAndWhereItIs) {
 }
 
 TEST_F(Account, HasASummaryWithARowACase) {
-    const auto rows = summary_cells(read_text(path("out/summary.csv")));
+    std::vector<std::vector<std::string>> rows;
+    for (const std::string& line : lines_of(read_text(path("out/summary.csv"))))
+        rows.push_back(cells_of(line));
     ASSERT_EQ(rows.size(), 52u);
     const auto column = [&](const std::string& name) {
         return static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin());
@@ -128,7 +117,7 @@ TEST_F(Account, HasASummaryWithARowACase) {
         EXPECT_EQ(std::strtod(rows[i][column("largest_force_N")].c_str(), nullptr), one["largest_force_N"]);
     }
     for (const std::string& cell : rows[0])
-        EXPECT_EQ(cell.find("seconds"), std::string::npos) << "timings would differ from run to run";
+        EXPECT_FALSE(says(cell, "seconds")) << "timings would differ from run to run";
 }
 
 TEST_F(Account, SaysThatTheCpuComputed) {

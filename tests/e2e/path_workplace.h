@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,25 +11,18 @@ namespace forceshade::testing {
 
 /// The rows of a CSV text by the names of its columns.
 inline std::vector<std::map<std::string, std::string>> table_in(const std::string& text) {
-    const auto cells_of = [](const std::string& line) {
-        std::vector<std::string> cells(1);
-        for (const char c : line)
-            if (c == ',')
-                cells.emplace_back();
-            else
-                cells.back() += c;
-        return cells;
-    };
-    std::istringstream lines(text);
-    std::string line;
-    std::getline(lines, line);
-    const std::vector<std::string> names = cells_of(line);
+    std::vector<std::string> names;
     std::vector<std::map<std::string, std::string>> rows;
-    while (std::getline(lines, line)) {
+    for (const std::string& line : lines_of(text)) {
         const std::vector<std::string> cells = cells_of(line);
+        if (names.empty()) {
+            names = cells;
+            continue;
+        }
         EXPECT_EQ(cells.size(), names.size()) << line;
+        rows.emplace_back();
         for (std::size_t i = 0; i < std::min(cells.size(), names.size()); ++i)
-            (i == 0 ? rows.emplace_back() : rows.back())[names[i]] = cells[i];
+            rows.back()[names[i]] = cells[i];
     }
     return rows;
 }
@@ -46,15 +38,8 @@ protected:
         return "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[paths]\n" + paths;
     }
     static std::vector<std::string> explore(const std::string& scene, const std::string& out,
-                                            std::vector<std::string> further = {}) {
-        std::vector<std::string> all{"explore", scene, "--out", out, "--engine", "cpu"};
-        all.insert(all.end(), further.begin(), further.end());
-        return all;
-    }
-    std::vector<std::string> names() const {
-        std::vector<std::string> names = folder_.names();
-        std::erase_if(names, [](const std::string& name) { return name.ends_with(".toml") || name == "cache"; });
-        return names;
+                                            const std::vector<std::string>& further = {}) {
+        return with({"explore", scene, "--out", out, "--engine", "cpu"}, further);
     }
 };
 

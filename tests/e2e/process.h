@@ -32,6 +32,12 @@ struct Launch {
     double timeout = 120;                           // s, then the process is killed and the test fails
 };
 
+/// Arguments and what follows them.
+inline std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& further) {
+    arguments.insert(arguments.end(), further.begin(), further.end());
+    return arguments;
+}
+
 struct Outcome {
     int code = -1; // exit code, or 128 + the signal that ended the process
     std::string out, error;

@@ -74,7 +74,7 @@ TEST_F(Reading, FindsPicturesAsTheyWereAskedFor) {
         const auto [width, height] = size_of_png(read_text(path("a." + kind + ".png")));
         EXPECT_EQ(width, 800u) << kind;
         EXPECT_LE(height, 600u) << kind;
-        EXPECT_NE(read_text(path("a." + kind + ".svg")).find("viewBox=\"0 0 800 "), std::string::npos) << kind;
+        EXPECT_TRUE(says(read_text(path("a." + kind + ".svg")), "viewBox=\"0 0 800 ")) << kind;
         EXPECT_TRUE(read_text(path("a." + kind + ".pdf")).starts_with("%PDF-")) << kind;
     }
     expect_success({"field", "scene.toml", "--out", "b.exr", "--also", "png", "--quiet"});
@@ -87,7 +87,7 @@ TEST_F(Reading, WithOpenexrsToolsFindsNothingWrong) {
     // exrinfo 3.1.5 returns a number that it never set: what it prints decides.
     const Outcome info = tool("exrinfo", {"-v", "field.exr"});
     EXPECT_EQ(info.error, "");
-    EXPECT_NE(info.out.find("forceshade.grid: v3i [ 16, 4, 8 ]"), std::string::npos) << info.out;
+    EXPECT_TRUE(says(info.out, "forceshade.grid: v3i [ 16, 4, 8 ]"));
     if (std::filesystem::exists("/usr/bin/exrcheck")) {
         EXPECT_EQ(tool("exrcheck", {"field.exr"}).code, 0);
     }
@@ -144,7 +144,7 @@ TEST_F(Reading, FindsNoPathOfTheMachine) {
         for (const auto& [name, content] : tree_of(path("out")))
             for (const std::string& secret : secrets)
                 EXPECT_EQ(content.find(secret), std::string::npos) << secret << " stands in " << name;
-        EXPECT_NE(read_text(path("out/study.toml")).find("sha256"), std::string::npos) << "the map by its digest";
+        EXPECT_TRUE(says(read_text(path("out/study.toml")), "sha256")) << "the map by its digest";
     }
 }
 

@@ -1,6 +1,5 @@
 // Every block of a README that is marked toml, sh or python works as it stands there, in order, in a folder of its own.
 #include <regex>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -16,10 +15,9 @@ struct Block {
 
 std::vector<Block> blocks_of(const std::string& text) {
     std::vector<Block> blocks;
-    std::istringstream lines(text);
     bool inside = false;
     std::size_t number = 0;
-    for (std::string line; std::getline(lines, line);) {
+    for (const std::string& line : lines_of(text)) {
         ++number;
         if (line.starts_with("```")) {
             inside = !inside;
@@ -71,7 +69,7 @@ TEST_P(Readme, ScenesAndStudiesAreAcceptedAndRun) {
         const std::string out = fmt::format("block-{}", block.line);
         const Outcome outcome = run_in_work(FORCESHADE_PROGRAM, {"sweep", "block.toml", "--out", out});
         EXPECT_EQ(outcome.code, 0) << "line " << block.line << ": " << outcome.error;
-        EXPECT_EQ(outcome.error.find("warning"), std::string::npos) << "line " << block.line << ": " << outcome.error;
+        EXPECT_FALSE(says(outcome.error, "warning")) << "line " << block.line;
     }
 }
 
@@ -97,8 +95,8 @@ INSTANTIATE_TEST_SUITE_P(Pages, Readme,
                          ::testing::Values("README.md", "device/README.md", "host/README.md",
                                            "host/experiment/README.md", "host/mesh/README.md", "host/output/README.md",
                                            "host/paths/README.md", "host/python/README.md", "host/referee/README.md",
-                                           "host/scene/README.md", "host/study/README.md", "host/sweep/README.md",
-                                           "shaders/README.md"));
+                                           "host/scene/README.md", "host/study/README.md",
+                                           "host/sweep/README.md", "shaders/README.md"));
 
 } // namespace
 } // namespace forceshade::testing

@@ -21,10 +21,8 @@ protected:
         return results_in(path("whole"));
     }
 
-    Launch part(const std::string& out, std::vector<std::string> further = {}) const {
-        Launch launch = Workplace::launch({"sweep", "paper.toml", "--out", out, "--also", "npy", "--json", "--quiet"});
-        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
-        return launch;
+    Launch part(const std::string& out, const std::vector<std::string>& further = {}) const {
+        return launch(with({"sweep", "paper.toml", "--out", out, "--also", "npy", "--json", "--quiet"}, further));
     }
 
     // Runs all at once; returns how many cases each computed.
@@ -41,12 +39,12 @@ protected:
         return computed;
     }
 
-    Outcome merge(const std::string& out, int code, std::vector<std::string> further = {}) const {
-        std::vector<std::string> arguments{"sweep", "paper.toml", "--out", out, "--merge", "--json", "--quiet"};
-        arguments.insert(arguments.end(), further.begin(), further.end());
-        const Outcome outcome = forceshade(arguments);
+    // What it says of itself.
+    json merge(const std::string& out, int code, const std::vector<std::string>& further = {}) const {
+        const Outcome outcome =
+            forceshade(with({"sweep", "paper.toml", "--out", out, "--merge", "--json", "--quiet"}, further));
         EXPECT_EQ(outcome.code, code) << outcome.error;
-        return outcome;
+        return json::parse(outcome.out);
     }
 
     void expect_whole(const std::string& out, const Tree& expected) const {
@@ -73,7 +71,7 @@ TEST_F(Shards, ThatAreMissingAreNamedByAMerge) {
     const Tree expected = whole();
     for (int i = 4; i >= 1; --i) {
         EXPECT_EQ(run_together({part("out", {"--shard", fmt::format("{}/4", i)})}).front(), i == 4 ? 12 : 13);
-        const json merged = json::parse(merge("out", i == 1 ? 0 : 1).out);
+        const json merged = merge("out", i == 1 ? 0 : 1);
         std::vector<std::string> others;
         for (int other = 1; other < i; ++other)
             others.push_back(fmt::format("{}/4", other));
@@ -98,11 +96,11 @@ TEST_F(Shards, AreNotMergedByTheWrongWords) {
 // Whatever the flags, the merge tells why the same command would not help.
 TEST_F(Shards, OfOtherFlagsOrCountsAreToldApartByAMerge) {
     run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2", "--precision", "f64"})});
-    const json merged = json::parse(merge("out", 1).out);
+    const json merged = merge("out", 1);
     EXPECT_EQ(merged["of_other_scenes_or_programs"], 25);
     EXPECT_EQ(merged["shards"], json({"2/2"}));
     run_together({part("out", {"--shard", "1/4"})});
-    EXPECT_EQ(json::parse(merge("out", 1).out)["shards"], json({"2/4", "4/4"})) << "as it was shared out last";
+    EXPECT_EQ(merge("out", 1)["shards"], json({"2/4", "4/4"})) << "as it was shared out last";
 }
 
 // What a GPU computed on one machine is not computed anew on one without.
@@ -120,11 +118,11 @@ TEST_F(Shards, WhoseFilesAreDamagedAreFoundByAMergeThatVerifies) {
     bytes[bytes.size() / 2] ^= 1;
     write(volume, bytes);
     merge("out", 0);
-    const json verified = json::parse(merge("out", 1, {"--verify"}).out);
+    const json verified = merge("out", 1, {"--verify"});
     EXPECT_EQ(verified["missing"], json({"cylinder_bump_radius-600mil"}));
     EXPECT_EQ(verified["shards"], json({"1/2"}));
     std::filesystem::remove(path(volume));
-    EXPECT_EQ(json::parse(merge("out", 1).out)["missing"].size(), 1u);
+    EXPECT_EQ(merge("out", 1)["missing"].size(), 1u);
 }
 
 TEST_F(Shards, TellHowTheyStand) {
@@ -133,13 +131,13 @@ TEST_F(Shards, TellHowTheyStand) {
     expect_failure(2, {"sweep", "--status", "out"}, {"no shard"});
     run_together({part("out", {"--shard", "2/3"})});
     std::filesystem::copy(path("out/manifest.d/shards/2-of-3.json"), path("out/manifest.d/shards/2-of-3 (copy).json"));
-    const json shard = json::parse(expect_success({"sweep", "--status", "out", "--json"}).out)["shards"][0];
+    const json shard = json_of({"sweep", "--status", "out", "--json"})["shards"][0];
     EXPECT_EQ(shard["shard"], 2);
     EXPECT_EQ(shard["of"], 3);
     EXPECT_EQ(shard["state"], "done");
     EXPECT_EQ(shard["computed"], 17);
-    const std::string text = expect_success({"sweep", "--status", "out"}).out;
-    EXPECT_NE(text.find("3 shards: 1 done, 0 at work, 0 failed, 0 silent, 2 not begun"), std::string::npos) << text;
+    EXPECT_TRUE(says(expect_success({"sweep", "--status", "out"}).out,
+                     "3 shards: 1 done, 0 at work, 0 failed, 0 silent, 2 not begun"));
 }
 
 // A mesh that is not there fails its cases alone, and the merge says why.
@@ -149,8 +147,7 @@ TEST_F(Shards, ThatFailLeaveTheirReason) {
     const auto expect_merge = [this](const std::vector<std::string>& words) {
         const Outcome merged = forceshade({"sweep", "meshes.toml", "--out", "out", "--merge"});
         EXPECT_EQ(merged.code, 1);
-        for (const std::string& word : words)
-            EXPECT_NE(merged.error.find(word), std::string::npos) << word << " in\n" << merged.error;
+        EXPECT_TRUE(says(merged.error, words));
     };
     EXPECT_EQ(forceshade({"sweep", "meshes.toml", "--out", "out", "--shard", "2/2", "--quiet"}).code, 4);
     expect_merge({"0 of 3", "mesh_file-c.obj: meshes.toml:3:18: cannot read", "3 cases missing", "--shard 2/2"});

@@ -21,7 +21,7 @@ TEST_P(EveryStudy, IsWholeAndComputesNothingAgain) {
     expect_whole(folder, name);
     EXPECT_EQ(Json::parse(outcome.out), read_json(folder + "/study.json"));
     for (const Json& finding : read_json(folder + "/study.json")["findings"])
-        EXPECT_NE(outcome.error.find(finding["text"].get<std::string>()), std::string::npos) << "told on the way";
+        EXPECT_TRUE(says(outcome.error, finding["text"].get<std::string>())) << "told on the way";
 
     const Tree before = tree_of(path(folder));
     expect_study(quick(name, "out"));
@@ -33,8 +33,7 @@ TEST_P(EveryStudy, TakesAScene) {
     write("scene.toml", kOneCase);
     expect_study({"study", name, "scene.toml", "--quick", "--out", "out", "--quiet"});
     expect_whole(folder, name);
-    const std::string scene = read_json(folder + "/study.json")["scene"];
-    EXPECT_NE(scene.find("facets = 3"), std::string::npos) << scene;
+    EXPECT_TRUE(says(read_json(folder + "/study.json")["scene"].get<std::string>(), "facets = 3"));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryStudy,
@@ -58,32 +57,26 @@ TEST_F(SceneStudy, SwitchesTheFeaturesOfThatScene) {
     expect_study(on_scene("out"));
     expect_whole("out/omission", "omission");
     const Json data = read_json("out/omission/study.json");
-    EXPECT_NE(data["scene"].get<std::string>().find("facets = 3"), std::string::npos);
+    EXPECT_TRUE(says(data["scene"].get<std::string>(), "facets = 3"));
     for (const Json& scene : column_of(data["tables"][0], 1))
         EXPECT_EQ(scene, "scene");
-    Launch cpu = launch(on_scene("cpu"));
-    cpu.arguments.insert(cpu.arguments.end(), {"--engine", "cpu"});
-    const Outcome outcome = run(cpu);
-    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    expect_success(with(on_scene("cpu"), {"--engine", "cpu"}));
     expect_whole("cpu/omission", "omission");
 }
 
 TEST_F(SceneStudy, SaysWhatItTakesThePlaceOf) {
     expect_study(on_scene("out"));
     const std::vector<std::string> loud{"study", "omission", "scene.toml", "--quick", "--out", "out"};
-    EXPECT_EQ(expect_success(loud).error.find("holds a full run"), std::string::npos);
+    EXPECT_FALSE(says(expect_success(loud).error, "holds a full run"));
     Json data = read_json("out/omission/study.json");
     data["run"]["quick"] = false;
     data["run"]["fingerprint"] = "another";
     write("out/omission/study.json", data.dump());
     expect_failure(2, loud, {"omission holds tables and figures of a full run", "--overwrite", "--no-clobber"});
     const Json kept = read_json("out/omission/study.json");
-    std::vector<std::string> further = loud;
-    further.push_back("--no-clobber");
-    expect_success(further);
+    expect_success(with(loud, {"--no-clobber"}));
     EXPECT_EQ(read_json("out/omission/study.json"), kept);
-    further.back() = "--overwrite";
-    expect_success(further);
+    expect_success(with(loud, {"--overwrite"}));
     data = read_json("out/omission/study.json");
     data["scene"] = "";
     data["run"]["fingerprint"] = "another";
@@ -114,9 +107,7 @@ TEST_F(SceneStudy, IsComputedAnewIfAFileWasChangedOrOnRequest) {
     const double second = seconds();
     EXPECT_NE(second, first);
     expect_whole("out/omission", "omission");
-    std::vector<std::string> fresh = on_scene("out");
-    fresh.push_back("--fresh");
-    expect_study(fresh);
+    expect_study(with(on_scene("out"), {"--fresh"}));
     EXPECT_NE(seconds(), second);
 }
 
@@ -140,9 +131,7 @@ TEST_F(SceneStudy, OfAnotherSceneInTheSameFolderLeavesNothingOfTheFirst) {
     expect_study({"study", "energy", "scene.toml", "--quick", "--out", "out", "--quiet"});
     write("out/energy/mine.csv", "kept");
     const Tree first = tree_of(path("out/energy"));
-    std::vector<std::string> second = quick("energy", "out");
-    second.push_back("--overwrite");
-    expect_study(second);
+    expect_study(with(quick("energy", "out"), {"--overwrite"}));
     EXPECT_EQ(read_text(path("out/energy/mine.csv")), "kept");
     std::filesystem::remove(path("out/energy/mine.csv"));
     expect_whole("out/energy", "energy");
@@ -163,7 +152,7 @@ TEST_F(SceneStudy, OnAFullDiskIsAnIoError) {
                         "[\"-14 mm\", \"-1 mm\", \"-4 mm\"]\nspacing = [\"0.45 mm\", \"0.25 mm\", \"0.15 mm\"]\n");
     const Outcome outcome = run_study(on_scene("disk/out"));
     EXPECT_EQ(outcome.code, 4) << outcome.error;
-    EXPECT_NE(outcome.error.find("No space left on device"), std::string::npos) << outcome.error;
+    EXPECT_TRUE(says(outcome.error, "No space left on device"));
     EXPECT_EQ(temporaries_in(path("disk/out")), std::vector<std::string>{});
     ASSERT_TRUE(disk.change(0, "size=64m"));
     expect_study(on_scene("disk/out"));

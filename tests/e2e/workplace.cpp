@@ -1,8 +1,6 @@
 #include "tests/e2e/workplace.h"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include <sys/stat.h>
 
@@ -37,20 +35,6 @@ size = [16, 4, 8]
 origin = ["-14 mm", "-1 mm", "-4 mm"]
 spacing = ["1.8 mm", "0.5 mm", "0.6 mm"]
 )";
-
-std::string read_text(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    if (!file.flush())
-        throw std::runtime_error("cannot write " + path.string());
-}
 
 Tree tree_of(const std::filesystem::path& folder) {
     Tree tree;
@@ -119,6 +103,13 @@ Launch Workplace::launch(std::vector<std::string> arguments) const {
     return launch;
 }
 
+Launch Workplace::without_device(std::vector<std::string> arguments) const {
+    Launch launch = this->launch(std::move(arguments));
+    for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"})
+        launch.environment[name] = "/nonexistent/icd.json";
+    return launch;
+}
+
 Outcome Workplace::expect_success(std::vector<std::string> arguments) const {
     const Outcome outcome = forceshade(std::move(arguments));
     EXPECT_EQ(outcome.code, 0) << outcome.error;
@@ -134,8 +125,15 @@ void Workplace::expect_failure(int code, const Launch& launch, const std::vector
     const Outcome outcome = run(launch);
     EXPECT_EQ(outcome.code, code) << outcome.error;
     EXPECT_EQ(outcome.out, "");
-    for (const std::string& word : words)
-        EXPECT_NE(outcome.error.find(word), std::string::npos) << "no \"" << word << "\" in: " << outcome.error;
+    EXPECT_TRUE(says(outcome.error, words));
+}
+
+void Workplace::expect_refused(const Launch& launch, const std::vector<std::string>& words, int code) const {
+    const Tree before = tree_of(folder_.path());
+    const std::vector<std::string> names = folder_.names(); // empty folders, too
+    expect_failure(code, launch, words);
+    EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
+    EXPECT_EQ(folder_.names(), names);
 }
 
 nlohmann::json Workplace::read_json(const std::string& name) const {

@@ -19,9 +19,6 @@ namespace forceshade::testing {
 /// Contents by path relative to a folder, folders left out.
 using Tree = std::map<std::string, std::string>;
 
-std::string read_text(const std::filesystem::path& path);
-void write_text(const std::filesystem::path& path, const std::string& text);
-
 /// Everything below a folder.
 Tree tree_of(const std::filesystem::path& folder);
 
@@ -55,13 +52,24 @@ protected:
     /// The program in the folder; its compiled kernels are kept from test to test, away from the user's.
     Launch launch(std::vector<std::string> arguments) const;
     Outcome forceshade(std::vector<std::string> arguments) const { return run(launch(std::move(arguments))); }
+    /// On a machine on which Vulkan finds no device.
+    Launch without_device(std::vector<std::string> arguments) const;
 
     /// Runs a command that must succeed.
     Outcome expect_success(std::vector<std::string> arguments) const;
+    /// What a command prints that must succeed and prints JSON.
+    nlohmann::json json_of(std::vector<std::string> arguments) const {
+        return nlohmann::json::parse(expect_success(std::move(arguments)).out);
+    }
 
     /// Runs a command that must fail with a code and say all of `words` on stderr, in one message without abort.
     void expect_failure(int code, std::vector<std::string> arguments, const std::vector<std::string>& words) const;
     static void expect_failure(int code, const Launch& launch, const std::vector<std::string>& words);
+    /// That, and that it changes no file of the folder.
+    void expect_refused(const Launch& launch, const std::vector<std::string>& words, int code = 2) const;
+    void expect_refused(std::vector<std::string> arguments, const std::vector<std::string>& words, int code = 2) const {
+        expect_refused(launch(std::move(arguments)), words, code);
+    }
 
     std::filesystem::path path(const std::string& name) const { return folder_ / name; }
     void write(const std::string& name, const std::string& text) const { write_text(path(name), text); }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <random>
 
@@ -14,9 +13,13 @@
 #include "host/experiment/statistics.h"
 #include "host/random.h"
 #include "host/study/data/study_data.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::experiment {
 namespace {
+
+using forceshade::testing::Folder;
+using forceshade::testing::says;
 
 // Brown, Cai & DasGupta 2001, table 5: Jeffreys intervals of 0, 1, 2 and 5 of 10.
 TEST(Statistics, JeffreysIntervals) {
@@ -139,15 +142,14 @@ TEST(Statistics, LikelihoodRatiosErrAsTheySay) {
 }
 
 TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_analysis";
-    std::filesystem::remove_all(folder);
+    const Folder folder;
     const Experiment paper = read_experiment({});
     const auto observer = make_observer(paper);
     for (const char* subject : {"01", "02", "03"})
-        run_session(paper, *observer, {folder, {subject, 1, "observer", "simulated"}, false});
-    const Answers answers = read_answers({folder});
+        run_session(paper, *observer, {folder.path(), {subject, 1, "observer", "simulated"}, false});
+    const Answers answers = read_answers({folder.path()});
     EXPECT_EQ(answers.rows.size(), 3u * 504);
-    EXPECT_THROW(read_answers({folder, folder}), UsageError) << "the same session twice";
+    EXPECT_THROW(read_answers({folder.path(), folder.path()}), UsageError) << "the same session twice";
     const study::StudyData data = analyse(answers);
     const study::Table& table = data.table("answers");
     ASSERT_EQ(table.rows.size(), 4u * 21);
@@ -174,17 +176,16 @@ TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
         for (const char* answer : kPictureNames)
             counted += wide.needed(row, std::string("answered_") + answer);
     EXPECT_EQ(counted, 3 * 504);
-    EXPECT_EQ(analysis_script(answers).find('@'), std::string::npos) << "every place is filled in";
+    EXPECT_FALSE(says(analysis_script(answers), "@")) << "every place is filled in";
     const std::vector<study::TextFile> figures = study::figure_files(data);
     ASSERT_EQ(figures.size(), 2u);
     EXPECT_EQ(figures[0].name, "shares.svg") << "a map over words";
     ASSERT_EQ(data.findings.size(), 3u);
     EXPECT_EQ(data.findings[0].name, "shading");
-    std::filesystem::remove_all(folder);
 }
 
-Answers simulated_comparisons(const std::string& more, const std::filesystem::path& folder) {
-    std::filesystem::remove_all(folder);
+Answers simulated_comparisons(const std::string& more) {
+    const Folder folder;
     const Experiment one = parse_experiment("[experiment]\ntask = \"compare\"\nstandard = \"cylinder_bump\"\n" + more +
                                                 "[surface]\nradius = \"1000 mil\"\n[[variant]]\nsurface.kind = "
                                                 "\"cylinder_bump\"\n[[variant]]\nsurface.kind "
@@ -192,17 +193,13 @@ Answers simulated_comparisons(const std::string& more, const std::filesystem::pa
                                             "e.toml");
     const auto observer = make_observer(one);
     for (const char* subject : {"01", "02"})
-        run_session(one, *observer, {folder, {subject, 1, "observer", "simulated"}, false});
-    Answers answers = read_answers({folder});
-    std::filesystem::remove_all(folder);
-    return answers;
+        run_session(one, *observer, {folder.path(), {subject, 1, "observer", "simulated"}, false});
+    return read_answers({folder.path()});
 }
-
-const std::filesystem::path kComparisons = std::filesystem::temp_directory_path() / "forceshade_experiment_comparisons";
 
 // Few facets are told from the cylinder, many are not.
 TEST(Analysis, OfComparisonsHasSharesOfRightAnswers) {
-    const study::StudyData data = analyse(simulated_comparisons("trials = 40\n", kComparisons));
+    const study::StudyData data = analyse(simulated_comparisons("trials = 40\n"));
     const study::Table& table = data.table("comparisons");
     ASSERT_EQ(table.rows.size(), 3u * 7);
     EXPECT_EQ(table.word(0, "subject"), "all");
@@ -216,7 +213,7 @@ TEST(Analysis, OfComparisonsHasSharesOfRightAnswers) {
 }
 
 TEST(Analysis, OfTracksHasThresholds) {
-    const study::StudyData data = analyse(simulated_comparisons("trials = 60\ntrack = \"facets\"\n", kComparisons));
+    const study::StudyData data = analyse(simulated_comparisons("trials = 60\ntrack = \"facets\"\n"));
     const study::Table& thresholds = data.table("thresholds");
     ASSERT_EQ(thresholds.rows.size(), 3u);
     for (std::size_t row = 0; row < 3; ++row) {

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -20,10 +19,10 @@
 #include <nlohmann/json.hpp>
 
 #include "host/experiment/record.h"
-#include "host/output/files.h"
 #include "tests/device/simulated_service.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/small_disk.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -33,10 +32,13 @@ namespace websocket = boost::beast::websocket;
 using device::test::Received;
 using device::test::ServiceScript;
 using device::test::SimulatedService;
+using forceshade::testing::Folder;
 using forceshade::testing::Launch;
 using forceshade::testing::Outcome;
 using forceshade::testing::Process;
+using forceshade::testing::says;
 using forceshade::testing::SmallDisk;
+using forceshade::testing::with;
 using Clock = std::chrono::steady_clock;
 
 // Whether it comes about within 20 s.
@@ -124,41 +126,43 @@ ServiceScript swinging() {
     return script;
 }
 
+// How often each trial counts.
+std::map<std::uint64_t, int> answers_in(const std::vector<TrialRow>& rows) {
+    std::map<std::uint64_t, int> answers;
+    for (const TrialRow& row : rows)
+        answers[row.number] += row.counts();
+    return answers;
+}
+
 class FaultySession : public ::testing::Test {
 protected:
     FaultySession() {
-        std::filesystem::remove_all(folder);
-        std::filesystem::create_directories(folder);
-        std::ofstream(folder / "e.toml") << "[experiment]\ntrials = 1\n[surface]\nradius = \"600 mil\"\nfacets = 2\n"
-                                            "[force]\nstiffness = \"0.5 N/mm\"\nshading = [\"none\", \"reference\"]\n";
-    }
-    ~FaultySession() override {
-        page.reset();
-        process.reset();
-        std::filesystem::remove_all(folder);
+        folder.write("e.toml", "[experiment]\ntrials = 1\n[surface]\nradius = \"600 mil\"\nfacets = 2\n"
+                               "[force]\nstiffness = \"0.5 N/mm\"\nshading = [\"none\", \"reference\"]\n");
     }
 
     void start(const std::vector<std::string>& further = {},
                const std::map<std::string, std::string>& environment = {}) {
         page.reset();
         Launch launch;
-        launch.arguments = {"experiment",  "run",      (folder / "e.toml").string(), "--subject",  "03",   "--out",
-                            data.string(), "--device", "haply:" + service.url(),     "--patience", "0.3 s"};
-        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
+        launch.arguments = with({"experiment", "run", folder / "e.toml", "--subject", "03", "--out", data, "--device",
+                                 "haply:" + service.url(), "--patience", "0.3 s"},
+                                further);
         launch.environment.insert(environment.begin(), environment.end());
         launch.error = folder / "stderr.txt";
         std::filesystem::remove(launch.error);
         process = std::make_unique<Process>(launch);
-        ASSERT_TRUE(await([&] { return said().find("/operator\n") != std::string::npos; })) << said();
-        const std::string text = said();
-        const std::size_t end = text.find("/participant\n") + 12;
-        page = std::make_unique<Page>(text.substr(text.rfind("http://", end), end - text.rfind("http://", end)));
+        ASSERT_TRUE(await([&] { return bool(says(said(), "/operator\n")); })) << said();
+        open_page();
         ASSERT_TRUE(await([&] { return page->told("phase") == "welcome" || page->told("phase") == "pause"; }));
         page->say({{"type", "go"}});
     }
-    std::string said() const {
-        return std::filesystem::exists(folder / "stderr.txt") ? read_file(folder / "stderr.txt") : "";
+    void open_page() {
+        const std::string text = said();
+        const std::size_t end = text.find("/participant\n") + 12;
+        page = std::make_unique<Page>(text.substr(text.rfind("http://", end), end - text.rfind("http://", end)));
     }
+    std::string said() const { return folder.read("stderr.txt"); }
     std::vector<TrialRow> rows() const { return read_rows(data_files(data)[0]); }
     std::vector<Received> forces(Clock::time_point after) const {
         std::vector<Received> some;
@@ -169,14 +173,9 @@ protected:
     }
     bool is_pushing() const { return !forces(Clock::now() - std::chrono::milliseconds(3)).empty(); }
     // Both trials are answered, each once.
-    void expect_whole() {
-        std::map<std::uint64_t, int> answered;
-        for (const TrialRow& row : last_rows(rows()))
-            answered[row.number] += row.counts();
-        EXPECT_EQ(answered, (std::map<std::uint64_t, int>{{1, 1}, {2, 1}}));
-    }
+    void expect_whole() { EXPECT_EQ(answers_in(last_rows(rows())), (std::map<std::uint64_t, int>{{1, 1}, {2, 1}})); }
 
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_fault";
+    const Folder folder;
     const std::filesystem::path data = folder / "data";
     SimulatedService service{swinging()};
     std::unique_ptr<Process> process;
@@ -190,8 +189,7 @@ TEST_F(FaultySession, ADeviceThatIsLostInATrialMarksItAndTheSameCommandRepeatsIt
     service.go_away();
     const Outcome outcome = process->wait();
     EXPECT_EQ(outcome.code, 3);
-    EXPECT_NE(said().find("is gone"), std::string::npos) << said();
-    EXPECT_NE(said().find("the same command goes on"), std::string::npos) << said();
+    EXPECT_TRUE(says(said(), "is gone", "the same command goes on"));
     ASSERT_EQ(rows().size(), 1u);
     EXPECT_EQ(rows()[0].outcome.status, "device lost");
     EXPECT_FALSE(rows()[0].counts());
@@ -224,23 +222,22 @@ TEST_F(FaultySession, AForceThatWasClampedMarksTheTrialAndItIsRepeated) {
 }
 
 TEST_F(FaultySession, ATrialThatFailsAgainAndAgainIsLeftOut) {
-    std::string text = read_file(folder / "e.toml");
+    std::string text = folder.read("e.toml");
     text.replace(text.find("trials = 1"), 10, "trials = 1\nmax_repeats = 1");
-    std::ofstream(folder / "e.toml") << text;
+    folder.write("e.toml", text);
     start({"--max-force", "0.05 N"});
     page->finish();
     EXPECT_EQ(process->wait().code, 0) << said();
     EXPECT_EQ(rows().size(), 4u) << "two trials, each once more";
     for (const TrialRow& row : rows())
         EXPECT_EQ(row.outcome.status, "force clamped");
-    EXPECT_NE(said().find("2 trials failed more than max_repeats = 1 times and are left out"), std::string::npos)
-        << said();
+    EXPECT_TRUE(says(said(), "2 trials failed more than max_repeats = 1 times and are left out"));
 }
 
 // As a Touch does (0.88 N), a device may lower its force for its motors' sake at any time: that is data.
 TEST_F(FaultySession, AForceThatIsLoweredForTheMotorsIsRecordedAndCounts) {
     start({"--lasting-force", "0.02 N"});
-    EXPECT_NE(said().find("displays 0.02 N for long, which 0.5 N/mm has 0.04 mm deep"), std::string::npos) << said();
+    EXPECT_TRUE(says(said(), "displays 0.02 N for long, which 0.5 N/mm has 0.04 mm deep"));
     page->finish();
     EXPECT_EQ(process->wait().code, 0) << said();
     expect_whole();
@@ -301,9 +298,7 @@ TEST_F(FaultySession, APageThatIsClosedSwitchesTheForceOffWithinTwoSamples) {
         page->vanish();
         std::this_thread::sleep_for(std::chrono::milliseconds(1200)); // two swings
         fewest = std::min(fewest, forces(closed).size());
-        const std::string text = said();
-        const std::size_t end = text.find("/participant\n") + 12;
-        page = std::make_unique<Page>(text.substr(text.rfind("http://", end), end - text.rfind("http://", end)));
+        open_page();
         ASSERT_TRUE(page->reaches("pause"));
         page->say({{"type", "go"}});
     }
@@ -348,28 +343,25 @@ TEST_F(FaultySession, AnswersWhileAStimulusIsLoadedOrTwiceDoNotCount) {
 }
 
 TEST(FullDisks, LoseNoTrialAndCountNoneTwice) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_full";
-    std::filesystem::remove_all(folder);
-    SmallDisk disk(folder, "size=160k");
+    const Folder folder;
+    const SmallDisk disk(folder / "disk", "size=160k");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted";
+    const std::filesystem::path data = folder / "disk/data";
     Launch launch;
-    launch.arguments = {"experiment", "run", "--participant", "observer",
-                        "--subject",  "01",  "--out",         (folder / "data").string()};
+    launch.arguments = {"experiment", "run", "--participant", "observer", "--subject", "01", "--out", data};
     Outcome outcome = Process(launch).wait();
     EXPECT_EQ(outcome.code, 4);
-    EXPECT_NE(outcome.error.find("o space left"), std::string::npos) << outcome.error;
-    EXPECT_EQ(std::filesystem::status(data_files(folder / "data")[0]).permissions(), std::filesystem::perms(0600));
-    EXPECT_EQ(std::filesystem::status(folder / "data").permissions(), std::filesystem::perms(0700));
-    const std::size_t kept = read_rows(data_files(folder / "data")[0]).size();
+    EXPECT_TRUE(says(outcome.error, "o space left"));
+    EXPECT_EQ(std::filesystem::status(data_files(data)[0]).permissions(), std::filesystem::perms(0600));
+    EXPECT_EQ(std::filesystem::status(data).permissions(), std::filesystem::perms(0700));
+    const std::size_t kept = read_rows(data_files(data)[0]).size();
     EXPECT_GT(kept, 10u);
     EXPECT_LT(kept, 504u);
     ASSERT_TRUE(disk.change(0, "size=30m"));
     outcome = Process(launch).wait();
     EXPECT_EQ(outcome.code, 0) << outcome.error;
-    std::map<std::uint64_t, int> answered;
-    for (const TrialRow& row : read_rows(data_files(folder / "data")[0]))
-        answered[row.number] += row.counts();
+    const auto answered = answers_in(read_rows(data_files(data)[0]));
     EXPECT_EQ(answered.size(), 504u);
     EXPECT_TRUE(std::ranges::all_of(answered, [](const auto& one) { return one.second == 1; }));
 }

@@ -1,7 +1,6 @@
 // What a lab says of its experiment: orders, a list of conditions, its own words and texts, catch trials, participants.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 
@@ -11,31 +10,26 @@
 #include "host/experiment/analysis.h"
 #include "host/experiment/page_text.h"
 #include "host/experiment/record.h"
-#include "host/output/files.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::experiment {
 namespace {
 
+using forceshade::testing::Folder;
+using forceshade::testing::message_of;
+using forceshade::testing::says;
+
 class Lab : public ::testing::Test {
 protected:
-    Lab() { std::filesystem::create_directories(folder); }
-    ~Lab() override { std::filesystem::remove_all(folder); }
-
     // Of bumps of these facets, with and without shading.
     Experiment experiment(const std::string& keys, const std::string& facets = "2, 3") const {
         return parse_experiment("[experiment]\n" + keys + "\n[surface]\nradius = \"600 mil\"\nfacets = [" + facets +
                                     "]\n[force]\nshading = [\"none\", \"reference\"]\n",
-                                "e.toml", folder);
+                                "e.toml", folder.path());
     }
     std::string refusal(const std::string& keys) const {
-        try {
-            experiment(keys);
-        } catch (const UsageError& error) {
-            return error.what();
-        }
-        return "none";
+        return message_of<UsageError>([&] { experiment(keys); });
     }
-    void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
 
     static std::vector<std::size_t> order_of(const Experiment& one, const std::string& subject) {
         std::vector<std::size_t> order;
@@ -43,12 +37,8 @@ protected:
             order.push_back(trial.condition);
         return order;
     }
-    void expect_words(const std::string& text, const std::vector<std::string>& words) const {
-        for (const std::string& word : words)
-            EXPECT_NE(text.find(word), std::string::npos) << text;
-    }
 
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_lab_test";
+    const Folder folder;
 };
 
 // Williams 1949: over the rows every condition stands at every place, and follows every other, equally often.
@@ -110,12 +100,12 @@ TEST_F(Lab, BlocksAreOfAFactorsValues) {
     for (const char* subject : {"1", "2", "3", "4"})
         ++first[order_of(experiment("trials = 1\nblock_by = \"shading\"\norder = \"latin\""), subject).front()];
     EXPECT_EQ(first.size(), 4u) << "every condition begins a session";
-    expect_words(refusal("block_by = \"radius\""), {"e.toml:2:", "radius", "do not differ"});
-    expect_words(refusal("block_by = \"shading\"\nblocks = 2\ntrials = 2"), {"e.toml:2:", "makes the blocks"});
+    EXPECT_TRUE(says(refusal("block_by = \"radius\""), "e.toml:2:", "radius", "do not differ"));
+    EXPECT_TRUE(says(refusal("block_by = \"shading\"\nblocks = 2\ntrials = 2"), "e.toml:2:", "makes the blocks"));
 }
 
 TEST_F(Lab, ConditionsAreThoseOfTheFile) {
-    write("c.csv", "shading,facets\r\nreference,3\r\nnone,2\r\nreference,3\r\n");
+    folder.write("c.csv", "shading,facets\r\nreference,3\r\nnone,2\r\nreference,3\r\n");
     const Experiment listed = experiment("trials = 2\norder = \"sequential\"\nconditions = \"c.csv\"");
     EXPECT_EQ(listed.size(), 6u);
     EXPECT_EQ(listed.asked().size(), 2u);
@@ -125,16 +115,15 @@ TEST_F(Lab, ConditionsAreThoseOfTheFile) {
     for (const Trial& trial : trials_of(listed, "01", 1))
         names.push_back(listed.stimulus(listed.conditions[trial.condition]).name);
     ASSERT_EQ(names.size(), 6u);
-    EXPECT_NE(names[0].find("facets-3"), std::string::npos) << names[0];
-    EXPECT_NE(names[0].find("reference"), std::string::npos);
-    EXPECT_NE(names[1].find("facets-2"), std::string::npos);
+    EXPECT_TRUE(says(names[0], "facets-3", "reference"));
+    EXPECT_TRUE(says(names[1], "facets-2"));
     EXPECT_EQ(names[2], names[0]);
     EXPECT_EQ(names[3], names[0]);
-    write("c.csv", "case\n" + names[1] + "\n");
+    folder.write("c.csv", "case\n" + names[1] + "\n");
     EXPECT_EQ(experiment("conditions = \"c.csv\"").listed.size(), 1u);
     const auto refused = [&](const std::string& csv, const std::vector<std::string>& words) {
-        write("c.csv", csv);
-        expect_words(refusal("conditions = \"c.csv\""), words);
+        folder.write("c.csv", csv);
+        EXPECT_TRUE(says(refusal("conditions = \"c.csv\""), words));
     };
     refused("facet\n2\n", {"c.csv:1:1", "\"facet\"", "surface.facets"});
     refused("facets\n2\n", {"c.csv:2:1", "2 of the 4"});
@@ -144,7 +133,7 @@ TEST_F(Lab, ConditionsAreThoseOfTheFile) {
 }
 
 TEST_F(Lab, WordsAreAnyLanguagesAndStayWithTheData) {
-    write("ja.md", "# 同意書\n\n実験に**参加**します。\n");
+    folder.write("ja.md", "# 同意書\n\n実験に**参加**します。\n");
     const std::string keys = "consent = \"ja.md\"\n[experiment.text]\nlanguage = \"ja\"\nspace = \"スペース\"\n"
                              "welcome_hint = \"{space}キーを押してください。\"\nlift = \"Levez la sonde, s’il vous "
                              "plaît.\"\n";
@@ -155,23 +144,21 @@ TEST_F(Lab, WordsAreAnyLanguagesAndStayWithTheData) {
     const SessionRecord record(folder / "data", given, {.subject = "01", .participant = "person", .device = "sim"});
     record.keep_participant({31, "left"});
     record.keep_participant({31, "left"});
-    EXPECT_EQ(read_file(folder / "data" / "documentation" / "participants.csv"),
-              "subject,session,age_years,hand\n01,1,31,left\n");
-    const std::filesystem::path materials = folder / "data" / "materials";
-    const Experiment kept = read_experiment(materials / "experiment.toml");
+    EXPECT_EQ(folder.read("data/documentation/participants.csv"), "subject,session,age_years,hand\n01,1,31,left\n");
+    const Experiment kept = read_experiment(folder / "data/materials/experiment.toml");
     EXPECT_EQ(kept.spec.text, given.spec.text);
     EXPECT_EQ(kept.spec.consent.bytes, given.spec.consent.bytes);
     EXPECT_EQ(resolved_toml(kept), resolved_toml(given));
-    write("ja.md", "another");
+    folder.write("ja.md", "another");
     EXPECT_THROW(
         SessionRecord(folder / "data", experiment(keys), {.subject = "02", .participant = "person", .device = "sim"}),
         UsageError);
 
-    expect_words(refusal("[experiment.text]\nwelcom = \"x\""), {"e.toml:3:1", "welcome"});
-    expect_words(refusal("[experiment.text]\nwelcome_hint = \"{button}\""), {"e.toml:3:", "{button}", "{space}"});
-    expect_words(refusal("[experiment.text]\ndone = \"\""), {"e.toml:3:", "done is a text"});
-    expect_words(refusal("consent = \"gone.md\""), {"e.toml:2:", "gone.md"});
-    expect_words(refusal("break_least = \"60 s\""), {"e.toml:2:", "no break"});
+    EXPECT_TRUE(says(refusal("[experiment.text]\nwelcom = \"x\""), "e.toml:3:1", "welcome"));
+    EXPECT_TRUE(says(refusal("[experiment.text]\nwelcome_hint = \"{button}\""), "e.toml:3:", "{button}", "{space}"));
+    EXPECT_TRUE(says(refusal("[experiment.text]\ndone = \"\""), "e.toml:3:", "done is a text"));
+    EXPECT_TRUE(says(refusal("consent = \"gone.md\""), "e.toml:2:", "gone.md"));
+    EXPECT_TRUE(says(refusal("break_least = \"60 s\""), "e.toml:2:", "no break"));
 }
 
 TEST_F(Lab, WhoMissesCatchTrialsIsLeftOut) {
@@ -193,8 +180,8 @@ TEST_F(Lab, WhoMissesCatchTrialsIsLeftOut) {
     EXPECT_EQ(answers.excluded, std::vector<std::string>{"02 (2 of 4 catch trials right)"});
     EXPECT_EQ(answers.subjects(), std::vector<std::string>{"01"});
     EXPECT_EQ(answers.rows.size(), 16u);
-    expect_words(refusal("catch = \"*facets-9*\""), {"e.toml:2:", "names no stimulus"});
-    expect_words(refusal("catch = \"*\"\ncatch_least = 1.5"), {"at most 1"});
+    EXPECT_TRUE(says(refusal("catch = \"*facets-9*\""), "e.toml:2:", "names no stimulus"));
+    EXPECT_TRUE(says(refusal("catch = \"*\"\ncatch_least = 1.5"), "at most 1"));
 }
 
 } // namespace

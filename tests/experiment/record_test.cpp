@@ -7,7 +7,6 @@
 #include <memory>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -23,7 +22,11 @@ namespace forceshade::experiment {
 namespace {
 
 namespace fs = std::filesystem;
+using forceshade::testing::cells_of;
 using forceshade::testing::Folder;
+using forceshade::testing::lines_of;
+using forceshade::testing::says;
+using forceshade::testing::write_text;
 
 Experiment small(const std::string& more = "") {
     return parse_experiment(
@@ -62,7 +65,7 @@ TEST(Experiments, ReadTheirResolvedText) {
     for (const auto& key : experiment_schema_json()) {
         const std::string path = key.at("key"), name = path.substr(path.rfind('.') + 1);
         const bool of_answer = path.find(".answer.") != std::string::npos;
-        EXPECT_NE(experiment_schema().find(of_answer ? "# " + name + ": " : name + " = "), std::string::npos) << path;
+        EXPECT_TRUE(says(experiment_schema(), of_answer ? "# " + name + ": " : name + " = ")) << path;
     }
 }
 
@@ -71,12 +74,11 @@ TEST(Experiments, ComplainWithPlaceAndRemedy) {
               "e.toml:2:1: unknown key \"trails\" in [experiment]; did you mean \"trials\"?");
     EXPECT_EQ(complaint_of("[experiment]\ntrials = 0\n"), "e.toml:2:10: trials must be from 1 to 10000, got 0");
     EXPECT_EQ(complaint_of("[experiment]\nlongest_trial = \"3 N\"\n").substr(0, 14), "e.toml:2:17: \"");
-    EXPECT_NE(complaint_of("[experiment]\nfeedback = \"yes\"\n").find("true or false"), std::string::npos);
-    EXPECT_NE(complaint_of("[experiment]\ntrials = 3\nblocks = 2\norder = \"balanced\"\n").find("multiple"),
-              std::string::npos);
-    EXPECT_NE(complaint_of("[[experiment.answer]]\nname = \"Two!\"\n").find("a to z"), std::string::npos);
-    EXPECT_NE(complaint_of("[[experiment.answer]]\nname = \"one\"\n").find("2 to 9 answers"), std::string::npos);
-    EXPECT_NE(complaint_of("[experimnt]\n").find("did you mean [experiment]?"), std::string::npos);
+    EXPECT_TRUE(says(complaint_of("[experiment]\nfeedback = \"yes\"\n"), "true or false"));
+    EXPECT_TRUE(says(complaint_of("[experiment]\ntrials = 3\nblocks = 2\norder = \"balanced\"\n"), "multiple"));
+    EXPECT_TRUE(says(complaint_of("[[experiment.answer]]\nname = \"Two!\"\n"), "a to z"));
+    EXPECT_TRUE(says(complaint_of("[[experiment.answer]]\nname = \"one\"\n"), "2 to 9 answers"));
+    EXPECT_TRUE(says(complaint_of("[experimnt]\n"), "did you mean [experiment]?"));
 }
 
 // Bumps of so many facets, shaded or not, each against the cylinder of its radius.
@@ -134,7 +136,7 @@ TEST(Comparisons, ComplainWithPlaceAndRemedy) {
              {compare + "standard = \"*\"\n", "nothing to compare"},
              {compare + "standard = \"*facets-4\"\ntrack = \"facets\"\n[surface]\nfacets = [2, 3, 4, 5]\n",
               "on both sides"}})
-        EXPECT_NE(complaint_of(text).find(words), std::string::npos) << complaint_of(text);
+        EXPECT_TRUE(says(complaint_of(text), words));
     for (const auto& [more, words] : std::vector<std::pair<std::string, std::string>>{
              {"correct = \"*\"\n", "compare.toml:5:1: say what is asked"},
              {"track = \"facetts\"\n", "did you mean \"facets\"?"},
@@ -146,7 +148,7 @@ TEST(Comparisons, ComplainWithPlaceAndRemedy) {
              {"interval = \"60 s\"\n", "not shorter than longest_trial"},
              {"[[experiment.answer]]\nname = \"a\"\n[[experiment.answer]]\nname = \"b\"\nfacets = 2\n",
               "is of an interval"}})
-        EXPECT_NE(complaint([&, &more = more] { comparison(more); }).find(words), std::string::npos) << more;
+        EXPECT_TRUE(says(complaint([&, &more = more] { comparison(more); }), words)) << more;
 }
 
 // A PNG of 1 x 1 pixels.
@@ -157,9 +159,6 @@ constexpr unsigned char kPixel[] = {137, 80, 78,  71, 13, 10, 26, 10,  0,   0,  
 
 class Pictures : public ::testing::Test {
 protected:
-    void write(const std::string& name, const std::string& bytes) const {
-        std::ofstream(folder / name, std::ios::binary) << bytes;
-    }
     Experiment with(const std::string& picture) const {
         return parse_experiment("[[experiment.answer]]\nname = \"edge\"\npicture = \"" + picture +
                                     "\"\n[[experiment.answer]]\nname = \"round\"\nfacets = 0\n",
@@ -171,25 +170,25 @@ protected:
 };
 
 TEST_F(Pictures, AreCheckedWhenTheExperimentIsRead) {
-    write("a.png", png);
-    write("a.svg", svg);
-    write("half.png", png.substr(0, 50));
-    write("letter.png", "Dear all");
-    write("page.svg", "<html><svg></svg></html>");
-    write("large.png", png + std::string(1 << 20, '.'));
+    folder.write("a.png", png);
+    folder.write("a.svg", svg);
+    folder.write("half.png", png.substr(0, 50));
+    folder.write("letter.png", "Dear all");
+    folder.write("page.svg", "<html><svg></svg></html>");
+    folder.write("large.png", png + std::string(1 << 20, '.'));
     EXPECT_EQ(with("a.png").spec.answers[0].picture_file(), "edge.png");
     EXPECT_EQ(with("a.svg").spec.answers[0].picture_file(), "edge.svg");
     const auto of = [&](const std::string& name) { return complaint([&] { with(name); }); };
     EXPECT_EQ(of("none.png").find("e.toml:3:11: cannot read "), 0u) << of("none.png");
-    EXPECT_NE(of("half.png").find("half.png cannot be shown: it is damaged"), std::string::npos) << of("half.png");
-    EXPECT_NE(of("letter.png").find("is no picture"), std::string::npos);
-    EXPECT_NE(of("page.svg").find("is no picture"), std::string::npos);
-    EXPECT_NE(of("large.png").find("are the most"), std::string::npos);
-    EXPECT_NE(of(".").find("e.toml:3:11: \".\" is a folder"), std::string::npos) << of(".");
+    EXPECT_TRUE(says(of("half.png"), "half.png cannot be shown: it is damaged"));
+    EXPECT_TRUE(says(of("letter.png"), "is no picture"));
+    EXPECT_TRUE(says(of("page.svg"), "is no picture"));
+    EXPECT_TRUE(says(of("large.png"), "are the most"));
+    EXPECT_TRUE(says(of("."), "e.toml:3:11: \".\" is a folder"));
 }
 
 TEST_F(Pictures, AreKeptWithTheData) {
-    write("a.png", png);
+    folder.write("a.png", png);
     const Folder data;
     const SessionInfo info{"03", 1, "person", "test"};
     const Experiment one = with("a.png");
@@ -198,10 +197,9 @@ TEST_F(Pictures, AreKeptWithTheData) {
     const fs::path kept = data / "materials" / "experiment.toml";
     EXPECT_EQ(resolved_toml(read_experiment(kept)), read_file(kept));
     SessionRecord(data.path(), one, info);
-    write("a.png", svg);
+    folder.write("a.png", svg);
     const Experiment changed = with("a.png");
-    EXPECT_NE(complaint([&] { SessionRecord(data.path(), changed, info); }).find("another experiment"),
-              std::string::npos);
+    EXPECT_TRUE(says(complaint([&] { SessionRecord(data.path(), changed, info); }), "another experiment"));
 }
 
 TEST(Orders, HaveTheStandardFirstInHalfOfTheTrialsOfEachCondition) {
@@ -278,7 +276,7 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
     std::vector<std::uint64_t> numbers;
     {
         SessionRecord record(folder.path(), one, info);
-        EXPECT_NE(record.repaired().find("cut off"), std::string::npos);
+        EXPECT_TRUE(says(record.repaired(), "cut off"));
         EXPECT_EQ(record.left(), 5u);
         while (const auto trial = record.next()) {
             numbers.push_back(trial->number);
@@ -290,7 +288,7 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
     ASSERT_EQ(rows.size(), 7u);
     EXPECT_EQ(std::ranges::count_if(rows, &TrialRow::counts), 6);
     EXPECT_EQ(rows[0].outcome.reaction, 1.5);
-    EXPECT_NE(complaint([&] { SessionRecord(folder.path(), one, info); }).find("is complete"), std::string::npos);
+    EXPECT_TRUE(says(complaint([&] { SessionRecord(folder.path(), one, info); }), "is complete"));
     SessionRecord(folder.path(), one, {"03", 2, "person", "test"});
 }
 
@@ -362,22 +360,20 @@ TEST(SessionRecords, OlderRowsAreRead) {
         record.keep_device("{}");
         record.keep_device("{}");
     }
-    EXPECT_EQ(read_file(folder / "documentation" / "subject-03_session-1_device.jsonl"), "{}\n{}\n");
+    EXPECT_EQ(folder.read("documentation/subject-03_session-1_device.jsonl"), "{}\n{}\n");
     const fs::path file = data_files(folder.path())[0];
     std::string older;
-    for (std::string rest = read_file(file); !rest.empty(); rest.erase(0, rest.find('\n') + 1)) {
-        const std::string line = rest.substr(0, rest.find('\n'));
+    for (const std::string& line : lines_of(read_file(file)))
         older += line.substr(0, line.rfind(',', line.rfind(',') - 1)) + "\n";
-    }
-    std::ofstream(file) << older;
+    write_text(file, older);
     const auto rows = read_rows(file);
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_TRUE(rows[0].counts());
     EXPECT_EQ(rows[0].outcome.answered_by, "");
-    EXPECT_NE(complaint([&] {
-                  SessionRecord(folder.path(), one, {"03", 1, "person", "test"});
-              }).find("an older one began it"),
-              std::string::npos)
+    EXPECT_TRUE(says(complaint([&] {
+                         SessionRecord(folder.path(), one, {"03", 1, "person", "test"});
+                     }),
+                     "an older one began it"))
         << "rows of two widths are not mixed";
 }
 
@@ -385,22 +381,19 @@ TEST(SessionRecords, RefuseWhatDoesNotBelong) {
     const Folder folder;
     const Experiment one = small();
     const SessionInfo info{"03", 1, "person", "test"};
-    EXPECT_NE(complaint([&] {
-                  SessionRecord(folder.path(), one, {"a/b", 1, "", ""});
-              }).find("letters and digits"),
-              std::string::npos);
+    EXPECT_TRUE(says(complaint([&] { SessionRecord(folder.path(), one, {"a/b", 1, "", ""}); }), "letters and digits"));
     SessionRecord first(folder.path(), one, info);
-    EXPECT_NE(complaint([&] { SessionRecord(folder.path(), one, info); }).find("under way"), std::string::npos);
-    EXPECT_NE(complaint([&] {
-                  SessionRecord(folder.path(), small("seed = 7\n"), {"04", 1, "person", "test"});
-              }).find("another experiment"),
-              std::string::npos);
+    EXPECT_TRUE(says(complaint([&] { SessionRecord(folder.path(), one, info); }), "under way"));
+    EXPECT_TRUE(says(complaint([&] {
+                         SessionRecord(folder.path(), small("seed = 7\n"), {"04", 1, "person", "test"});
+                     }),
+                     "another experiment"));
     const fs::path data = data_files(folder.path())[0];
     std::ofstream(data, std::ios::app) << "damaged\n";
-    EXPECT_NE(complaint([&] { read_rows(data); }).find("data.csv:2:1: is damaged"), std::string::npos);
+    EXPECT_TRUE(says(complaint([&] { read_rows(data); }), "data.csv:2:1: is damaged"));
     const Folder other;
-    std::ofstream(other / "letter.txt") << "dear";
-    EXPECT_NE(complaint([&] { SessionRecord(other.path(), one, info); }).find("is not empty"), std::string::npos);
+    other.write("letter.txt", "dear");
+    EXPECT_TRUE(says(complaint([&] { SessionRecord(other.path(), one, info); }), "is not empty"));
 }
 
 // What a process that was killed left behind: everything but the experiment, which comes last.
@@ -410,7 +403,7 @@ TEST(SessionRecords, AreSetUpAnewWhereThatWasCutOff) {
     const SessionInfo info{"03", 1, "person", "test"};
     SessionRecord(folder.path(), one, info);
     EXPECT_FALSE(fs::exists(folder / ".unfinished"));
-    std::ofstream(folder / ".unfinished") << "";
+    folder.write(".unfinished", "");
     fs::remove(folder / "materials" / "experiment.toml");
     fs::remove(folder / "README.md");
     SessionRecord(folder.path(), one, info);
@@ -438,10 +431,10 @@ TEST(SessionRecords, CompareExperimentsByWhatTheyMean) {
     SessionRecord(folder.path(), one, {"03", 1, "person", "test"});
     const fs::path kept = folder / "materials" / "experiment.toml";
     std::string older;
-    for (std::string rest = read_file(kept); !rest.empty(); rest.erase(0, rest.find('\n') + 1))
-        if (const std::string line = rest.substr(0, rest.find('\n')); !line.starts_with("max_repeats"))
+    for (const std::string& line : lines_of(read_file(kept)))
+        if (!line.starts_with("max_repeats"))
             older += line + "\n";
-    std::ofstream(kept) << "# a comment\n" << older;
+    write_text(kept, "# a comment\n" + older);
     SessionRecord(folder.path(), one, {"04", 1, "person", "test"});
 }
 
@@ -458,7 +451,7 @@ TEST(SessionRecords, ReadWhatASpreadsheetSavedAndRefuseDamagedCells) {
     std::string saved = "\xEF\xBB\xBF";
     for (const char c : text)
         saved += c == '\n' ? std::string("\r\n") : std::string(1, c);
-    std::ofstream(file) << saved;
+    write_text(file, saved);
     {
         SessionRecord record(folder.path(), one, info);
         ASSERT_EQ(record.rows().size(), 1u);
@@ -468,13 +461,12 @@ TEST(SessionRecords, ReadWhatASpreadsheetSavedAndRefuseDamagedCells) {
     const auto damaged = [&](const std::string& from, const std::string& to) {
         std::string bad = text;
         bad.replace(bad.find(from, bad.find('\n')), from.size(), to);
-        std::ofstream(file) << bad;
+        write_text(file, bad);
         return complaint([&] { SessionRecord(folder.path(), one, info); });
     };
     const std::string answer = "," + one.spec.answers[0].name + ",";
-    EXPECT_NE(damaged(answer, ",banana,").find("_data.csv:2:"), std::string::npos);
-    EXPECT_NE(damaged(answer, ",banana,").find("\"banana\" is no answer of this experiment"), std::string::npos);
-    EXPECT_NE(damaged(",1.5,", ",nan,").find("\"nan\" is no reaction_time"), std::string::npos);
+    EXPECT_TRUE(says(damaged(answer, ",banana,"), "_data.csv:2:", "\"banana\" is no answer of this experiment"));
+    EXPECT_TRUE(says(damaged(",1.5,", ",nan,"), "\"nan\" is no reaction_time"));
 }
 
 // The published rules: dataset_description.json, names of files, rows as wide as the header, columns described, ids
@@ -494,12 +486,9 @@ void expect_psych_ds(const Experiment& one, std::size_t trials, const std::strin
     const auto files = data_files(folder.path());
     ASSERT_EQ(files.size(), 1u);
     EXPECT_EQ(files[0].filename(), "subject-03_session-1_data.csv");
-    const std::string text = read_file(files[0]);
-    std::string columns = text.substr(0, text.find('\n')), joined;
-    for (const std::string& variable : variables)
-        joined += (joined.empty() ? "" : ",") + variable;
-    EXPECT_EQ(columns, joined);
-    EXPECT_EQ(columns.find("standard") != std::string::npos, one.spec.task == Task::compare);
+    const std::vector<std::string> lines = lines_of(read_file(files[0]));
+    EXPECT_EQ(cells_of(lines.at(0)), variables);
+    EXPECT_EQ(bool(says(lines[0], "standard")), one.spec.task == Task::compare);
     EXPECT_EQ(read_rows(files[0]).size(), trials);
     const std::string samples = read_file(folder / "paths" / path);
     const std::size_t last = samples.rfind(',') + 1;
@@ -519,15 +508,13 @@ void expect_psych_ds(const Experiment& one, std::size_t trials, const std::strin
     for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
         const fs::path inside = entry.path().lexically_relative(folder.path());
         const std::string top = inside.begin()->string();
-        if (entry.is_directory() || free.contains(top) ||
-            ("\n" + ignored).find("\n" + top + "/\n") != std::string::npos)
+        if (entry.is_directory() || free.contains(top) || says("\n" + ignored, "\n" + top + "/\n"))
             continue;
         EXPECT_TRUE(top == "data" ? std::regex_match(inside.filename().string(), name) : root.contains(top)) << inside;
     }
     std::set<std::string> ids;
-    std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line);)
-        EXPECT_TRUE(ids.insert(line.substr(0, line.find(','))).second) << "row_id " << line;
+    for (const std::string& line : lines)
+        EXPECT_TRUE(ids.insert(cells_of(line)[0]).second) << "row_id " << line;
 }
 
 TEST(SessionRecords, KeepToPsychDs) {

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <set>
@@ -17,38 +16,36 @@
 #include "host/experiment/record.h"
 #include "host/output/files.h"
 #include "tests/e2e/process.h"
+#include "tests/io/folder.h"
 #include "tests/report/browser.h"
 
 namespace forceshade::experiment {
 namespace {
 
 using forceshade::testing::Browser;
+using forceshade::testing::cells_of;
+using forceshade::testing::Folder;
 using forceshade::testing::Launch;
+using forceshade::testing::lines_of;
 using forceshade::testing::Outcome;
 using forceshade::testing::Process;
+using forceshade::testing::says;
+using forceshade::testing::with;
 
 constexpr const char* kPhase = "document.body.dataset.phase";
 
 class Session : public ::testing::Test {
 protected:
     Session() {
-        std::filesystem::remove_all(folder);
-        std::filesystem::create_directories(folder);
-        std::ofstream(folder / "e.toml") << "[experiment]\nleast_contact = \"0 s\"\ntrials = 1\nblocks = "
-                                            "2\n[surface]\nradius = \"600 mil\"\nfacets = "
-                                            "[2, 3]\n[force]\nshading = [\"none\", \"reference\"]\n";
-    }
-    ~Session() override {
-        process.reset();
-        std::filesystem::remove_all(folder);
+        folder.write("e.toml", "[experiment]\nleast_contact = \"0 s\"\ntrials = 1\nblocks = 2\n[surface]\n"
+                               "radius = \"600 mil\"\nfacets = [2, 3]\n[force]\nshading = [\"none\", \"reference\"]\n");
     }
 
     void start(const std::string& session = "1", const std::vector<std::string>& further = {}) {
         Launch launch;
-        launch.arguments = {"experiment", "run",   (folder / "e.toml").string(),
-                            "--subject",  "03",    "--session",
-                            session,      "--out", data().string()};
-        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
+        launch.arguments =
+            with({"experiment", "run", folder / "e.toml", "--subject", "03", "--session", session, "--out", data()},
+                 further);
         launch.error = folder / "stderr.txt";
         std::filesystem::remove(launch.error);
         process = std::make_unique<Process>(launch);
@@ -57,14 +54,12 @@ protected:
         ASSERT_FALSE(address("operator").empty());
     }
     std::string address(const std::string& page) const {
-        std::error_code error;
-        if (!std::filesystem::exists(folder / "stderr.txt", error))
-            return "";
-        const std::string text = read_file(folder / "stderr.txt");
+        const std::string text = said();
         const std::size_t end = text.find("/" + page + "\n");
         const std::size_t begin = end == std::string::npos ? end : text.rfind("http://", end);
         return begin == std::string::npos ? "" : text.substr(begin, end - begin) + "/" + page;
     }
+    std::string said() const { return folder.read("stderr.txt"); }
     bool reaches(const std::string& phase) { return browser.wait_for(std::string(kPhase) + " === '" + phase + "'"); }
     void begin() {
         browser.open_address(address("participant"));
@@ -72,11 +67,9 @@ protected:
         browser.press(" ");
     }
     // What a command that is refused says.
-    std::string refusal(std::vector<std::string> further, int code = 2) const {
+    std::string refusal(const std::vector<std::string>& further, int code = 2) const {
         Launch launch;
-        launch.arguments = {"experiment", "run",          (folder / "e.toml").string(), "--subject", "04",
-                            "--out",      data().string()};
-        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
+        launch.arguments = with({"experiment", "run", folder / "e.toml", "--subject", "04", "--out", data()}, further);
         const Outcome outcome = Process(launch).wait();
         EXPECT_EQ(outcome.code, code) << outcome.error;
         return outcome.error;
@@ -84,7 +77,7 @@ protected:
     std::vector<TrialRow> rows() const { return read_rows(data_files(data())[0]); }
     std::filesystem::path data() const { return folder / "data"; }
 
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_session";
+    const Folder folder;
     Browser browser;
     std::unique_ptr<Process> process;
 };
@@ -121,7 +114,7 @@ TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
     }
     EXPECT_TRUE(reaches("done"));
     const Outcome outcome = process->wait();
-    EXPECT_EQ(outcome.code, 0) << read_file(folder / "stderr.txt");
+    EXPECT_EQ(outcome.code, 0) << said();
     std::map<std::uint64_t, int> answered;
     for (const TrialRow& row : rows())
         answered[row.number] += row.counts();
@@ -136,21 +129,19 @@ TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
     // The path that was recorded gives the same forces, digit for digit.
     const std::string name = "subject-03_session-1_trial-" + std::to_string(last.number) + ".csv";
     Launch explore;
-    explore.arguments = {"explore",     (data() / "materials" / "stimuli" / (last.condition + ".toml")).string(),
-                         "--paths",     (data() / "paths" / name).string(),
-                         "--out",       (folder / "again.csv").string(),
+    explore.arguments = {"explore",     data() / "materials" / "stimuli" / (last.condition + ".toml"),
+                         "--paths",     data() / "paths" / name,
+                         "--out",       folder / "again.csv",
                          "--engine",    "cpu",
                          "--precision", "f64"};
     const Outcome explored = Process(explore).wait();
     ASSERT_EQ(explored.code, 0) << explored.error;
     const auto lines = [](const std::filesystem::path& file) {
-        std::vector<std::string> cut;
-        std::ifstream in(file);
-        for (std::string line; std::getline(in, line);) {
-            std::size_t end = 0;
-            for (int i = 0; i < 13; ++i) // to the facet
-                end = line.find(',', end + 1);
-            cut.push_back(line.substr(line.find(',') + 1, end == std::string::npos ? end : end - line.find(',') - 1));
+        std::vector<std::vector<std::string>> cut;
+        for (const std::string& line : lines_of(read_file(file))) {
+            std::vector<std::string>& cells = cut.emplace_back(cells_of(line));
+            cells.resize(13); // to the facet
+            cells.erase(cells.begin());
         }
         return cut;
     };
@@ -198,15 +189,17 @@ TEST_F(Session, IsHeldInAnotherLanguage) {
         }
     }
     std::ranges::sort(known, std::ranges::greater(), &std::string::size);
-    std::ofstream(folder / "zu.md") << "# Einverständnis\n\nIch nehme freiwillig teil.\n";
-    std::ofstream(folder / "an.md") << "# Anleitung\n\n- Streichen Sie **langsam**\n- über die Form.\n";
-    std::ofstream(folder / "e.toml")
-        << "[experiment]\nleast_contact = \"0 s\"\ntrials = 1\nquestion = \"Welche Form war es?\"\nfeedback = true\n"
-           "consent = \"zu.md\"\ninstructions = \"an.md\"\nfamiliarise = true\nbreak_every = 1\nbreak_least = \"5 s\"\n"
-           "[experiment.text]\n"
-        << text
-        << "[[experiment.answer]]\nname = \"edge\"\nlabel = \"eine Kante\"\nfacets = 2\n[[experiment.answer]]\n"
-           "name = \"level\"\nlabel = \"eine Fläche\"\nfacets = 3\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n";
+    folder.write("zu.md", "# Einverständnis\n\nIch nehme freiwillig teil.\n");
+    folder.write("an.md", "# Anleitung\n\n- Streichen Sie **langsam**\n- über die Form.\n");
+    folder.write(
+        "e.toml",
+        "[experiment]\nleast_contact = \"0 s\"\ntrials = 1\nquestion = \"Welche Form war es?\"\nfeedback = true\n"
+        "consent = \"zu.md\"\ninstructions = \"an.md\"\nfamiliarise = true\nbreak_every = 1\nbreak_least = \"5 s\"\n"
+        "[experiment.text]\n" +
+            text +
+            "[[experiment.answer]]\nname = \"edge\"\nlabel = \"eine Kante\"\nfacets = 2\n[[experiment.answer]]\n"
+            "name = \"level\"\nlabel = \"eine Fläche\"\nfacets = 3\n[surface]\nradius = \"600 mil\"\nfacets = [2, "
+            "3]\n");
     const auto expect_german = [&](const std::string& phase) {
         ASSERT_TRUE(reaches(phase)) << browser.text("document.body.innerText");
         std::string seen = browser.text("document.querySelector('main').innerText");
@@ -253,7 +246,7 @@ TEST_F(Session, IsHeldInAnotherLanguage) {
     expect_german("feel");
     browser.press("1");
     expect_german("rest");
-    EXPECT_NE(browser.text("document.getElementById('hints').innerText").find("Sekunden"), std::string::npos);
+    EXPECT_TRUE(says(browser.text("document.getElementById('hints').innerText"), "Sekunden"));
     browser.press(" ");
     EXPECT_EQ(browser.text(kPhase), "rest") << "the break has a least length";
     ASSERT_TRUE(browser.wait_for("document.getElementById('hints').textContent.includes('möchten')"));
@@ -269,19 +262,20 @@ TEST_F(Session, IsHeldInAnotherLanguage) {
         }
     }
     expect_german("done");
-    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
-    EXPECT_NE(read_file(data() / "documentation" / "subject-03_session-1_notes.csv").find("agreed"), std::string::npos);
-    EXPECT_NE(read_file(data() / "documentation" / "participants.csv").find("03,1,31,left"), std::string::npos);
+    EXPECT_EQ(process->wait().code, 0) << said();
+    EXPECT_TRUE(says(read_file(data() / "documentation" / "subject-03_session-1_notes.csv"), "agreed"));
+    EXPECT_TRUE(says(read_file(data() / "documentation" / "participants.csv"), "03,1,31,left"));
 }
 
 // Two stimuli a trial, by keys, with a picture from a file; killed in the second trial's first interval.
 TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
-    std::ofstream(folder / "one.svg") << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\"/>";
-    std::ofstream(folder / "e.toml")
-        << "[experiment]\nleast_contact = \"0 s\"\ntask = \"compare\"\nstandard = \"cylinder_bump*\"\ntrials = 1\n"
-           "[[experiment.answer]]\nname = \"one\"\npicture = \"one.svg\"\n[[experiment.answer]]\nname = \"two\"\n"
-           "[surface]\nradius = \"600 mil\"\n[[variant]]\nsurface.kind = \"cylinder_bump\"\n[[variant]]\n"
-           "surface.kind = \"bump\"\nsurface.facets = [2, 3]\n";
+    folder.write("one.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\"/>");
+    folder.write(
+        "e.toml",
+        "[experiment]\nleast_contact = \"0 s\"\ntask = \"compare\"\nstandard = \"cylinder_bump*\"\ntrials = 1\n"
+        "[[experiment.answer]]\nname = \"one\"\npicture = \"one.svg\"\n[[experiment.answer]]\nname = \"two\"\n"
+        "[surface]\nradius = \"600 mil\"\n[[variant]]\nsurface.kind = \"cylinder_bump\"\n[[variant]]\n"
+        "surface.kind = \"bump\"\nsurface.facets = [2, 3]\n");
     start();
     begin();
     ASSERT_TRUE(reaches("first")) << browser.text("document.body.textContent");
@@ -306,17 +300,15 @@ TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
     std::this_thread::sleep_for(std::chrono::milliseconds(900));
     browser.press("1");
     EXPECT_TRUE(reaches("done"));
-    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
+    EXPECT_EQ(process->wait().code, 0) << said();
     const std::vector<TrialRow> all = rows();
     ASSERT_EQ(all.size(), 2u);
     const std::string order = read_file(data() / "materials" / "order" / "subject-03_session-1.csv");
     for (const TrialRow& row : all) {
         const bool chose_standard = (row.answer == "one") == (row.standard_interval == 1);
         EXPECT_EQ(row.correct, chose_standard) << "the cylinder is the smoother one";
-        EXPECT_NE(order.find("\n" + std::to_string(row.number) + ",1," + row.condition + "," +
-                             std::to_string(row.standard_interval) + ","),
-                  std::string::npos)
-            << order;
+        EXPECT_TRUE(says(order, "\n" + std::to_string(row.number) + ",1," + row.condition + "," +
+                                    std::to_string(row.standard_interval) + ","));
     }
     EXPECT_NE(all[0].condition, all[1].condition);
     EXPECT_EQ(all[0].answer, "two");
@@ -330,9 +322,8 @@ TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
 }
 
 TEST_F(Session, ShowsEachStimulusForItsInterval) {
-    std::ofstream(folder / "e.toml") << "[experiment]\nleast_contact = \"0 s\"\ntask = \"compare\"\nstandard = "
-                                        "\"*facets-3\"\ntrials = 1\ninterval = "
-                                        "\"500 ms\"\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n";
+    folder.write("e.toml", "[experiment]\nleast_contact = \"0 s\"\ntask = \"compare\"\nstandard = \"*facets-3\"\n"
+                           "trials = 1\ninterval = \"500 ms\"\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n");
     start("1", {"--check", "now"});
     begin();
     ASSERT_TRUE(reaches("feel")) << "without a key";
@@ -342,7 +333,7 @@ TEST_F(Session, ShowsEachStimulusForItsInterval) {
     EXPECT_EQ(browser.text(kPhase), "feel") << "still to be answered";
     browser.press("2");
     EXPECT_TRUE(reaches("done"));
-    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
+    EXPECT_EQ(process->wait().code, 0) << said();
     ASSERT_EQ(rows().size(), 1u);
     EXPECT_EQ(rows()[0].device_check, "passed");
     EXPECT_EQ(rows()[0].outcome.answered_by, "key");
@@ -394,29 +385,25 @@ TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
         device += fmt::format(",3@{0} s..{0}.6 s", second);
     const std::vector<std::string> manner{"--device", device, "--dead-man", "1", "--rotate", "z 180 deg"};
     Launch check;
-    check.arguments = {"device", "check", (folder / "scene.toml").string(), "--out", (folder / "check.json").string()};
-    check.arguments.insert(check.arguments.end(), manner.begin(), manner.end());
-    std::ofstream(folder / "scene.toml") << "[surface]\nradius = \"600 mil\"\n";
+    check.arguments = with({"device", "check", folder.write("scene.toml", "[surface]\nradius = \"600 mil\"\n"), "--out",
+                            folder / "check.json"},
+                           manner);
     Process(check).wait();
-    nlohmann::json outcome = nlohmann::json::parse(read_file(folder / "check.json"));
+    nlohmann::json outcome = nlohmann::json::parse(folder.read("check.json"));
     const auto with_outcome = [&](const nlohmann::json& json) {
-        std::ofstream(folder / "check.json") << json;
-        std::vector<std::string> all{"--answer-buttons", "2,3,4,5", "--check", (folder / "check.json").string()};
-        all.insert(all.end(), manner.begin(), manner.end());
-        return all;
+        return with({"--answer-buttons", "2,3,4,5", "--check", folder.write("check.json", json.dump())}, manner);
     };
     outcome["passed"] = false;
-    EXPECT_NE(refusal(with_outcome(outcome), 1).find("did not pass its check"), std::string::npos);
+    EXPECT_TRUE(says(refusal(with_outcome(outcome), 1), "did not pass its check"));
     outcome["passed"] = true; // the dead-man's button was never let go of
     outcome["device"]["name"] = "omega.3";
-    EXPECT_NE(refusal(with_outcome(outcome)).find("it is of omega.3"), std::string::npos);
+    EXPECT_TRUE(says(refusal(with_outcome(outcome)), "it is of omega.3"));
     outcome["device"]["name"] = "simulated hand and device";
     const auto right = with_outcome(outcome);
-    EXPECT_NE(refusal({"--check", (folder / "check.json").string()}).find("another mapping"), std::string::npos);
-    EXPECT_NE(refusal({"--answer-buttons", "1,2"}).find("4 answers want as many"), std::string::npos);
-    EXPECT_NE(refusal({"--device", device, "--answer-buttons", "2,3,4,6"}).find("no button 6"), std::string::npos);
-    EXPECT_NE(refusal({"--device", device, "--answer-buttons", "1,2,3,4", "--dead-man", "1"}).find("two things"),
-              std::string::npos);
+    EXPECT_TRUE(says(refusal({"--check", folder / "check.json"}), "another mapping"));
+    EXPECT_TRUE(says(refusal({"--answer-buttons", "1,2"}), "4 answers want as many"));
+    EXPECT_TRUE(says(refusal({"--device", device, "--answer-buttons", "2,3,4,6"}), "no button 6"));
+    EXPECT_TRUE(says(refusal({"--device", device, "--answer-buttons", "1,2,3,4", "--dead-man", "1"}), "two things"));
 
     start("1", right);
     begin();
@@ -429,7 +416,7 @@ TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
         if (browser.wait_for(std::string("['rest', 'done'].includes(") + kPhase + ")"))
             browser.press(" ");
     EXPECT_TRUE(reaches("done"));
-    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
+    EXPECT_EQ(process->wait().code, 0) << said();
     std::size_t answered = 0;
     for (const TrialRow& row : rows()) {
         if (row.outcome.status == "too early" || row.outcome.status == "no contact")
@@ -445,13 +432,12 @@ TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
     const nlohmann::json kept = nlohmann::json::parse(line);
     EXPECT_EQ(kept["check"]["steps"].size(), 7u);
     EXPECT_EQ(kept["dead_man"], 1);
-    EXPECT_NE(kept["manner"].get<std::string>().find("scene's x, y, z along the device's -x, -y, z"),
-              std::string::npos);
+    EXPECT_TRUE(says(kept["manner"].get<std::string>(), "scene's x, y, z along the device's -x, -y, z"));
     for (int trial = 1; trial <= 4; ++trial) { // answered when it goes down, not because it is
-        std::ifstream in(data() / "paths" / fmt::format("subject-03_session-1_trial-{}.csv", trial));
         std::vector<std::string> held;
-        for (std::string row; std::getline(in, row);)
-            held.push_back(row.substr(row.rfind(',') + 1));
+        for (const std::string& row :
+             lines_of(read_file(data() / "paths" / fmt::format("subject-03_session-1_trial-{}.csv", trial))))
+            held.push_back(cells_of(row).back());
         ASSERT_GT(held.size(), 200u);
         EXPECT_EQ(held[0], "buttons");
         EXPECT_EQ(held.back(), "5") << trial;

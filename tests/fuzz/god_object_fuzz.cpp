@@ -20,11 +20,11 @@ namespace {
 
 using fuzz::Bytes;
 using fuzz::require;
+using walks::kLeastGap;
+using walks::same_bits;
 using walks::wide;
 
 constexpr unsigned kSteps = 12;
-/// A move ends 7/8 of a skin from a triangle.
-constexpr double kLeastGap = 0.86;
 /// The scale of a frame from which most of a mesh, which lies within 2 of the origin, is seen from far.
 constexpr double kFar = 64;
 
@@ -86,10 +86,6 @@ private:
     const MeshStructure& structure_;
     glm::dvec3 at_{1.5, 1.25, 1.75};
 };
-
-template <typename T> bool same_bits(const glm::vec<3, T>& one, const glm::vec<3, T>& other) {
-    return std::memcmp(&one, &other, sizeof one) == 0;
-}
 
 /// How often a closed surface goes round a place of the frame: solid angles over 4 pi (van Oosterom & Strackee 1983).
 double winding_at(const brute::Triangles& triangles, const glm::dvec3& place) {

@@ -3,18 +3,16 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <tuple>
 
 #include <glm/geometric.hpp>
 
 #include "host/error.h"
 #include "host/mesh/connectivity.h"
 #include "host/mesh/findings.h"
-#include "host/mesh/structure.h"
 #include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
-#include "host/reference/mesh_nearest.h"
 #include "tests/mesh/god_object_walks.h"
+#include "tests/mesh/structure_check.h"
 
 namespace forceshade::fuzz {
 
@@ -229,86 +227,6 @@ void check_mesh(const Mesh& mesh) {
             require(corner < mesh.polygons.vertices.size(), "a triangle has no vertex {}", corner);
 }
 
-/// The triangles below a node of the tree; each child's box holds those below it, and its slab but for rounding.
-std::vector<layout::uint> check_node(const MeshStructure& structure, layout::uint node) {
-    std::vector<layout::uint> all;
-    const layout::MeshNode& one = structure.parts->nodes[node];
-    const layout::MeshSlabs& slabs = structure.parts->slabs[node];
-    for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
-        if (one.child[i] == layout::kMeshNoChild)
-            continue;
-        std::vector<layout::uint> below;
-        if (one.child[i] & layout::kMeshLeaf)
-            for (layout::uint k = 0; k <= one.child[i] % 8; ++k)
-                below.push_back((one.child[i] & ~layout::kMeshLeaf) / 8 + k);
-        else
-            below = check_node(structure, one.child[i]);
-        for (const layout::uint triangle : below)
-            for (std::size_t corner = 0; corner < 3; ++corner) {
-                const double* const at =
-                    &structure.reals
-                         ->vertices[3 * std::size_t(structure.parts->triangle_corners[3 * triangle + corner])];
-                require(one.low_x[i] <= at[0] && at[0] <= one.high_x[i] && one.low_y[i] <= at[1] &&
-                            at[1] <= one.high_y[i] && one.low_z[i] <= at[2] && at[2] <= one.high_z[i],
-                        "triangle {} is not in its box", triangle);
-                const long double along = static_cast<long double>(slabs.normal_x[i]) * at[0] +
-                                          static_cast<long double>(slabs.normal_y[i]) * at[1] +
-                                          static_cast<long double>(slabs.normal_z[i]) * at[2];
-                // Slabs are measured in double precision; a search allows for more than these three products' rounding.
-                const long double rounding = 4e-16L * (std::abs(at[0]) + std::abs(at[1]) + std::abs(at[2]));
-                require(slabs.low[i] - rounding <= along && along <= slabs.high[i] + rounding,
-                        "triangle {} is not in its slab", triangle);
-            }
-        all.insert(all.end(), below.begin(), below.end());
-    }
-    return all;
-}
-
-/// Each triangle is below the root once, and next to the only other one between the same two places.
-void check_structure(const MeshStructure& structure) {
-    std::vector<layout::uint> all = check_node(structure, 0);
-    std::ranges::sort(all);
-    for (layout::uint i = 0; i < structure.triangles(); ++i)
-        require(all.size() == structure.triangles() && all[i] == i, "the tree holds other triangles");
-    const auto place = [&](std::size_t triangle, std::size_t corner) {
-        const std::size_t vertex = structure.parts->triangle_corners[3 * triangle + corner % 3];
-        return glm::dvec3(structure.reals->vertices[3 * vertex], structure.reals->vertices[3 * vertex + 1],
-                          structure.reals->vertices[3 * vertex + 2]);
-    };
-    std::map<std::array<double, 6>, std::vector<std::size_t>> sides;
-    const auto ends = [&](std::size_t side) {
-        glm::dvec3 from = place(side / 3, side % 3) + 0.0, to = place(side / 3, side % 3 + 1) + 0.0; // no -0
-        if (std::tie(to.x, to.y, to.z) < std::tie(from.x, from.y, from.z))
-            std::swap(from, to);
-        return std::array{from.x, from.y, from.z, to.x, to.y, to.z};
-    };
-    for (std::size_t side = 0; side < 3 * structure.triangles(); ++side)
-        sides[ends(side)].push_back(side / 3);
-    for (std::size_t side = 0; side < 3 * structure.triangles(); ++side) {
-        const std::vector<std::size_t>& there = sides[ends(side)];
-        const layout::uint across = structure.parts->triangle_neighbours[side];
-        if (there.size() == 1)
-            require(across == layout::kMeshBorder, "triangle {} is next to {} on a border", side / 3, across);
-        else if (there.size() == 2 && there[0] != there[1])
-            require(across == there[0] + there[1] - side / 3, "triangle {} is not next to {}", side / 3, across);
-        else
-            require(across != layout::kMeshBorder && (across & layout::kMeshManyBit) != 0,
-                    "triangle {} is next to {} alone", side / 3, across);
-    }
-}
-
-template <typename T> Nearest<T> nearest_by_loop(const layout::MeshView<T>& mesh, const Vector<T>& probe) {
-    Nearest<T> best{0, 0, 0, {}, std::numeric_limits<T>::infinity()};
-    for (layout::uint triangle = 0; triangle < mesh.params.triangles; ++triangle) {
-        const auto point = reference::nearest_on_triangle(probe, reference::triangle_at(mesh, triangle));
-        const layout::uint facet = mesh.triangle_facets[triangle];
-        if (point.square < best.square ||
-            (point.square == best.square && (facet < best.facet || (facet == best.facet && triangle < best.triangle))))
-            best = {triangle, facet, point.feature, point.offset, point.square};
-    }
-    return best;
-}
-
 /// Places of the mesh's frame: anywhere, on vertices, on lines between them.
 glm::dvec3 take_place(Bytes& bytes, const MeshStructure& structure) {
     const auto vertex = [&] {
@@ -333,14 +251,11 @@ template <typename T> void check_nearest(const MeshTables<T>& tables, const glm:
     const Vector<T> probe(place);
     if (!(std::abs(probe.x) + std::abs(probe.y) + std::abs(probe.z) < T(1e15)))
         return;
-    const Nearest<T> expected = nearest_by_loop(mesh, probe);
+    const Nearest<T> expected = shapes::nearest_by_loop(mesh, probe);
     for (const layout::uint hint : {0U, mesh.params.triangles - 1, expected.triangle}) {
         const Nearest<T> found = reference::nearest(mesh, probe, hint);
-        require(found.triangle == expected.triangle && found.facet == expected.facet &&
-                    found.feature == expected.feature && found.square == expected.square &&
-                    std::memcmp(&found.offset, &expected.offset, sizeof found.offset) == 0,
-                "at {} {} {} triangle {} is the nearest (square {}), not {} (square {})", place.x, place.y, place.z,
-                expected.triangle, expected.square, found.triangle, found.square);
+        require(shapes::same(found, expected), "at {} {} {} triangle {} is the nearest (square {}), not {} (square {})",
+                place.x, place.y, place.z, expected.triangle, expected.square, found.triangle, found.square);
     }
 }
 
@@ -407,7 +322,8 @@ void check_preparation(const PolygonSoup& soup, Bytes& bytes) {
         check_placement(soup, bytes);
         MeshStructure structure =
             build_structure(mesh, {.threads = 1, .winding = true, .leaf_triangles = kind & 2 ? 1U : 4U});
-        check_structure(structure);
+        const std::string fault = shapes::check_structure(structure).fault;
+        require(fault.empty(), "{}", fault);
         if (is_solid(findings))
             assume_solid(structure);
         const bool solid = is_solid(findings) && findings.volume > 0; // its outside out

@@ -6,6 +6,7 @@
 #include "tests/gpu/broken_kernels.h"
 #include "tests/gpu/path_case.h"
 #include "tests/gpu/software_device.h"
+#include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 #include "tests/unit/laws.h"
 
@@ -55,13 +56,7 @@ protected:
         return samples;
     }
     static void expect_differs(const std::string& what, const std::function<void()>& work) {
-        try {
-            work();
-            FAIL() << "nothing is seen";
-        } catch (const compute::DeviceError& error) {
-            EXPECT_EQ(error.kind(), compute::DeviceError::Kind::differs_in_parts);
-            EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
-        }
+        EXPECT_TRUE(testing::says(test::device_error(compute::DeviceError::Kind::differs_in_parts, work), what));
     }
 
     EngineOptions options_;

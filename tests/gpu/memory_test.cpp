@@ -102,12 +102,9 @@ TEST_F(Memory, WhereNothingFitsTheErrorIsClear) {
     std::string message;
     {
         const AddressSpaceLimit limit(64 * kMebibyte);
-        try {
+        message = test::device_error(compute::DeviceError::Kind::out_of_memory, [&] {
             kernel.evaluate<double>(tables.input(), [](const layout::FieldChunk<double>&) {});
-        } catch (const compute::DeviceError& error) {
-            EXPECT_EQ(error.kind(), compute::DeviceError::Kind::out_of_memory);
-            message = error.what();
-        }
+        });
     }
     EXPECT_NE(message.find("out of device memory while allocating a buffer of"), std::string::npos) << message;
     // With memory again the same kernel serves.

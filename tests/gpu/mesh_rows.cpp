@@ -1,7 +1,6 @@
 // The rows of meshes.
 #include <numbers>
 
-#include "host/mesh/mesh_file.h"
 #include "tests/gpu/rows.h"
 #include "tests/mesh/damage.h"
 
@@ -67,10 +66,6 @@ constexpr MeshShading kMeshShadings[] = {{"unshaded", Shading::none},
                                          {"mean_value", Shading::mean_value},
                                          {"two_pass", Shading::two_pass}};
 
-PolygonSoup spot() {
-    return read_polygons(FORCESHADE_DATA "/spot.obj").polygons;
-}
-
 // A sphere of 25 mm whose top is the origin.
 template <unsigned levels> PolygonSoup ball() {
     return shapes::moved(shapes::icosphere(levels), glm::dvec3(0.025), glm::dvec3(0, 0, -0.025));
@@ -90,22 +85,16 @@ PolygonSoup dented_and_twice() {
 }
 
 PolygonSoup wavy_disc(std::uint32_t corners) {
-    PolygonSoup disc;
-    disc.begins = {0, corners};
+    std::vector<glm::dvec3> rim;
     for (std::uint32_t i = 0; i < corners; ++i) {
         const double angle = 2 * std::numbers::pi * i / corners;
-        disc.vertices.push_back(0.01 * glm::dvec3(std::cos(angle), std::sin(angle), 0.02 * std::cos(2 * angle)));
-        disc.corners.push_back(i);
+        rim.push_back(0.01 * glm::dvec3(std::cos(angle), std::sin(angle), 0.02 * std::cos(2 * angle)));
     }
-    return disc;
+    return shapes::polygon(std::move(rim));
 }
 
 PolygonSoup sheet() {
-    PolygonSoup sheet;
-    sheet.vertices = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
-    sheet.corners = {0, 1, 2};
-    sheet.begins = {0, 3};
-    return sheet;
+    return shapes::polygon({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}});
 }
 
 PathShape mesh_shape(uint motion, uint loop, std::size_t paths = 64, std::size_t steps = 200) {
@@ -175,7 +164,7 @@ std::vector<Row> mesh_field_rows() {
                     .f64 = false});
     const std::size_t side = std::getenv("FORCESHADE_LONG") ? 128 : 64;
     const MeshGrid fine{{side, side, side}};
-    rows.push_back({"spot_fine", on_mesh(spot, Shading::barycentric), {}, fine});
+    rows.push_back({"spot_fine", on_mesh(shapes::spot, Shading::barycentric), {}, fine});
     rows.push_back({"icosphere_of_20480_fine", on_mesh(sphere<5>, Shading::mean_value), {}, fine});
     rows.push_back({"polyhedra_fine",
                     on_mesh([] { return shapes::random_polyhedra(200, 1996); }, Shading::morgenbesser),
@@ -228,7 +217,7 @@ std::vector<Row> mesh_path_rows() {
     constexpr std::size_t kSlice = 5000; // paths held in memory at once
     PathShape aimed = mesh_shape(layout::kMotionRecorded, layout::kLoopOpen, kSlice, walks::Aimer::kSteps);
     aimed.probes = Probes::aimed;
-    for (const auto& terrains : {walks::solids(), walks::meshes({FORCESHADE_DATA "/spot.obj"})})
+    for (const auto& terrains : {walks::solids(), walks::meshes({FORCESHADE_TEST_DATA "/spot.obj"})})
         for (const walks::Terrain& terrain : terrains)
             rows.push_back({.name = "aimed_" + letters_of(terrain.name),
                             .ground = on_mesh(shared(terrain.polygons)),
@@ -241,12 +230,12 @@ std::vector<Row> mesh_path_rows() {
     through.depth = 0.3;
     through.seed = 3;
     rows.push_back({.name = "through_spot",
-                    .ground = on_mesh(spot),
+                    .ground = on_mesh(shapes::spot),
                     .shape = through,
                     .least = {.host_updates = 400, .most_host_updates = 400 * 150 / 2}});
     // What takes more loops than an invocation may run goes to the host, on the way to edges too.
     rows.push_back({.name = "few_loops_on_spot",
-                    .ground = on_mesh(spot),
+                    .ground = on_mesh(shapes::spot),
                     .shape = wandering(24, 200),
                     .ways = {{.limit = 300}},
                     .least = {.host_updates = 10}});
@@ -265,7 +254,7 @@ std::vector<Row> mesh_path_rows() {
     for (const MeshShading& shading : kMeshShadings)
         for (const bool maps : {false, true})
             rows.push_back({.name = fmt::format("{}{}", shading.name, maps ? "_with_maps" : ""),
-                            .ground = on_mesh(spot, shading.is, maps ? both : none),
+                            .ground = on_mesh(shapes::spot, shading.is, maps ? both : none),
                             .shape = wandering(48, 80),
                             .least = {.touching = 400},
                             .f64 = false});
@@ -313,7 +302,7 @@ std::vector<Row> long_mesh_path_rows() {
         rows.push_back({fmt::format("sphere_{}", slice), on_mesh(ball<6>, Shading::barycentric), shape});
     }
     rows.push_back({.name = "spot",
-                    .ground = on_mesh(spot, Shading::barycentric),
+                    .ground = on_mesh(shapes::spot, Shading::barycentric),
                     .shape = wandering(1000, 500),
                     .least = {.touching = 10000},
                     .slices = 2});

@@ -1,5 +1,4 @@
 // Compiled kernels kept on disk: whatever lies there, results are the same and nothing fails.
-#include <fstream>
 #include <iterator>
 
 #include <gtest/gtest.h>
@@ -25,16 +24,6 @@ Bytes some_bytes(std::size_t count) {
     return bytes;
 }
 
-std::string content(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void put(const std::filesystem::path& path, const std::string& text) {
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << text;
-}
-
 TEST(PipelineCacheFile, RoundTrip) {
     const Folder folder;
     const auto deep = folder.path() / "made" / "on demand";
@@ -52,11 +41,11 @@ TEST(PipelineCacheFile, RoundTrip) {
 TEST(PipelineCacheFile, DamageIsSeen) {
     spdlog::set_level(spdlog::level::off);
     const Folder folder;
-    const auto path = pipeline_cache_path(folder.path(), kDevice);
+    const std::string name = pipeline_cache_path(folder.path(), kDevice).filename();
     write_pipeline_cache(folder.path(), kDevice, some_bytes(1000));
-    const std::string intact = content(path);
+    const std::string intact = folder.read(name);
     const auto refused = [&](const std::string& text) {
-        put(path, text);
+        folder.write(name, text);
         return read_pipeline_cache(folder.path(), kDevice).empty();
     };
     EXPECT_FALSE(refused(intact));
@@ -79,7 +68,7 @@ TEST(PipelineCacheFile, WhatIsNoFileIsIgnored) {
     EXPECT_TRUE(read_pipeline_cache(folder.path(), kDevice).empty());
     EXPECT_NO_THROW(write_pipeline_cache(folder.path(), kDevice, some_bytes(10)));
     std::filesystem::remove(path);
-    put(path, "");
+    folder.write(path.filename(), "");
     std::filesystem::resize_file(path, std::uintmax_t(1) << 40); // sparse: reading it would end the test
     EXPECT_TRUE(read_pipeline_cache(folder.path(), kDevice).empty());
     EXPECT_TRUE(read_pipeline_cache({}, kDevice).empty());
@@ -89,7 +78,7 @@ TEST(PipelineCacheFile, WhatIsNoFileIsIgnored) {
 // Not even root can write below a file.
 TEST(PipelineCacheFile, AFolderThatCannotBeWrittenIsNoError) {
     const Folder folder;
-    put(folder / "file", "");
+    folder.write("file", "");
     EXPECT_NO_THROW(write_pipeline_cache(folder / "file" / std::string("below"), kDevice, some_bytes(10)));
     EXPECT_TRUE(read_pipeline_cache(folder / "file" / std::string("below"), kDevice).empty());
 }
@@ -119,14 +108,14 @@ TEST_F(EngineCache, IsWrittenAndSurvivesDamage) {
     run(folder.path());
     const auto names = folder.names();
     ASSERT_EQ(names.size(), 1u);
-    const std::string intact = content(folder / names[0]);
+    const std::string intact = folder.read(names[0]);
     EXPECT_GT(intact.size(), 64u);
     for (const std::string& damaged : {intact, intact.substr(0, intact.size() / 2), std::string(), intact + intact}) {
-        put(folder / names[0], damaged);
+        folder.write(names[0], damaged);
         run(folder.path());
         EXPECT_EQ(folder.names(), names);
     }
-    put(folder / "file", "");
+    folder.write("file", "");
     run(folder / "file" / std::string("below"));
 }
 

@@ -2,8 +2,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "compute/device.h"
 #include "compute/plan.h"
+#include "tests/gpu/software_device.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::compute {
 namespace {
@@ -132,14 +133,11 @@ TEST(Plan, NamesTheRowThatDoesNotFit) {
     limits.group_invocations = 128;
     limits.group_count = 65535;
     limits.lanes = 4;
-    try {
-        plan_field(100, 1, 1, {12, 12}, limits);
-        FAIL();
-    } catch (const DeviceError& error) {
-        EXPECT_EQ(error.kind(), DeviceError::Kind::out_of_memory);
-        EXPECT_NE(std::string(error.what()).find("one row of 100 samples takes 1200 bytes"), std::string::npos)
-            << error.what();
-    }
+    EXPECT_TRUE(testing::says(test::device_error(DeviceError::Kind::out_of_memory,
+                                                 [&] {
+                                                     plan_field(100, 1, 1, {12, 12}, limits);
+                                                 }),
+                              "one row of 100 samples takes 1200 bytes"));
 }
 
 } // namespace

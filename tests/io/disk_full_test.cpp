@@ -1,9 +1,8 @@
-// What happens when the disk takes no more, without and (where mounting is allowed) with a real full disk.
+// What happens when the disk takes no more; with a real full disk: tests/e2e/disk_test.cpp.
 #include <csignal>
 #include <random>
 
 #include <gtest/gtest.h>
-#include <sys/mount.h>
 #include <sys/resource.h>
 
 #include "host/error.h"
@@ -109,27 +108,6 @@ TEST(DiskFull, EndsInAnErrorForTheOtherFormats) {
             << "an array that is compressed beside the file";
     }
     EXPECT_TRUE(folder.names().empty());
-}
-
-TEST(DiskFull, OfARealFileSystemSaysSo) {
-    const Folder folder;
-    std::filesystem::create_directory(folder / "small");
-    if (::mount("tmpfs", (folder / "small").c_str(), "tmpfs", 0, "size=1m") != 0)
-        GTEST_SKIP() << "mounting is not permitted here";
-    std::string message, read_only;
-    bool empty = false;
-    {
-        VolumeWriter writer(folder / "small/a.exr", sample_header(kFieldSize, layout::kChannelForce));
-        message = write_all(writer, noise());
-    }
-    empty = std::filesystem::is_empty(folder / "small");
-    ::mount("tmpfs", (folder / "small").c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr);
-    read_only = message_of<IoError>(
-        [&] { VolumeWriter(folder / "small/a.exr", sample_header(kFieldSize, layout::kChannelForce)); });
-    ::umount((folder / "small").c_str());
-    EXPECT_TRUE(says(message, "a.exr: No space left on device; free space there"));
-    EXPECT_TRUE(empty);
-    EXPECT_TRUE(says(read_only, "a.exr: Read-only file system; choose a folder"));
 }
 
 } // namespace

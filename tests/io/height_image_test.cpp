@@ -1,16 +1,17 @@
 // Height maps from EXR and PNG files.
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/height_image.h"
 #include "tests/io/folder.h"
 #include "tests/io/picture.h"
-#include "tests/io/short_block.h"
 
 namespace forceshade {
 namespace {
@@ -134,12 +135,67 @@ TEST(HeightExr, ThatAnnouncesTooMuchIsRefusedBeforeItIsRead) {
     EXPECT_TRUE(says(message_of<UsageError>([&] { read_height_image(folder / "u.exr"); }), "needs about 8.0 GiB"));
 }
 
+// By their numbers in the file.
+enum class Packing : char { none = 0, rle = 1, zips = 2, zip = 3, pxr24 = 5 };
+
+std::string deflated(const std::string& bytes) {
+    uLongf size = compressBound(bytes.size());
+    std::string packed(size, '\0');
+    compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+             bytes.size());
+    return packed.substr(0, size);
+}
+
+// What a block of so many bytes of zeros is as packed; of none it is empty.
+std::string packed_zeros(Packing packing, std::size_t size) {
+    if (size == 0)
+        return {};
+    std::string differences(size, '\x80'); // of each byte from the one before, plus 128
+    differences[0] = 0;
+    switch (packing) {
+    case Packing::none:
+        return std::string(size, '\0');
+    case Packing::pxr24:
+        return deflated(std::string(size, '\0'));
+    case Packing::zips:
+    case Packing::zip:
+        return deflated(differences);
+    case Packing::rle:
+        break;
+    }
+    std::string runs;
+    for (std::size_t at = 0; at < size;) {
+        std::size_t end = at + 1;
+        while (end < size && end - at < 128 && differences[end] == differences[at])
+            ++end;
+        runs += {static_cast<char>(end - at - 1), differences[at]};
+        at = end;
+    }
+    return runs;
+}
+
+// The file, of one part and one block, with other contents of that block.
+std::string with_block(const std::string& file, const std::string& contents, bool tiled = false) {
+    const auto word = [&](std::size_t at) {
+        std::uint64_t value = 0;
+        std::memcpy(&value, file.data() + at, sizeof value);
+        return value;
+    };
+    for (std::size_t block = 8; block + 8 <= file.size(); ++block) // behind the table, which has its place
+        if (word(block - 8) == block) {
+            const auto size = static_cast<std::uint32_t>(contents.size());
+            std::string changed = file.substr(0, block + (tiled ? 16 : 4)); // its place in the image, then its size
+            changed.append(reinterpret_cast<const char*>(&size), sizeof size);
+            return changed + contents;
+        }
+    throw std::runtime_error("the file has no table of one block");
+}
+
 // Less than a block should hold would be read from what the memory held before: run with MALLOC_PERTURB_ to see it.
 TEST(HeightExr, WithABlockThatIsTooShortIsDamaged) {
     const Folder folder;
     const auto path = folder / "u.exr";
-    for (const testing::Packing packing : {testing::Packing::none, testing::Packing::rle, testing::Packing::zips,
-                                           testing::Packing::zip, testing::Packing::pxr24})
+    for (const Packing packing : {Packing::none, Packing::rle, Packing::zips, Packing::zip, Packing::pxr24})
         for (const Imf::PixelType type : {Imf::FLOAT, Imf::HALF, Imf::UINT})
             for (const bool tiled : {false, true}) {
                 SCOPED_TRACE(fmt::format("compression {}, type {}, tiled {}", static_cast<int>(packing),
@@ -147,14 +203,14 @@ TEST(HeightExr, WithABlockThatIsTooShortIsDamaged) {
                 const Imath::Box2i window{{0, 0}, tiled ? Imath::V2i(1, 1) : Imath::V2i(63, 0)}; // of one block
                 write_exr(path, {{"Y", {type, ramp}}}, {window, window, static_cast<Imf::Compression>(packing), tiled});
                 const std::size_t pixels = tiled ? 4 : 64;
-                const std::size_t whole = pixels * (type == Imf::HALF                                          ? 2
-                                                    : packing == testing::Packing::pxr24 && type == Imf::FLOAT ? 3
-                                                                                                               : 4);
+                const std::size_t whole = pixels * (type == Imf::HALF                                 ? 2
+                                                    : packing == Packing::pxr24 && type == Imf::FLOAT ? 3
+                                                                                                      : 4);
                 const std::string file = read_file(path);
                 const auto rewrite = [&](std::size_t size) {
-                    write_file_atomically(path, testing::with_block(file, testing::packed_zeros(packing, size), tiled));
+                    write_file_atomically(path, with_block(file, packed_zeros(packing, size), tiled));
                 };
-                if (!tiled || packing == testing::Packing::none) { // else it is no smaller packed
+                if (!tiled || packing == Packing::none) { // else it is no smaller packed
                     rewrite(whole);
                     EXPECT_EQ(read_height_image(path).samples, std::vector(pixels, 0.0));
                 }

@@ -1,6 +1,5 @@
 #include <clocale>
 #include <csignal>
-#include <fstream>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -132,7 +131,7 @@ TEST(StaleTemporaries, AreThoseThatNoLiveProcessHolds) {
     const std::vector<std::string> others{".a.exr.tmp", ".hidden", "a.exr", own.substr(1),
                                           own.substr(0, own.size() - 5) + "X.tmp"};
     for (const std::string& name : others)
-        std::ofstream(folder / name) << name;
+        folder.write(name, name);
     const std::filesystem::path name = TemporaryFile(folder / "d").temporary_path();
     std::filesystem::create_directory(name);
     Holder holder(folder / "b.exr");
@@ -149,7 +148,7 @@ TEST(StaleTemporaries, AreThoseThatNoLiveProcessHolds) {
 TEST(StaleTemporaries, OfOtherMachinesStay) {
     const Folder folder;
     const std::string of_another = ".a.exr.fs.other-node.17.0123456789abcdef.tmp";
-    std::ofstream(folder / of_another) << "half";
+    folder.write(of_another, "half");
     EXPECT_EQ(clear_stale_temporaries(folder.path()), 0u);
     EXPECT_EQ(temporaries_of_others(folder.path()), std::vector<std::string>{of_another});
 }

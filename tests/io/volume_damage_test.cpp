@@ -11,15 +11,16 @@
 #include "host/output/files.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
-#include "tests/io/short_block.h"
 
 namespace forceshade {
 namespace {
 
 using testing::Folder;
 using testing::kAllChannels;
+using testing::message_of;
 using testing::sample_header;
 using testing::SampleField;
+using testing::says;
 
 struct Sound {
     Folder folder;
@@ -66,46 +67,13 @@ TEST(DamagedVolume, IsRefusedBeforeItCostsMemory) {
         std::string bytes = sound.bytes;
         bytes.replace(bytes.find(name) + name.size() + offset, sizeof value, reinterpret_cast<const char*>(&value), 4);
         write_file_atomically(sound.path, bytes);
-        return testing::message_of<IoError>([&] { read_all(sound.path); });
+        return message_of<IoError>([&] { read_all(sound.path); });
     };
     using namespace std::string_literals;
     EXPECT_TRUE(says(refusal_of("forceshade.scene\0string\0"s, 0, 0x7fffffff), "no valid EXR file"));
     EXPECT_TRUE(says(refusal_of("dataWindow\0box2i\0"s, 4 + 12, 0x3ffffff0), "too short for the pixels"));
     EXPECT_TRUE(says(refusal_of("dataWindow\0box2i\0"s, 4 + 8, 0x3ffffff0), "more than 1 GiB"));
     EXPECT_TRUE(says(refusal_of("forceshade.grid\0v3i\0"s, 4 + 8, 0x3ffffff0), "not a volume of this program"));
-}
-
-TEST(DamagedVolume, WhoseBlockIsTooShortIsNoticed) {
-    const Folder folder;
-    constexpr std::array<std::uint64_t, 3> kOneBlock{64, 1, 1};
-    for (const auto& [compression, packing] : {std::pair(Compression::none, testing::Packing::none),
-                                               {Compression::zip1, testing::Packing::zips},
-                                               {Compression::zip, testing::Packing::zip},
-                                               {Compression::pxr24, testing::Packing::pxr24}})
-        for (const PixelType pixel : {PixelType::float32, PixelType::half}) {
-            SCOPED_TRACE(static_cast<int>(packing));
-            VolumeHeader header = sample_header(kOneBlock, layout::kChannelForce);
-            header.compression = compression;
-            header.pixel = pixel;
-            VolumeWriter writer(folder / "a.exr", header);
-            SampleField(kOneBlock).write_to(writer);
-            writer.finish();
-            const std::string file = read_file(folder / "a.exr");
-            const std::size_t whole = 64 * 3 *
-                                      (pixel == PixelType::half            ? 2
-                                       : compression == Compression::pxr24 ? 3
-                                                                           : 4);
-            const auto values_with = [&](std::size_t size) {
-                write_file_atomically(folder / "a.exr",
-                                      testing::with_block(file, testing::packed_zeros(packing, size)));
-                std::vector<float> values;
-                VolumeReader(folder / "a.exr").read(layout::kChannelForce, 0, 1, values);
-                return values;
-            };
-            EXPECT_EQ(values_with(whole), std::vector<float>(64 * 3, 0.0f));
-            for (const std::size_t size : {whole - 1, whole / 2, std::size_t{1}, std::size_t{0}})
-                EXPECT_THROW(values_with(size), IoError) << size;
-        }
 }
 
 /// Changes a byte in the middle of a file.
@@ -131,7 +99,7 @@ TEST(DamagedVolume, IsNoticedBeforeItGetsItsName) {
             VolumeHeader header = sample_header(kLarge, layout::kChannelForce);
             header.compression = compression;
             header.threads = threads;
-            EXPECT_TRUE(says(testing::message_of<IoError>([&] {
+            EXPECT_TRUE(says(message_of<IoError>([&] {
                                  VolumeWriter writer(folder / "a.exr", header);
                                  field.write_to(writer);
                                  damage(folder / folder.names().at(0));
@@ -148,9 +116,6 @@ TEST(DamagedVolume, IsNotTakenForOneOfAnotherKind) {
     EXPECT_THROW(read_all(folder / "a.exr"), IoError);
     EXPECT_THROW(read_all(folder.path()), IoError);
 }
-
-using testing::message_of;
-using testing::says;
 
 template <typename E>
 std::string refusal(const Folder& folder, const VolumeHeader& header, const SampleField<float>& field) {

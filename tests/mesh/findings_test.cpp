@@ -43,7 +43,7 @@ TEST(Findings, ACubeIsClosedAndFaultless) {
 }
 
 TEST(Findings, SpotIsFaultless) {
-    const MeshFindings found = inspect(read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons);
+    const MeshFindings found = inspect(shapes::spot());
     EXPECT_TRUE(found.closed);
     EXPECT_GT(found.volume, 0);
     EXPECT_TRUE(faults(found).empty());
@@ -122,9 +122,7 @@ TEST(Findings, RedundantFacetsEnterNothing) {
 }
 
 TEST(Findings, SheetsAndWallsAreToldOf) {
-    PolygonSoup sheet;
-    sheet.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    add_facet(sheet, {0, 1, 2, 3});
+    PolygonSoup sheet = shapes::polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
     add_facet(sheet, {3, 2, 1, 0});
     const MeshFindings found = inspect(sheet);
     EXPECT_EQ(found.opposed_facets, 1u);
@@ -187,9 +185,7 @@ TEST(Findings, CornersAtTheSamePlaceAreNoIntersection) {
 
 TEST(Findings, MeaninglessMeshesAreRefused) {
     EXPECT_THROW(refuse_if_meaningless(inspect(PolygonSoup{}), "a.off"), UsageError);
-    PolygonSoup line;
-    line.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
-    add_facet(line, {0, 1, 2});
+    const PolygonSoup line = shapes::polygon({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}});
     EXPECT_THROW(refuse_if_meaningless(inspect(line), "a.off"), UsageError);
     EXPECT_THROW(
         refuse_if_meaningless(inspect(shapes::moved(shapes::cube(), glm::dvec3(1e308), glm::dvec3(0))), "a.off"),

@@ -113,9 +113,6 @@ TEST(GodObjectSafety, InPits) {
     wander_in_pits<float>();
 }
 
-/// A move ends 7/8 of a skin from a triangle; what is far below that has lost its skin and meets nothing any more.
-constexpr double kLeastGap = 0.86;
-
 struct AimedTally {
     std::uint64_t steps = 0, contacts = 0, crossed = 0, unfinished = 0;
 };
@@ -134,7 +131,7 @@ template <typename T> void aim(PolygonSoup polygons, std::uint64_t walks, std::u
             ++tally.steps;
             tally.contacts += contact.touching;
             unfinished = !contact.finished;
-            crossed = run.crossed || gap < kLeastGap;
+            crossed = run.crossed || gap < walks::kLeastGap;
         }
         tally.crossed += crossed;
         tally.unfinished += unfinished;
@@ -183,8 +180,8 @@ TEST(GodObjectAimed, AlongAnEdgePastItsCorner) {
     for (const glm::dvec3& probe :
          {glm::dvec3(1.0000000000009546, 1.0000000000003315, 1.0000000000006557), glm::dvec3(1, -1, -1)}) {
         reference::update(run.mesh, run.state, *run.around, probe,
-                          [&](const auto&, const auto& to) { EXPECT_GT(gap(to), kLeastGap); });
-        EXPECT_GT(gap(run.state.proxy), kLeastGap);
+                          [&](const auto&, const auto& to) { EXPECT_GT(gap(to), walks::kLeastGap); });
+        EXPECT_GT(gap(run.state.proxy), walks::kLeastGap);
     }
 }
 

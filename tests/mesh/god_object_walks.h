@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <random>
 #include <string>
@@ -14,6 +15,14 @@ namespace forceshade::walks {
 template <typename T> glm::dvec3 wide(const glm::vec<3, T>& v) {
     return {double(v.x), double(v.y), double(v.z)};
 }
+
+template <typename T> bool same_bits(const glm::vec<3, T>& one, const glm::vec<3, T>& other) {
+    return std::memcmp(&one, &other, sizeof one) == 0;
+}
+
+/// Of a proxy from the mesh, in skins: a move ends 7/8 of a skin from a triangle; what is far below that has lost its
+/// skin and meets nothing any more.
+constexpr double kLeastGap = 0.86;
 
 struct Terrain {
     std::string name;

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
 #include "host/referee/referee.h"
 #include "host/reference/contact.h"
@@ -83,7 +82,7 @@ TEST(MeshContact, IsTheReferees) {
     for (const auto& [polygons, probes] :
          {std::pair{shapes::icosphere(3), 100},
           {shapes::moved(shapes::icosphere(2), glm::dvec3(0.01), {1e4, -1e4, 1e4}), 100},
-          {read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons, 30},
+          {shapes::spot(), 30},
           {shapes::random_polyhedra(60, 2), 400},
           {shapes::cube(), 300},
           {shapes::patch(shapes::Cells::hexagons, 6, cylinder), 300}}) {

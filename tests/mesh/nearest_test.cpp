@@ -2,37 +2,19 @@
 // bit; and slivers, which reach no further than they are.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "host/mesh/structure.h"
-#include "host/reference/mesh_nearest.h"
 #include "tests/mesh/shapes.h"
+#include "tests/mesh/structure_check.h"
 
 namespace forceshade {
 namespace {
 
 using reference::Nearest;
 using reference::Vector;
-
-template <typename T> Nearest<T> by_loop(const layout::MeshView<T>& mesh, const Vector<T>& probe) {
-    Nearest<T> best{0, 0, 0, {}, std::numeric_limits<T>::infinity()};
-    for (layout::uint triangle = 0; triangle < mesh.params.triangles; ++triangle) {
-        const auto point = reference::nearest_on_triangle(probe, reference::triangle_at(mesh, triangle));
-        const layout::uint facet = mesh.triangle_facets[triangle];
-        if (point.square < best.square ||
-            (point.square == best.square && (facet < best.facet || (facet == best.facet && triangle < best.triangle))))
-            best = {triangle, facet, point.feature, point.offset, point.square};
-    }
-    return best;
-}
-
-template <typename T> bool same(const Nearest<T>& one, const Nearest<T>& other) {
-    return one.triangle == other.triangle && one.facet == other.facet && one.feature == other.feature &&
-           std::memcmp(&one.offset, &other.offset, sizeof one.offset) == 0 && one.square == other.square;
-}
+using shapes::same;
 
 template <typename T> struct Probes {
     std::mt19937 random{7};
@@ -76,7 +58,7 @@ template <typename T> void hold_against_loop(const PolygonSoup& polygons, int co
     const layout::MeshView<T> mesh = probes.tables.view();
     layout::uint hint = 0;
     for (const Vector<T>& probe : probes.all) {
-        const Nearest<T> expected = by_loop(mesh, probe);
+        const Nearest<T> expected = shapes::nearest_by_loop(mesh, probe);
         const Nearest<T> found = reference::nearest(mesh, probe);
         ASSERT_TRUE(same(found, expected))
             << probe.x << ' ' << probe.y << ' ' << probe.z << ": triangle " << found.triangle << " at " << found.square
@@ -99,7 +81,7 @@ TEST(Nearest, ATriangleThatRoundingMakesALineHasNoFace) {
     shapes::add_facet(polygons, {4, 6, 5});
     const auto tables = make_mesh_tables<float>(build_structure(shapes::mesh_of(polygons)), 1000);
     const Vector<float> probe(1.25f, 0.25f, 0);
-    const Nearest<float> found = by_loop(tables.view(), probe);
+    const Nearest<float> found = shapes::nearest_by_loop(tables.view(), probe);
     EXPECT_NEAR(found.square, 0.5625f, 1e-6f);
     EXPECT_TRUE(same(reference::nearest(tables.view(), probe), found));
 }

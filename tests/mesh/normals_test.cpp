@@ -78,22 +78,18 @@ TEST(TriangleNormal, IsZeroOnlyForNoArea) {
 TEST(FacetNormals, OfAPlaneAndOfAWarpedFacet) {
     for (const glm::dvec3& normal : facet_normals(shapes::cube()))
         EXPECT_EQ(length(normal), 1);
-    PolygonSoup saddle; // Newell's normal of a regular saddle is its axis
-    saddle.vertices = {{1, 0, .3}, {0, 1, -.3}, {-1, 0, .3}, {0, -1, -.3}};
-    shapes::add_facet(saddle, {0, 1, 2, 3});
+    // Newell's normal of a regular saddle is its axis.
+    const PolygonSoup saddle = shapes::polygon({{1, 0, .3}, {0, 1, -.3}, {-1, 0, .3}, {0, -1, -.3}}),
+                      bow_tie = shapes::polygon({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}});
     EXPECT_LE(length(facet_normals(saddle)[0] - glm::dvec3(0, 0, 1)), 2 * kUlp);
-    PolygonSoup bow_tie;
-    bow_tie.vertices = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
-    shapes::add_facet(bow_tie, {0, 1, 2, 3});
     EXPECT_EQ(facet_normals(bow_tie)[0], glm::dvec3(0));
 }
 
 TEST(FacetNormals, OfAThinQuadrilateralFarFromTheOrigin) {
-    PolygonSoup soup;
     const glm::dvec3 corner(1e6, -2e6, 3e6);
-    soup.vertices = {corner, corner + glm::dvec3(1, 0, 0), corner + glm::dvec3(1, 0x1p-26, 0x1p-26),
-                     corner + glm::dvec3(0, 0x1p-26, 0x1p-26)};
-    shapes::add_facet(soup, {0, 1, 2, 3});
+    const PolygonSoup soup =
+        shapes::polygon({corner, corner + glm::dvec3(1, 0, 0), corner + glm::dvec3(1, 0x1p-26, 0x1p-26),
+                         corner + glm::dvec3(0, 0x1p-26, 0x1p-26)});
     EXPECT_LE(length(facet_normals(soup)[0] - glm::dvec3(0, -1, 1) / std::sqrt(2.0)), 2 * kUlp);
 }
 
@@ -135,9 +131,7 @@ TEST(VertexNormals, CancellingNormalsGiveNone) {
         shapes::add_facet(vane, {0, 1, tip});
     EXPECT_EQ(vertex_normals(vane, facet_normals(vane), VertexNormals::plain)[0], glm::dvec3(0));
     EXPECT_NE(vertex_normals(vane, facet_normals(vane), VertexNormals::plain)[2], glm::dvec3(0));
-    PolygonSoup degenerate;
-    degenerate.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
-    shapes::add_facet(degenerate, {0, 1, 2});
+    const PolygonSoup degenerate = shapes::polygon({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
     EXPECT_EQ(vertex_normals(degenerate, facet_normals(degenerate), VertexNormals::plain)[1], glm::dvec3(0));
 }
 
@@ -203,28 +197,11 @@ TEST(FileNormals, ThatAreMissingOrNoDirectionAreRefused) {
     EXPECT_THROW(parse_polygons("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", true), UsageError);
 }
 
-// A drum of 16 sides and two lids; its facets' groups are 1 for the side, 2 and 3 for the lids.
+// A drum of two lids and 16 sides; its facets' groups are 2 and 3 for the lids, 1 for the side.
 PolygonSoup drum() {
-    PolygonSoup result;
-    constexpr std::uint32_t kSides = 16;
-    for (std::uint32_t i = 0; i < kSides; ++i) {
-        const double angle = 2 * std::numbers::pi * i / kSides;
-        for (const double z : {-1.0, 1.0})
-            result.vertices.emplace_back(std::cos(angle), std::sin(angle), z);
-    }
-    for (std::uint32_t i = 0; i < kSides; ++i) {
-        const std::uint32_t next = (i + 1) % kSides;
-        shapes::add_facet(result, {2 * i, 2 * next, 2 * next + 1, 2 * i + 1});
-        result.groups.push_back(1);
-    }
-    for (std::uint32_t i = 0; i < kSides; ++i) {
-        result.corners.push_back(2 * i + 1);
-    }
-    result.end_facet();
-    for (std::uint32_t i = kSides; i-- > 0;)
-        result.corners.push_back(2 * i);
-    result.end_facet();
-    result.groups.insert(result.groups.end(), {2, 3});
+    PolygonSoup result = shapes::many_gon_prism(16);
+    result.groups = {2, 3};
+    result.groups.resize(18, 1);
     return result;
 }
 
@@ -236,7 +213,7 @@ TEST(Creases, GroupsAndSharpEdgesShareNoNormals) {
             for (const std::uint32_t vertex : mesh.polygons.outline(facet)) {
                 const glm::dvec3& place = mesh.polygons.vertices[vertex];
                 const glm::dvec3 expected =
-                    facet < 16 ? glm::dvec3(place.x, place.y, 0) : glm::dvec3(0, 0, facet == 16 ? 1 : -1);
+                    facet > 1 ? glm::dvec3(place.x, place.y, 0) : glm::dvec3(0, 0, facet == 0 ? 1 : -1);
                 EXPECT_LT(length(mesh.vertex_normals[vertex] - expected), 1e-14);
             }
     }

@@ -1,7 +1,5 @@
 // What a god-object may meet on its way over a triangle: with the lists and without, every update is the same bit for
 // bit.
-#include <cstring>
-
 #include <gtest/gtest.h>
 
 #include "tests/mesh/god_object_run.h"
@@ -9,9 +7,7 @@
 namespace forceshade {
 namespace {
 
-template <typename T> bool same_bits(const glm::vec<3, T>& one, const glm::vec<3, T>& other) {
-    return std::memcmp(&one, &other, sizeof one) == 0;
-}
+using walks::same_bits;
 
 /// Walks with and without lists. `contacts` grows by the updates in contact.
 template <typename T, typename Walker>

@@ -42,8 +42,7 @@ PolygonSoup nudged(PolygonSoup polygons, unsigned seed) {
 }
 
 std::vector<PolygonSoup> wholes() {
-    return {shapes::cube(), shapes::icosphere(2), shapes::random_polyhedra(5, 7),
-            read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons};
+    return {shapes::cube(), shapes::icosphere(2), shapes::random_polyhedra(5, 7), shapes::spot()};
 }
 
 std::vector<glm::dvec3> normals_of_corners(const PolygonSoup& polygons, VertexNormals weights) {

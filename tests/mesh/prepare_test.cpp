@@ -13,19 +13,12 @@
 namespace forceshade {
 namespace {
 
+using shapes::polygon;
+
 using Corners = std::array<std::uint32_t, 3>;
 
 Mesh prepared(const PolygonSoup& polygons, const MeshPlacement& placement = {}) {
     return prepare_mesh(polygons, placement, VertexNormals::plain);
-}
-
-PolygonSoup polygon(std::vector<glm::dvec3> vertices) {
-    PolygonSoup soup;
-    soup.vertices = std::move(vertices);
-    for (std::uint32_t i = 0; i < soup.vertices.size(); ++i)
-        soup.corners.push_back(i);
-    soup.begins.push_back(static_cast<std::uint32_t>(soup.corners.size()));
-    return soup;
 }
 
 double twice_area_z(const Mesh& mesh, const Corners& triangle) {

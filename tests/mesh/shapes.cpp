@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/mesh/mesh.h"
+#include "host/mesh/mesh_file.h"
 
 namespace forceshade::shapes {
 namespace {
@@ -264,11 +264,21 @@ PolygonSoup notched_block() {
     return block;
 }
 
-PolygonSoup single_triangle() {
+PolygonSoup polygon(std::vector<glm::dvec3> corners) {
     PolygonSoup result;
-    result.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    add_facet(result, {0, 1, 2});
+    result.vertices = std::move(corners);
+    for (std::uint32_t i = 0; i < result.vertices.size(); ++i)
+        result.corners.push_back(i);
+    result.end_facet();
     return result;
+}
+
+PolygonSoup single_triangle() {
+    return polygon({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+}
+
+PolygonSoup spot() {
+    return read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons;
 }
 
 PolygonSoup many_gon_prism(unsigned corners) {

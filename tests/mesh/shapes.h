@@ -33,7 +33,7 @@ PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
 
 enum class Cells { triangles, quads, hexagons };
 
-/// The patch [-1/2, 1/2]^2 cut into `cells` cells a side and lifted to z = height(x, y), as in the table of L7:
+/// The patch [-1/2, 1/2]^2 cut into `cells` cells a side and lifted to z = height(x, y):
 /// diagonals from (i, j) to (i + 1, j + 1); regular hexagons 1 / cells wide whose centres lie in the square.
 PolygonSoup patch(Cells kind, unsigned cells, const std::function<double(double, double)>& height);
 
@@ -49,7 +49,11 @@ PolygonSoup plate(double thickness);
 PolygonSoup nested_shells(unsigned levels, bool cavity);
 /// A block with a notch of 20 degrees along y, deepest in the origin.
 PolygonSoup notched_block();
+/// One facet of these corners.
+PolygonSoup polygon(std::vector<glm::dvec3> corners);
 PolygonSoup single_triangle();
+/// The model of tests/data.
+PolygonSoup spot();
 /// One regular facet of this many corners, and its base's prism.
 PolygonSoup many_gon_prism(unsigned corners);
 

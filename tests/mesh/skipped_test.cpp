@@ -45,19 +45,11 @@ std::string with_crs(const std::string& text) {
 }
 
 PolygonSoup quad() {
-    PolygonSoup soup;
-    soup.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    soup.corners = {0, 1, 2, 3};
-    soup.begins = {0, 4};
-    return soup;
+    return shapes::polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
 }
 
 PolygonSoup triangle() {
-    PolygonSoup soup;
-    soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    soup.corners = {0, 1, 2};
-    soup.begins = {0, 3};
-    return soup;
+    return shapes::single_triangle();
 }
 
 const std::string kObjQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

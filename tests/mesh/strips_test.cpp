@@ -1,8 +1,6 @@
-// Triangle strips of PLY files.
+// Triangle strips of PLY files; random ones: fuzz_mesh_file.
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -162,34 +160,6 @@ TEST(Strips, Refusals) {
     EXPECT_TRUE(says(refusal(begin + "int vertex_indices\n" + vertices + "3 0 1 2 2\n"), "behind"));
     EXPECT_TRUE(says(refusal(begin + "float vertex_indices\n" + vertices + "3 0 1 2\n"), "list of integers"));
     EXPECT_TRUE(says(refusal(begin + "int strip\n" + vertices + "3 0 1 2\n"), "the triangle strips have no list"));
-}
-
-// The rule of IRIS GL: two registers, of which each new vertex replaces the one that was not replaced last.
-TEST(Strips, RandomStripsAreThoseOfTwoRegisters) {
-    std::mt19937 random(5);
-    for (int trial = 0; trial < 300; ++trial) {
-        std::vector<Strip> strips(1 + random() % 3);
-        std::vector<std::uint32_t> expected;
-        for (Strip& strip : strips) {
-            std::array<std::int64_t, 2> registers{-1, -1};
-            int filled = 0;
-            for (std::size_t i = random() % 30; i > 0; --i) {
-                const std::int64_t vertex = random() % 6 == 0 ? -1 : static_cast<std::int64_t>(random() % 8);
-                strip.push_back(vertex);
-                const auto [a, b] = registers;
-                if (vertex == -1) {
-                    filled = 0;
-                    continue;
-                }
-                if (filled >= 2 && a != b && vertex != a && vertex != b)
-                    for (const std::int64_t corner : {a, b, vertex})
-                        expected.push_back(static_cast<std::uint32_t>(corner));
-                registers[static_cast<std::size_t>(filled++ % 2)] = vertex;
-            }
-        }
-        for (int encoding = 0; encoding < 3; ++encoding)
-            ASSERT_EQ(read(ply_of(encoding, strips)).polygons.corners, expected) << ply_of(0, strips);
-    }
 }
 
 } // namespace

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/mesh/mesh_file.h"
 #include "tests/mesh/mesh_law.h"
 
 namespace forceshade {
@@ -40,7 +39,7 @@ void expect_alike(const std::vector<glm::dvec3>& one, const std::vector<glm::dve
 }
 
 TEST(Units, ForcesDoNotDependOnThem) {
-    const PolygonSoup spot = read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons, sphere = shapes::icosphere(3),
+    const PolygonSoup spot = shapes::spot(), sphere = shapes::icosphere(3),
                       many = shapes::icosphere(6); // 81 920 triangles
     const std::vector<double> usual{1e-6, 1e-3, 1e3}, atoms_and_galaxies{1e-30, 1e-12, 1e12, 1e30};
     for (const auto& [polygons, shading, inside, units] :

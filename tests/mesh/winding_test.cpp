@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
 #include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
@@ -33,15 +32,11 @@ PolygonSoup bowl() {
                                [&](std::size_t facet) { return sphere.vertices[sphere.outline(facet)[0]].z < 0.6; });
 }
 
-PolygonSoup spot() {
-    return read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons;
-}
-
 TEST(Winding, TreeIsThePlainSumAsGoodAsItSays) {
     std::mt19937 random(5);
     double fine = 0, rough = 0;
     for (const PolygonSoup& polygons :
-         {shapes::icosphere(5), spot(), bowl(), shapes::random_polyhedra(300, 8), shapes::sliver_box(300, 1e6),
+         {shapes::icosphere(5), shapes::spot(), bowl(), shapes::random_polyhedra(300, 8), shapes::sliver_box(300, 1e6),
           shapes::patch(shapes::Cells::quads, 40, [](double x, double y) { return 0.3 * x * y; })}) {
         const Scene scene(polygons);
         for (int i = 0; i < 100; ++i) {
@@ -87,7 +82,7 @@ TEST(Winding, InsideBeginsAtOneHalf) {
 }
 
 TEST(Winding, SingleTablesTellTheSame) {
-    const Scene scene(spot());
+    const Scene scene(shapes::spot());
     const MeshTables<float> tables = make_mesh_tables<float>(scene.structure, 1);
     std::mt19937 random(8);
     for (int i = 0; i < 200; ++i) {
@@ -100,7 +95,7 @@ TEST(Winding, SingleTablesTellTheSame) {
 }
 
 TEST(Winding, OfClosedMeshesDoesNotChangeInFreeSpace) {
-    for (const PolygonSoup& polygons : {shapes::cube(), spot(), shapes::random_polyhedra(50, 1)}) {
+    for (const PolygonSoup& polygons : {shapes::cube(), shapes::spot(), shapes::random_polyhedra(50, 1)}) {
         const Scene scene(polygons);
         EXPECT_TRUE(scene.structure.winding->rims.empty());
         EXPECT_EQ(reference::winding_change(scene.view, Vector<double>(3, 0, 0), 1.5), 0);

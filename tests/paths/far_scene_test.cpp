@@ -29,12 +29,6 @@ glm::dvec3 rounded(const glm::dvec3& place) {
             std::round(place.z * 0x1p16) * 0x1p-16};
 }
 
-// What a probe felt, the proxy from where the scene was shifted to.
-struct Felt {
-    glm::dvec3 force, proxy;
-    int facet;
-};
-
 class FarScene : public PathWorkplace {
 protected:
     FarScene() {
@@ -73,19 +67,15 @@ protected:
         return text;
     }
 
+    // The proxy from where the scene was shifted to.
     std::vector<Felt> along_paths(const glm::dvec3& shift, const std::string& more = "") const {
-        std::vector<Felt> all;
-        for (const auto& cells : rows_of(felt(prepare(ball(shift, more), Precision::f32), rows(way(), shift)))) {
-            const auto vector = [&](std::size_t first) {
-                return glm::dvec3(number_in<double>(cells[first]), number_in<double>(cells[first + 1]),
-                                  number_in<double>(cells[first + 2]));
-            };
-            all.push_back({vector(8), vector(5) - shift, number_in<int>(cells[12])});
-        }
+        std::vector<Felt> all = felt_rows(felt(prepare(ball(shift, more), Precision::f32), rows(way(), shift)));
+        for (Felt& one : all)
+            one.proxy -= shift;
         return all;
     }
 
-    // Over a grid about the ball.
+    // Over a grid about the ball: force, proxy and facet alone.
     std::vector<Felt> over_grid(const glm::dvec3& shift) const {
         constexpr double kBegin = -1.109375, kSpacing = 0.140625; /* m */
         const PreparedCase prepared =
@@ -107,8 +97,11 @@ protected:
         std::vector<Felt> all;
         const glm::dvec3 origin = scene_origin(prepared);
         for (std::size_t i = 0; i < facet.size(); ++i)
-            all.push_back({glm::dvec3(reference::vector_at<float>(force, i)),
-                           origin + glm::dvec3(reference::vector_at<float>(proxy, i)) - shift, int(facet[i])});
+            all.push_back({{},
+                           origin + glm::dvec3(reference::vector_at<float>(proxy, i)) - shift,
+                           glm::dvec3(reference::vector_at<float>(force, i)),
+                           0,
+                           int(facet[i])});
         return all;
     }
 
@@ -238,8 +231,7 @@ TEST_F(FarScene, IsWrittenInWorldCoordinates) {
 
 // How many warnings name double precision.
 std::ptrdiff_t coarse(const std::vector<std::string>& warnings) {
-    return std::ranges::count_if(
-        warnings, [](const std::string& one) { return one.find("--precision f64") != std::string::npos; });
+    return std::ranges::count_if(warnings, [](const std::string& one) { return bool(says(one, "--precision f64")); });
 }
 
 TEST_F(FarScene, WarnsOfCoarseSteps) {

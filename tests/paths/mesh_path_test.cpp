@@ -17,12 +17,6 @@ namespace {
 
 constexpr double kStiffness = 1000; /* N/m, the scenes' default */
 
-struct Felt {
-    glm::dvec3 probe, proxy, force;
-    double depth;
-    int facet;
-};
-
 class MeshPath : public PathWorkplace {
 protected:
     std::string scene(const PolygonSoup& polygons, const std::string& more = "") const {
@@ -35,15 +29,7 @@ protected:
 
     std::vector<Felt> stroke(const std::string& scene, const std::string& rows,
                              Precision precision = Precision::f64) const {
-        std::vector<Felt> all;
-        for (const auto& cells : rows_of(felt(prepare(scene, precision), "path,t,x,y,z\n" + rows))) {
-            const auto vector = [&](std::size_t first) {
-                return glm::dvec3{number_in<double>(cells[first]), number_in<double>(cells[first + 1]),
-                                  number_in<double>(cells[first + 2])};
-            };
-            all.push_back({vector(2), vector(5), vector(8), number_in<double>(cells[11]), number_in<int>(cells[12])});
-        }
-        return all;
+        return felt_rows(felt(prepare(scene, precision), "path,t,x,y,z\n" + rows));
     }
 
     mutable int rows_ = 0; // a second each

@@ -1,6 +1,5 @@
 // How paths on a mesh begin: outside, inside, on an edge; and paths far beyond the object.
 #include <cmath>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -99,11 +98,10 @@ template <typename T> void expect_start_outside(const PreparedCase& prepared) {
 
 TEST_F(MeshStart, OutsideOfEveryCornerAndEdgeOfAStar) {
     const PolygonSoup star = read_polygons(FORCESHADE_TEST_DATA "/../mutation/scenes/star.obj").polygons;
-    std::ofstream file(folder_ / "in.csv");
-    file << "path,t,x,y,z\n";
+    std::string rows = "path,t,x,y,z\n";
     std::size_t path = 0;
     const auto begin = [&](const glm::dvec3& at) {
-        file << fmt::format("{},0,{:.9g},{:.9g},{:.9g}\n", path++, 1e-3 * at.x, 1e-3 * at.y, 1e-3 * at.z);
+        rows += fmt::format("{},0,{:.9g},{:.9g},{:.9g}\n", path++, 1e-3 * at.x, 1e-3 * at.y, 1e-3 * at.z);
     };
     for (const glm::dvec3& at : star.vertices)
         begin(at);
@@ -111,7 +109,7 @@ TEST_F(MeshStart, OutsideOfEveryCornerAndEdgeOfAStar) {
         for (int i = 0; i < 3; ++i)
             begin(0.5 *
                   (star.vertices[star.corners[3 * facet + i]] + star.vertices[star.corners[3 * facet + (i + 1) % 3]]));
-    file.close();
+    folder_.write("in.csv", rows);
     const PreparedCase prepared = prepared_scene(
         "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_TEST_DATA
         "/../mutation/scenes/star.obj\"\nunit = \"mm\"\n[paths]\nkind = \"recorded\"\nfile = \"in.csv\"\n",

@@ -228,7 +228,7 @@ std::vector<std::string> warnings(const std::string& keys) {
 // Slow paths do not close a round, either.
 std::vector<std::string> pace_warnings_of(const std::string& keys) {
     std::vector<std::string> found = warnings(keys);
-    std::erase_if(found, [](const std::string& one) { return one.find("no round") != one.npos; });
+    std::erase_if(found, [](const std::string& one) { return bool(says(one, "no round")); });
     return found;
 }
 

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <charconv>
-#include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
@@ -55,15 +54,31 @@ protected:
 /// The lines of a text below its header, split at commas.
 inline std::vector<std::vector<std::string>> rows_of(const std::string& text) {
     std::vector<std::vector<std::string>> rows;
-    std::istringstream lines(text);
-    std::string line;
-    for (std::getline(lines, line); std::getline(lines, line);) {
-        std::istringstream cells(line);
-        rows.emplace_back();
-        for (std::string cell; std::getline(cells, cell, ',');)
-            rows.back().push_back(cell);
-    }
+    for (const std::string& line : lines_of(text))
+        rows.push_back(cells_of(line));
+    if (!rows.empty())
+        rows.erase(rows.begin());
     return rows;
+}
+
+/// What a probe felt at a place.
+struct Felt {
+    glm::dvec3 probe, proxy, force;
+    double depth;
+    int facet;
+};
+
+/// The rows that were written of paths.
+inline std::vector<Felt> felt_rows(const std::string& text) {
+    std::vector<Felt> all;
+    for (const auto& cells : rows_of(text)) {
+        const auto vector = [&](std::size_t first) {
+            return glm::dvec3(number_in<double>(cells[first]), number_in<double>(cells[first + 1]),
+                              number_in<double>(cells[first + 2]));
+        };
+        all.push_back({vector(2), vector(5), vector(8), number_in<double>(cells[11]), number_in<int>(cells[12])});
+    }
+    return all;
 }
 
 } // namespace forceshade::testing

@@ -1,6 +1,5 @@
 // What is felt along a path: the work done on the hand in each round, and how steeply the force turns.
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -135,8 +134,8 @@ TEST(Round, CountsWholeOnes) {
 
 // What a plate's rim lets go of falls; a loop that is too stiff throws the probe out.
 TEST(Left, OffARimOrByGrowing) {
-    forceshade::testing::Folder folder;
-    std::ofstream(folder / "plate.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    const testing::Folder folder;
+    folder.write("plate.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
     const PreparedCase prepared = prepared_scene("[surface]\nkind = \"mesh\"\nfile = \"plate.obj\"\nunit = \"cm\"\n"
                                                  "[paths]\ncount = 1\nsteps = 4000\nlength = \"30 mm\"\n"
                                                  "centre = [\"15 mm\", \"0 m\"]\npress = \"1 N\"\n"

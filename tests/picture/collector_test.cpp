@@ -95,15 +95,6 @@ TEST(SliceCollector, ShapesAreThoseOfTheGrid) {
     EXPECT_DOUBLE_EQ(collector.tiles().back().axes.at, -0.01 + 127 * 3e-4);
 }
 
-TEST(SliceCollector, MissingChunksAreNoNumbers) {
-    const GridSpec grid{{4, 4, 4}, {0, 0, 0}, {1, 1, 1}};
-    SliceCollector collector(grid, false);
-    add_chunk<double>(collector, 4, 0, 0, 4, 0, 2);
-    EXPECT_FALSE(std::isnan(collector.slice().force[7][0]));
-    EXPECT_TRUE(std::isnan(collector.slice().force[8][0]));
-    EXPECT_TRUE(std::isnan(collector.tiles()[3].value[0]));
-}
-
 TEST(SliceCollector, MemoryIsBoundedWhateverTheGrid) {
     const std::uint64_t huge = std::uint64_t{1} << 40U;
     const SliceCollector collector(GridSpec{{huge, huge, huge}, {0, 0, 0}, {1e-9, 1e-9, 1e-9}}, false);

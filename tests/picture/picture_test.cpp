@@ -61,14 +61,6 @@ TEST(Picture, OfEveryCaseHasNoTextThatIsCutOrDrawnOver) {
     }
 }
 
-TEST(Picture, SaysThatThereIsNoNumber) {
-    const test::Case& broken = case_named("broken");
-    const Picture picture = draw_arrows({""}, test::collect(broken.grid, broken.law, true).xz);
-    EXPECT_TRUE(std::ranges::any_of(picture.texts, [](const PlacedText& placed) {
-        return placed.text.find("not a finite number (4480 of 32768 samples)") != std::string::npos;
-    }));
-}
-
 TEST(Picture, SameInputSameBytesInAnyLocale) {
     const test::Case& usual = case_named("shaded");
     const auto draw = [&] {
@@ -88,18 +80,6 @@ TEST(Picture, HoldsNoDateAndNoProgramName) {
     const auto png = draw_arrows({""}, test::collect(usual.grid, usual.law, true).xz).png;
     for (const std::string_view chunk : {"tIME", "tEXt", "iTXt", "zTXt"})
         EXPECT_EQ(std::search(png.begin(), png.end(), chunk.begin(), chunk.end()), png.end()) << chunk;
-}
-
-TEST(Raster, NoComponentHidesWhatIsNoNumber) {
-    const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-    for (const double bad : {nan, infinity, -infinity})
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (const double other : {0.0, 1.0}) {
-                FieldSlice slice{{{0}, {0}, 1, 1, 1, 0}, {{other, other, other}}};
-                slice.force[0][axis] = bad;
-                EXPECT_EQ(take_census(values_of(slice, Quantity::magnitude).value).non_finite, 1U)
-                    << bad << " in " << axis;
-            }
 }
 
 TEST(Raster, MagnitudesNeitherOverflowNorVanish) {

@@ -37,6 +37,11 @@ public:
     /// In the middle of the first element that the selector names, brought into view; moved by dx, dy px.
     void click(const std::string& selector);
     void drag(const std::string& selector, double x, double y, double dx, double dy); /* from (x, y) of the element */
+    /// Gives the first element that the selector names a value (an expression of the element `e`), as a reader does.
+    void set(const std::string& selector, const std::string& value, const std::string& event = "change") {
+        evaluate("(() => { const e = document.querySelector('" + selector + "'); e.value = " + value +
+                 "; e.dispatchEvent(new Event('" + event + "')); })()");
+    }
     /// "ArrowLeft", "PageUp", "Tab", "1".
     void press(const std::string& key);
 

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
@@ -26,19 +27,17 @@ protected:
 
     ReportResult write() {
         const ReportResult result = write_report(path());
-        html_ = text_in(result.file);
+        html_ = read_text(result.file);
         EXPECT_TRUE(html_.starts_with("<!DOCTYPE html>"));
         EXPECT_TRUE(html_.ends_with("</html>\n"));
         return result;
     }
+    // As a bool: a failure does not print the whole page.
     bool says(const std::string& words) const { return html_.find(words) != std::string::npos; }
     // Expects one trouble, which holds the words, and that the page tells it.
     void expect_trouble(const std::string& words) {
         const ReportResult result = write();
-        std::string all;
-        for (const std::string& trouble : result.troubles)
-            all += trouble + "\n";
-        EXPECT_NE(all.find(words), std::string::npos) << "no \"" << words << "\" in: " << all;
+        EXPECT_TRUE(testing::says(fmt::format("{}", fmt::join(result.troubles, "\n")), words));
         EXPECT_TRUE(says("What is missing or damaged"));
         EXPECT_TRUE(says(words)) << words;
     }
@@ -129,15 +128,15 @@ TEST_F(Report, ShowsMarkupInNamesAsText) {
 }
 
 TEST_F(Report, ReplacesNoPageOfSomebodyElse) {
-    put_text(path("report.html"), "mine");
+    folder_.write("report.html", "mine");
     expect_trouble("report.html: another program wrote it");
-    EXPECT_EQ(text_in(path("report.html")), "mine");
+    EXPECT_EQ(folder_.read("report.html"), "mine");
     EXPECT_TRUE(std::filesystem::exists(path("forceshade-report.html")));
 }
 
 TEST_F(Report, OfNoFolderIsAnError) {
     EXPECT_THROW(write_report(path("nothing")), IoError);
-    put_text(path("file"), "");
+    folder_.write("file", "");
     EXPECT_THROW(write_report(path("file")), IoError);
 }
 
@@ -147,11 +146,11 @@ TEST_F(Report, OfAnEmptyFolderSaysSo) {
 }
 
 TEST_F(Report, TellsOfManifestsThatAreNone) {
-    put_text(path("manifest.json"), "{\"cases\": [");
+    folder_.write("manifest.json", "{\"cases\": [");
     expect_trouble("manifest.json: it is damaged");
-    put_text(path("manifest.json"), "{\"short_name\": \"an app\"}");
+    folder_.write("manifest.json", "{\"short_name\": \"an app\"}");
     expect_trouble("manifest.json: not a sweep manifest");
-    put_text(path("manifest.json"), "[]");
+    folder_.write("manifest.json", "[]");
     expect_trouble("manifest.json: not a sweep manifest");
     write_sample_manifest(path(), {});
     expect_trouble("manifest.json: it holds no case");
@@ -162,15 +161,15 @@ TEST_F(Report, TellsOfAccountsThatAreNestedDeeply) {
     const std::string deep = std::string(300000, '[') + std::string(300000, ']');
     for (const std::string& text : {"{\"cases\":[" + deep + "]}", "{\"format\":" + deep + ",\"cases\":[]}",
                                     "{\"last_run\":" + deep + ",\"cases\":[]}"}) {
-        put_text(path("manifest.json"), text);
+        folder_.write("manifest.json", text);
         expect_trouble("manifest.json: it is damaged");
     }
     std::filesystem::create_directory(path("manifest.d"));
-    put_text(path("manifest.d/a.json"), deep);
+    folder_.write("manifest.d/a.json", deep);
     expect_trouble("manifest.d/a.json: this case cannot be understood");
     for (const std::string& text :
          {"{\"study\":\"energy\",\"format\":" + deep + "}", "{\"study\":" + deep + ",\"format\":1}"}) {
-        put_text(path("study.json"), text);
+        folder_.write("study.json", text);
         expect_trouble("study.json: it is damaged");
     }
 }
@@ -183,21 +182,20 @@ TEST_F(Report, WaitsForNoPipe) {
     EXPECT_EQ(written.file.filename(), "forceshade-report.html") << "what is no page is left alone";
     for (const char* name : {"manifest.json", "manifest.d/a.json", "study.json"})
         EXPECT_TRUE(std::ranges::any_of(written.troubles, [&](const std::string& trouble) {
-            return trouble.starts_with(std::string(name) + ": ") &&
-                   trouble.find("not a regular file") != std::string::npos;
+            return trouble.starts_with(std::string(name) + ": ") && testing::says(trouble, "not a regular file");
         })) << name;
 }
 
 TEST_F(Report, OfAnOldManifestShowsWhatCanBeUnderstood) {
     write_sample_sweep(path());
-    std::string text = text_in(path("manifest.json"));
+    std::string text = folder_.read("manifest.json");
     text.replace(text.find("\"format\": 1"), 11, "\"format\": 0");
-    put_text(path("manifest.json"), text);
+    folder_.write("manifest.json", text);
     expect_trouble("its format is 0, this program writes 1");
     EXPECT_TRUE(says("bump_shading-reference"));
     text.replace(text.find("\"voxels\""), 8, "\"volume\"");
     text.replace(text.find("\"cases_of_study\": 2"), 19, "\"cases_of_study\":-1");
-    put_text(path("manifest.json"), text);
+    folder_.write("manifest.json", text);
     expect_trouble("manifest.json, case 1: this case cannot be understood");
     EXPECT_TRUE(says("bump_shading-reference"));
 }
@@ -207,8 +205,8 @@ TEST_F(Report, TakesCasesFromTheirRecordsWhereTheManifestIsDamaged) {
     std::filesystem::create_directory(path("manifest.d"));
     for (const CaseRecord& record : records)
         write_record(path(), record);
-    put_text(path("manifest.d/foreign.json"), "{}");
-    put_text(path("manifest.json"), "");
+    folder_.write("manifest.d/foreign.json", "{}");
+    folder_.write("manifest.json", "");
     expect_trouble("manifest.json: it is damaged; the cases are taken from manifest.d");
     EXPECT_TRUE(says("manifest.d/foreign.json: this case cannot be understood"));
     EXPECT_TRUE(says("\"bump_shading-reference\""));
@@ -216,18 +214,18 @@ TEST_F(Report, TakesCasesFromTheirRecordsWhereTheManifestIsDamaged) {
 
 TEST_F(Report, TellsOfVolumesThatAreMissingDamagedOrForeign) {
     std::vector<CaseRecord> records = write_sample_sweep(path());
-    const std::string whole = text_in(path("bump_shading-none.exr"));
+    const std::string whole = folder_.read("bump_shading-none.exr");
     std::filesystem::remove(path("bump_shading-none.exr"));
     expect_trouble("bump_shading-none.exr: it is missing");
-    put_text(path("bump_shading-none.exr"), whole.substr(0, whole.size() / 2));
+    folder_.write("bump_shading-none.exr", whole.substr(0, whole.size() / 2));
     expect_trouble("bump_shading-none.exr: the viewer cannot show it");
     EXPECT_TRUE(says("bytes where"));
     std::string flipped = whole;
     flipped[whole.size() / 2] = static_cast<char>(~flipped[whole.size() / 2]);
-    put_text(path("bump_shading-none.exr"), flipped);
+    folder_.write("bump_shading-none.exr", flipped);
     expect_trouble("bump_shading-none.exr: its contents are not what was written");
-    put_text(path("bump_shading-none.exr"), whole);
-    put_text(path("foreign.exr"), "");
+    folder_.write("bump_shading-none.exr", whole);
+    folder_.write("foreign.exr", "");
     expect_trouble("foreign.exr: not listed in the manifest");
     records[0].files[0].name = "../outside.exr";
     write_sample_manifest(path(), records);
@@ -237,21 +235,21 @@ TEST_F(Report, TellsOfVolumesThatAreMissingDamagedOrForeign) {
 
 TEST_F(Report, TellsOfStudiesThatCannotBeRead) {
     write_sample_study(path("energy"));
-    const std::string whole = text_in(path("energy/study.json"));
-    put_text(path("energy/study.json"), whole.substr(0, whole.size() / 2));
+    const std::string whole = folder_.read("energy/study.json");
+    folder_.write("energy/study.json", whole.substr(0, whole.size() / 2));
     expect_trouble("energy/study.json: it is damaged");
     std::string text = whole;
     text.replace(text.find("0.1.0+sample") - 1, 14, "NaN");
-    put_text(path("energy/study.json"), text);
+    folder_.write("energy/study.json", text);
     expect_trouble("energy/study.json: it is damaged");
     text = whole;
     text.replace(text.find("\"name\":\"time_ratio\""), 19, "\"name\":\"other_ratio\"");
-    put_text(path("energy/study.json"), text);
+    folder_.write("energy/study.json", text);
     expect_trouble("the figure error_time cannot be drawn: table points has no column time_ratio");
     EXPECT_TRUE(says("Where the loop is stable")) << "the other figures are shown";
     text = whole;
     text.replace(text.find("\"study\":\"energy\""), 16, "\"study\":\"<b>luck\"");
-    put_text(path("energy/study.json"), text);
+    folder_.write("energy/study.json", text);
     write();
     EXPECT_FALSE(says("<b>luck"));
 }
@@ -263,17 +261,17 @@ TEST_F(Report, TellsOfTablesAndFiguresThatAreMissingOrAltered) {
     EXPECT_FALSE(says("it is missing"));
     EXPECT_FALSE(says("what was written"));
     for (const char* name : {"energy/points.csv", "energy/error_time.svg"}) {
-        const std::string whole = text_in(path(name));
+        const std::string whole = folder_.read(name);
         std::string altered = whole;
         altered[whole.size() / 2] = altered[whole.size() / 2] == '1' ? '2' : '1';
-        put_text(path(name), altered);
+        folder_.write(name, altered);
         expect_trouble(std::string(name) + ": its contents are not what was written");
-        put_text(path(name), whole.substr(0, whole.size() - 1));
+        folder_.write(name, whole.substr(0, whole.size() - 1));
         expect_trouble(fmt::format("{}: it has {} bytes where {} were written", name, whole.size() - 1, whole.size()));
         std::filesystem::remove(path(name));
         expect_trouble(std::string(name) + ": it is missing");
         EXPECT_FALSE(says(std::string("href=\"") + name + '"')) << "no link to what is not there";
-        put_text(path(name), whole);
+        folder_.write(name, whole);
         write();
         EXPECT_FALSE(says(std::string(name) + ": it")) << "all is well again";
     }
@@ -282,16 +280,16 @@ TEST_F(Report, TellsOfTablesAndFiguresThatAreMissingOrAltered) {
 // Of a study that --only chose a part of, nothing is missing.
 TEST_F(Report, CallsAPartThatWasChosenNoDamage) {
     write_sample_sweep(path());
-    std::string text = text_in(path("manifest.json"));
+    std::string text = folder_.read("manifest.json");
     text.replace(text.find("\"cases_of_study\": 2"), 19, "\"cases_of_study\": 5");
-    put_text(path("manifest.json"), text);
+    folder_.write("manifest.json", text);
     EXPECT_EQ(write().troubles.size(), 0u);
     EXPECT_TRUE(says("2 of 5; the same sweep without --only computes the rest"));
 }
 
 TEST_F(Report, TellsOfVolumesThatAStudyDoesNotName) {
     write_sample_study(path("energy"));
-    put_text(path("energy/left.exr"), "");
+    folder_.write("energy/left.exr", "");
     expect_trouble("energy/left.exr: not listed in study.json");
 }
 
@@ -303,9 +301,9 @@ TEST(RunPage, ShowsTheSpreadOfAllPathsAndAFewOfThem) {
         for (int path = 0; path < paths; ++path)
             for (int step = 0; step < 10; ++step)
                 csv += fmt::format("{},{},{},0,{},0,0,{}\n", 100 + path, step, 0.001 * step, -0.001 * path, path);
-        put_text(folder.path() / "run.csv", csv);
+        folder.write("run.csv", csv);
         study::StudyData data;
-        add_samples(data, folder.path() / "run.csv");
+        add_samples(data, folder / "run.csv");
         std::set<std::string> shown;
         for (const std::vector<study::Cell>& row : data.table("samples").rows)
             shown.insert(row[0].text());

@@ -1,9 +1,7 @@
 #include "tests/report/sample_folder.h"
 
 #include <cmath>
-#include <fstream>
 #include <random>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -126,17 +124,6 @@ void write_sample_study(const std::filesystem::path& folder) {
     study::StudyData data = sample_study();
     data.findings = {{"sample", "A sample study finds this.", data.figures.front().name, "here", "now", "for sure"}};
     study::write_data(folder, data, study::figure_files(data));
-}
-
-std::string text_in(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-void put_text(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
 }
 
 } // namespace forceshade::testing

@@ -33,7 +33,4 @@ std::vector<CaseRecord> write_sample_sweep(const std::filesystem::path& folder);
 /// The sample study with its files, as the program writes them.
 void write_sample_study(const std::filesystem::path& folder);
 
-std::string text_in(const std::filesystem::path& path);
-void put_text(const std::filesystem::path& path, const std::string& text);
-
 } // namespace forceshade::testing

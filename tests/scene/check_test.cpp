@@ -25,9 +25,7 @@ TEST(Check, RadiusAndWidth) {
     });
 }
 
-TEST(Check, LengthsWhoseSquaresAreNormal) {}
-
-TEST(Check, Stiffness) {
+TEST(Check, StiffnessAndLengthsWhoseSquaresAreNormal) {
     for (const char* text : {"1e-9 N/m", "1e12 N/m"})
         EXPECT_EQ(study_error(fmt::format("[force]\nstiffness = \"{}\"\n", text)), "(no error)");
     expect_places({

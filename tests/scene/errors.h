@@ -3,6 +3,7 @@
 
 #include "host/error.h"
 #include "host/scene/study.h"
+#include "tests/io/folder.h"
 
 #include <string>
 #include <string_view>
@@ -14,12 +15,8 @@
 namespace forceshade::test {
 
 template <typename Call> std::string usage_error(Call&& call) {
-    try {
-        call();
-    } catch (const UsageError& error) {
-        return error.what();
-    }
-    return "(no error)";
+    const std::string message = testing::message_of<UsageError>(call);
+    return message.empty() ? "(no error)" : message;
 }
 
 inline std::string study_error(std::string_view text) {

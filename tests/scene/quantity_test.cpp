@@ -15,6 +15,7 @@ namespace forceshade {
 namespace {
 
 using test::usage_error;
+using testing::says;
 
 double metres(std::string_view text) {
     return parse_quantity(text, Dimension::length);
@@ -95,9 +96,9 @@ TEST(Quantity, SaysWhichUnitIsMeant) {
                                                           {"1e400 m", "too large"},
                                                           {"1e99999999999999999999 m", "too large"},
                                                           {"1e-400 m", "too small"}})
-        EXPECT_NE(length_error(text).find(words), std::string::npos) << text;
-    EXPECT_NE(usage_error([] { parse_quantity("1 mm", Dimension::angle); }).find("not an angle"), std::string::npos);
-    EXPECT_NE(usage_error([] { parse_quantity("1 Nmm", Dimension::stiffness); }).find("\"N mm\""), std::string::npos);
+        EXPECT_TRUE(says(length_error(text), words)) << text;
+    EXPECT_TRUE(says(usage_error([] { parse_quantity("1 mm", Dimension::angle); }), "not an angle"));
+    EXPECT_TRUE(says(usage_error([] { parse_quantity("1 Nmm", Dimension::stiffness); }), "\"N mm\""));
 }
 
 TEST(Quantity, RefusesWhatIsNoQuantity) {

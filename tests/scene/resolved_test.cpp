@@ -10,6 +10,8 @@
 namespace forceshade {
 namespace {
 
+using testing::says;
+
 TEST(Resolved, CaseListsEveryKeyThatApplies) {
     const Case one =
         parse_scene("[surface]\nradius = \"+600   mil\"\nfacets = 2\n[force]\nshading = \"reference\"\n", "f.toml");
@@ -44,17 +46,17 @@ precision = "f32"
 TEST(Resolved, FilesByBaseNameAndDigest) {
     const std::string text = "[surface]\nkind = \"height_map\"\nfile = [\"/secret/place/u.png\", \"v.png\"]\n";
     Study study = parse_study(text, "f.toml", "/home/user");
-    EXPECT_EQ(resolved_toml(study).find("sha256"), std::string::npos);
+    EXPECT_FALSE(says(resolved_toml(study), "sha256"));
     study.cases[0].scene.surface.map.sha256 = std::string(64, 'a');
-    EXPECT_EQ(resolved_toml(study).find("sha256"), std::string::npos); // one of two would be no list of both
+    EXPECT_FALSE(says(resolved_toml(study), "sha256")); // one of two would be no list of both
     study.cases[1].scene.surface.map.sha256 = std::string(64, 'b');
     const std::string one = resolved_toml(study.cases[0]);
-    EXPECT_NE(one.find("file = \"u.png\"\nsha256 = \"" + std::string(64, 'a') + "\"\n"), std::string::npos) << one;
+    EXPECT_TRUE(says(one, "file = \"u.png\"\nsha256 = \"" + std::string(64, 'a') + "\"\n"));
     const std::string all = resolved_toml(study);
-    EXPECT_NE(all.find("file = [\"u.png\", \"v.png\"]\nsha256 = [\"aaa"), std::string::npos) << all;
+    EXPECT_TRUE(says(all, "file = [\"u.png\", \"v.png\"]\nsha256 = [\"aaa"));
     for (const std::string& resolved : {one, all}) {
-        EXPECT_EQ(resolved.find("secret"), std::string::npos);
-        EXPECT_EQ(resolved.find("/home"), std::string::npos);
+        EXPECT_FALSE(says(resolved, "secret"));
+        EXPECT_FALSE(says(resolved, "/home"));
     }
     const Study again = parse_study(all, "f.toml", "/home/user");
     EXPECT_EQ(again.cases.at(1).scene, study.cases[1].scene);
@@ -64,7 +66,7 @@ TEST(Resolved, OverridesAreInIt) {
     const std::vector<Override> overrides{{"run.precision", "f64"}, {"surface.facets", "[5, 6]"}};
     const Study study = default_study(overrides);
     const std::string text = resolved_toml(study);
-    EXPECT_NE(text.find("precision = \"f64\""), std::string::npos);
+    EXPECT_TRUE(says(text, "precision = \"f64\""));
     const Study again = parse_study(text, "f.toml");
     ASSERT_EQ(again.cases.size(), study.cases.size());
     for (std::size_t i = 0; i < study.cases.size(); ++i) {

@@ -1,5 +1,4 @@
 // The schema of scenes, scenes to start from, and what is given as a scene and is none.
-#include <fstream>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -70,24 +69,20 @@ TEST(Nearest, FindsWhatWasMeant) {
 }
 
 using test::usage_error;
+using testing::says;
 
 class SceneTextFile : public ::testing::Test {
 protected:
-    SceneTextFile() { std::filesystem::create_directories(folder_); }
-    ~SceneTextFile() override { std::filesystem::remove_all(folder_); }
-
     // What reading a file of this name and content says, without the folder.
     std::string error_of(const std::string& name, const std::string& content) const {
-        const std::filesystem::path file = folder_ / name;
-        std::ofstream(file, std::ios::binary) << content;
-        std::string error = usage_error([&] { read_study(file); });
-        const std::string prefix = folder_.string() + "/";
+        std::string error = usage_error([&] { read_study(folder_.write(name, content)); });
+        const std::string prefix = folder_.path().string() + "/";
         for (std::size_t at = 0; (at = error.find(prefix)) != error.npos;)
             error.erase(at, prefix.size());
         return error;
     }
 
-    std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "scene_text_test";
+    const testing::Folder folder_;
 };
 
 TEST_F(SceneTextFile, AMeshAnImageAndATableSayHowTheyAreUsed) {
@@ -95,8 +90,8 @@ TEST_F(SceneTextFile, AMeshAnImageAndATableSayHowTheyAreUsed) {
               "bunny.obj is a mesh, not a scene; a scene of it: forceshade init mesh bunny.obj -o bunny.toml");
     EXPECT_EQ(error_of("x", "ply\nformat ascii 1.0\n").substr(0, 28), "x is a mesh, not a scene; a ");
     EXPECT_EQ(error_of("u.toml", "\x76\x2f\x31\x01...").substr(0, 41), "u.toml is an image or a volume, not a sce");
-    EXPECT_NE(error_of("u.png", "").find("kind = \"height_map\" and file = \"u.png\""), std::string::npos);
-    EXPECT_NE(error_of("felt.csv", "path,t,x,y,z\n").find("--paths felt.csv"), std::string::npos);
+    EXPECT_TRUE(says(error_of("u.png", ""), "kind = \"height_map\" and file = \"u.png\""));
+    EXPECT_TRUE(says(error_of("felt.csv", "path,t,x,y,z\n"), "--paths felt.csv"));
 }
 
 TEST_F(SceneTextFile, AnEmptySceneIsRefused) {
@@ -108,14 +103,10 @@ TEST_F(SceneTextFile, AnEmptySceneIsRefused) {
 }
 
 TEST_F(SceneTextFile, AFolderNamesTheScenesInIt) {
-    std::ofstream(folder_ / "b.toml") << "";
-    std::ofstream(folder_ / "a.toml") << "";
-    try {
-        read_study(folder_);
-        FAIL();
-    } catch (const IoError& error) {
-        EXPECT_TRUE(std::string(error.what()).ends_with("not a TOML file; in it: a.toml, b.toml")) << error.what();
-    }
+    folder_.write("b.toml", "");
+    folder_.write("a.toml", "");
+    const std::string error = testing::message_of<IoError>([&] { read_study(folder_.path()); });
+    EXPECT_TRUE(error.ends_with("not a TOML file; in it: a.toml, b.toml")) << error;
 }
 
 } // namespace

@@ -163,16 +163,13 @@ TEST(CaseName, UniqueInTheDefaultStudy) {
 }
 
 TEST(CaseName, OnlyTheKindIfNothingVaries) {
-    EXPECT_EQ(cases("[surface]\nfacets = [7]\n").at(0).name, "bump");
+    EXPECT_EQ(names("[surface]\nfacets = [7]\n"), Names{"bump"});
 }
 
 TEST(CaseName, FollowsTheFile) {
-    EXPECT_EQ(
-        cases(
-            "[force]\nshading = [\"none\", \"reference\"]\n[surface]\nfacets = [1, 2]\nradius = [\"1 in\", \"2 in\"]\n")
-            .at(0)
-            .name,
-        "bump_shading-none_facets-1_radius-1in");
+    EXPECT_EQ(names("[force]\nshading = [\"none\", \"reference\"]\n[surface]\nfacets = [1, 2]\n"
+                    "radius = [\"1 in\", \"2 in\"]\n")[0],
+              "bump_shading-none_facets-1_radius-1in");
 }
 
 TEST(CaseName, NamesTheTableWhereAKeyIsAmbiguous) {
@@ -184,26 +181,22 @@ TEST(CaseName, NamesTheTableWhereAKeyIsAmbiguous) {
 }
 
 TEST(CaseName, NamesBothTablesWhereNeitherIsATexture) {
-    const auto both =
-        cases("[surface]\nkind = \"height_map\"\nfile = \"u.png\"\nsize = [[\"1 m\", \"2 m\"], [\"2 m\", \"1 m\"]]\n"
-              "[grid]\nsize = [[1, 2, 3], [4, 5, 6]]\n");
-    EXPECT_EQ(both.at(0).name, "height_map_surface.size-1mx2m_grid.size-1x2x3");
+    EXPECT_EQ(
+        names("[surface]\nkind = \"height_map\"\nfile = \"u.png\"\nsize = [[\"1 m\", \"2 m\"], [\"2 m\", \"1 m\"]]\n"
+              "[grid]\nsize = [[1, 2, 3], [4, 5, 6]]\n")[0],
+        "height_map_surface.size-1mx2m_grid.size-1x2x3");
 }
 
 TEST(CaseName, SaysWhetherThereIsATexture) {
-    const auto two = cases("[[variant]]\n[[variant]]\n[variant.texture]\nfunction = \"dip\"\n");
-    EXPECT_EQ(two.at(0).name, "bump");
-    EXPECT_EQ(two.at(1).name, "bump_texture.function-dip");
+    EXPECT_EQ(names("[[variant]]\n[[variant]]\n[variant.texture]\nfunction = \"dip\"\n"),
+              (Names{"bump", "bump_texture.function-dip"}));
 }
 
 TEST(CaseName, SafeEverywhere) {
-    const auto micro = cases("[grid]\nspacing = [[\"100 \u00b5m\"], [\"1 mm\", \"2 mm\", \"3 mm\"]]\n");
-    EXPECT_EQ(micro.at(0).name, "bump_spacing-100um");
-    EXPECT_EQ(micro.at(1).name, "bump_spacing-1mmx2mmx3mm");
-    const auto files = cases("[surface]\nkind = \"height_map\"\nfile = [\"/a/b c?.png\", \"x/d\u00e9.\", \"..e\"]\n");
-    EXPECT_EQ(files.at(0).name, "height_map_file-bc_.png");
-    EXPECT_EQ(files.at(1).name, "height_map_file-d___");
-    EXPECT_EQ(files.at(2).name, "height_map_file-..e");
+    EXPECT_EQ(names("[grid]\nspacing = [[\"100 \u00b5m\"], [\"1 mm\", \"2 mm\", \"3 mm\"]]\n"),
+              (Names{"bump_spacing-100um", "bump_spacing-1mmx2mmx3mm"}));
+    EXPECT_EQ(names("[surface]\nkind = \"height_map\"\nfile = [\"/a/b c?.png\", \"x/d\u00e9.\", \"..e\"]\n"),
+              (Names{"height_map_file-bc_.png", "height_map_file-d___", "height_map_file-..e"}));
     expect_unique(cases("[surface]\nkind = \"height_map\"\nfile = [\"a b\", \"ab\", \"a?\", \"a!\", \"AB\"]\n"));
     expect_unique(cases("[force]\nstiffness = [\"1 mN/m\", \"1 MN/m\", \"2 MN/m\"]\n"));
 }

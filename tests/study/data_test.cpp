@@ -7,9 +7,12 @@
 
 #include "host/output/json.h"
 #include "host/study/data/study_data.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::study {
 namespace {
+
+using testing::says;
 
 StudyData written_sample() {
     StudyData data;
@@ -76,30 +79,24 @@ TEST(StudyFigures, HavePanels) {
 }
 
 std::string complaint_about(const std::string& text) {
-    try {
-        parse_data(parse_json(text));
-        return "";
-    } catch (const DataError& error) {
-        return error.what();
-    }
+    return testing::message_of<DataError>([&] { parse_data(parse_json(text)); });
 }
 
 TEST(StudyFiles, DamageIsTold) {
     const std::string text = data_json(written_sample());
-    EXPECT_NE(complaint_about(text.substr(0, text.size() / 2)).find("damaged"), std::string::npos);
-    EXPECT_NE(complaint_about("[]").find("not a study file"), std::string::npos);
+    EXPECT_TRUE(says(complaint_about(text.substr(0, text.size() / 2)), "damaged"));
+    EXPECT_TRUE(says(complaint_about("[]"), "not a study file"));
     for (const char* cores : {"1e30", "-1", "4294967296", "1.5", "\"4\""})
-        EXPECT_NE(complaint_about(
-                      std::regex_replace(text, std::regex("\"cores\":[0-9]+"), fmt::format("\"cores\":{}", cores)))
-                      .find("damaged"),
-                  std::string::npos)
+        EXPECT_TRUE(says(complaint_about(std::regex_replace(text, std::regex("\"cores\":[0-9]+"),
+                                                            fmt::format("\"cores\":{}", cores))),
+                         "damaged"))
             << cores;
-    EXPECT_NE(complaint_about(R"({"format": 0, "study": "energy"})").find("format is 0"), std::string::npos);
+    EXPECT_TRUE(says(complaint_about(R"({"format": 0, "study": "energy"})"), "format is 0"));
     std::string ragged = text;
     const std::string cells = "[0.1,null]";
-    ASSERT_NE(ragged.find(cells), std::string::npos) << text;
+    ASSERT_TRUE(says(ragged, cells));
     ragged.replace(ragged.find(cells), cells.size(), "[0.1,null,2]");
-    EXPECT_NE(complaint_about(ragged).find("row 3 of table loops: 1 of 2 columns"), std::string::npos);
+    EXPECT_TRUE(says(complaint_about(ragged), "row 3 of table loops: 1 of 2 columns"));
 }
 
 TEST(StudyFiles, UnknownTablesColumnsAndStudiesAreTold) {

@@ -1,7 +1,6 @@
 // Work round loops below a surface, against closed forms; curl; and what is said of loops.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <span>
 
 #include <fmt/format.h>
@@ -13,9 +12,12 @@
 #include "host/reference/elementary.h"
 #include "host/study/energy/energy.h"
 #include "host/touch/places.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::study {
 namespace {
+
+using testing::says;
 
 // Work round a loop over half a bump in closed form: out below the nominal surface from x = 0 to x1 at depth d1, back
 // at depth d2.
@@ -232,8 +234,7 @@ TEST(EnergyResults, CompareTheSameLoops) {
     data.scene = "a scene";
     add_energy(data, results);
     ASSERT_EQ(data.findings.size(), 1u);
-    EXPECT_NE(data.findings[0].text.find("scene's surface"), std::string::npos);
-    EXPECT_NE(data.findings[0].text.find("reference 9 mJ"), std::string::npos) << data.findings[0].text;
+    EXPECT_TRUE(says(data.findings[0].text, "scene's surface", "reference 9 mJ"));
     EXPECT_EQ(data.table("loops").rows.size(), 18u);
 }
 
@@ -257,8 +258,7 @@ TEST(EnergyCurl, OfALinearFieldIsExactAndUnknownWhereACornerIsFree) {
 
 // The laws: -K N_x + K z dN_z/dx on the flat shaded plane.
 TEST(EnergyCurl, OfTheShadedPlaneIsItsClosedForm) {
-    const auto folder = std::filesystem::temp_directory_path() / "forceshade_energy_test";
-    std::filesystem::create_directories(folder);
+    const testing::Folder folder;
     EngineOptions options;
     options.cpu = true;
     const auto engine = make_engine(options);
@@ -266,7 +266,7 @@ TEST(EnergyCurl, OfTheShadedPlaneIsItsClosedForm) {
     const double radius = 0.0254;
     std::size_t inside = 0;
     for (const CurlCell& cell : curl_map(*engine, bump_law("1000 mil", 1, "reference"),
-                                         {{-0.0127, -0.005}, {0.0127, 0.005}}, 24, folder, volumes)) {
+                                         {{-0.0127, -0.005}, {0.0127, 0.005}}, 24, folder.path(), volumes)) {
         if (std::abs(cell.x) > 0.011)
             continue;
         ++inside;
@@ -277,7 +277,6 @@ TEST(EnergyCurl, OfTheShadedPlaneIsItsClosedForm) {
     ASSERT_EQ(volumes.size(), 1u);
     for (const FileRecord& volume : volumes)
         EXPECT_TRUE(file_is_intact(folder / volume.name, volume.sha256));
-    std::filesystem::remove_all(folder);
 }
 
 TEST(EnergyScene, HasEachSchemeOfItsSurfaceAndNeedsRoom) {

@@ -1,7 +1,4 @@
 // A study's folder holds what its study.json names, and nothing that an earlier run left.
-#include <fstream>
-#include <sstream>
-
 #include <gtest/gtest.h>
 
 #include "host/error.h"
@@ -22,18 +19,8 @@ StudyData data_with(const Names& tables, const std::string& study = "energy") {
     return data;
 }
 
-std::string read(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
 class StudyFolder : public ::testing::Test {
 protected:
-    void put(const std::string& name, const std::string& text) const {
-        std::ofstream(folder_ / name, std::ios::binary) << text;
-    }
     // A run with volumes, whose contents are their names; returns what stayed changed.
     Names run(const Names& tables, const Names& pictures, const Names& volumes = {},
               const std::string& study = "energy") {
@@ -42,7 +29,7 @@ protected:
         for (const std::string& name : pictures)
             texts.push_back({name, "<svg/>"});
         for (const std::string& name : volumes) {
-            put(name, name);
+            folder_.write(name, name);
             data.volumes.push_back({name, sha256_of(name), name.size()});
         }
         return write_data(folder_.path(), data, texts);
@@ -58,7 +45,7 @@ TEST_F(StudyFolder, IsNamedFileByFile) {
     EXPECT_EQ(data.files[0].name, "loops.csv");
     EXPECT_EQ(data.files[1].name, "loops.svg");
     for (const FileRecord& file : data.files) {
-        const std::string text = read(folder_ / file.name);
+        const std::string text = folder_.read(file.name);
         EXPECT_FALSE(text.empty()) << file.name;
         EXPECT_EQ(file.sha256, sha256_of(text)) << file.name;
         EXPECT_EQ(file.bytes, text.size()) << file.name;
@@ -67,8 +54,8 @@ TEST_F(StudyFolder, IsNamedFileByFile) {
 
 TEST_F(StudyFolder, HoldsNothingOfARunBefore) {
     run({"loops", "curl"}, {"loops.svg", "bump.svg"}, {"bump.exr", "bump.curl.exr"});
-    put("mine.csv", "kept");
-    put("mine.exr", "kept");
+    folder_.write("mine.csv", "kept");
+    folder_.write("mine.exr", "kept");
     EXPECT_EQ(run({"curl", "front"}, {"mesh.svg"}, {"mesh.exr"}), Names{});
     EXPECT_EQ(folder_.names(),
               (Names{"curl.csv", "front.csv", "mesh.exr", "mesh.svg", "mine.csv", "mine.exr", "study.json"}));
@@ -78,10 +65,10 @@ TEST_F(StudyFolder, HoldsNothingOfARunBefore) {
 
 TEST_F(StudyFolder, KeepsWhatWasChangedSince) {
     run({"loops", "curl"}, {"loops.svg"}, {"bump.exr"});
-    put("loops.csv", "x_m\n7\n");
-    put("bump.exr", "another's");
+    folder_.write("loops.csv", "x_m\n7\n");
+    folder_.write("bump.exr", "another's");
     EXPECT_EQ(run({"front"}, {}), (Names{"loops.csv", "bump.exr"}));
-    EXPECT_EQ(read(folder_ / "loops.csv"), "x_m\n7\n");
+    EXPECT_EQ(folder_.read("loops.csv"), "x_m\n7\n");
     EXPECT_EQ(folder_.names(), (Names{"bump.exr", "front.csv", "loops.csv", "study.json"}));
 }
 
@@ -91,7 +78,7 @@ TEST_F(StudyFolder, KeepsWhatAnotherStudyOrNoAccountNames) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "loops.csv")) << "the other study's";
     for (const char* account : {"", "{", "[]", "{\"study\": 3}", "{\"study\": \"energy\", \"files\": 3}",
                                 "{\"study\": \"energy\", \"files\": [{\"name\": \"loops.csv\"}]}"}) {
-        put("study.json", account);
+        folder_.write("study.json", account);
         EXPECT_EQ(run({"front"}, {}), Names{}) << account;
         EXPECT_TRUE(std::filesystem::exists(folder_ / "loops.csv")) << account;
     }
@@ -100,8 +87,8 @@ TEST_F(StudyFolder, KeepsWhatAnotherStudyOrNoAccountNames) {
 TEST_F(StudyFolder, FollowsNoNameOutOfIt) {
     const std::filesystem::path own = folder_ / "energy";
     std::filesystem::create_directories(own / "steps.d");
-    put("outside.csv", "text");
-    put("energy/steps.d/a.json", "text");
+    folder_.write("outside.csv", "text");
+    folder_.write("energy/steps.d/a.json", "text");
     std::filesystem::create_symlink(folder_ / "outside.csv", own / "linked.csv");
     StudyData data = data_with({});
     for (const char* name : {"../outside.csv", "steps.d/a.json", "linked.csv", "steps.d", ""})
@@ -109,8 +96,8 @@ TEST_F(StudyFolder, FollowsNoNameOutOfIt) {
     write_data(own, data, {});
     StudyData next = data_with({"front"});
     EXPECT_EQ(write_data(own, next, {}), Names{});
-    EXPECT_EQ(read(folder_ / "outside.csv"), "text");
-    EXPECT_EQ(read(own / "steps.d/a.json"), "text");
+    EXPECT_EQ(folder_.read("outside.csv"), "text");
+    EXPECT_EQ(folder_.read("energy/steps.d/a.json"), "text");
     EXPECT_TRUE(std::filesystem::is_symlink(own / "linked.csv"));
 }
 

@@ -13,6 +13,8 @@
 namespace forceshade::study {
 namespace {
 
+using testing::says;
+
 std::vector<Comparison> all_comparisons(const std::vector<BaseScene>& scenes, bool gpu) {
     std::vector<Comparison> all;
     for (const BaseScene& base : scenes)
@@ -147,7 +149,7 @@ protected:
     }
     static std::size_t free_notes(const StudyData& data) {
         return static_cast<std::size_t>(std::ranges::count_if(data.notes, [](const std::string& note) {
-            return note.find("is in contact: its results are those of free space") != std::string::npos;
+            return bool(says(note, "is in contact: its results are those of free space"));
         }));
     }
 
@@ -155,8 +157,8 @@ protected:
 };
 
 TEST_F(OmissionRun, OfASceneThatTouchesNothingIsRefused) {
-    const std::string why = testing::message_of<UsageError>([&] { run(given_scene("30 mm")); });
-    EXPECT_NE(why.find("no sample of the scene's [grid] is in contact"), std::string::npos) << why;
+    EXPECT_TRUE(says(testing::message_of<UsageError>([&] { run(given_scene("30 mm")); }),
+                     "no sample of the scene's [grid] is in contact"));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "omission/study.json"));
     EXPECT_EQ(free_notes(run(given_scene("-4 mm"))), 0u);
 }
@@ -168,12 +170,10 @@ TEST_F(OmissionRun, OfAGridInTheAirAboveTouchingPathsSaysSo) {
 }
 
 TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade-omission-test";
-    std::filesystem::create_directories(folder);
+    const testing::Folder folder;
     const Comparison one = comparison("bump", "every y");
-    const Measurement result = measure(*engine_, one, {6, 0.001, 60}, folder);
-    EXPECT_TRUE(std::filesystem::is_empty(folder));
-    std::filesystem::remove_all(folder);
+    const Measurement result = measure(*engine_, one, {6, 0.001, 60}, folder.path());
+    EXPECT_TRUE(folder.names().empty());
     EXPECT_EQ(result.with.kernel.size(), 6u);
     EXPECT_EQ(result.without.whole.size(), 6u);
     EXPECT_EQ(result.with.cost.evaluated, 8 * result.without.cost.evaluated);
@@ -222,12 +222,10 @@ TEST(OmissionFindings, TellProgramAndSceneApartAndNothingFromTheSpread) {
                    timed("other law", 9, false, 1), timed("facet channel", 1.002)});
     ASSERT_EQ(data.findings.size(), 3u);
     EXPECT_EQ(data.findings[0].name, "program");
-    EXPECT_NE(data.findings[0].text.find("3 times as long with every y (bump)."), std::string::npos)
-        << data.findings[0].text;
-    EXPECT_NE(data.findings[1].text.find("20 % longer with depth channel (bump)"), std::string::npos)
-        << data.findings[1].text;
-    EXPECT_EQ(data.findings[1].text.find("other law"), std::string::npos) << "its forces are others";
-    EXPECT_NE(data.findings[2].text.find("cost: facet channel (bump)."), std::string::npos) << data.findings[2].text;
+    EXPECT_TRUE(says(data.findings[0].text, "3 times as long with every y (bump)."));
+    EXPECT_TRUE(says(data.findings[1].text, "20 % longer with depth channel (bump)"));
+    EXPECT_FALSE(says(data.findings[1].text, "other law")) << "its forces are others";
+    EXPECT_TRUE(says(data.findings[2].text, "cost: facet channel (bump)."));
     EXPECT_EQ(data.table("features").word(3, "same"), "no: 1 of 10 differ");
 }
 

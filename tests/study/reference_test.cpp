@@ -1,15 +1,14 @@
 // The results that the README shows are whole, and the README says what they say.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/output/files.h"
 #include "host/study/data/study_data.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::study {
 namespace {
@@ -17,13 +16,6 @@ namespace {
 const std::filesystem::path kSource = FORCESHADE_SOURCE;
 const std::filesystem::path kReference = kSource / "results/reference";
 constexpr const char* kStudies[] = {"error-time"};
-
-std::string readme() {
-    std::ifstream file(kSource / "README.md", std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
 
 // What the account names is there as it was written, and nothing else is.
 TEST(Reference, HoldsWhatItsAccountsName) {
@@ -42,7 +34,7 @@ TEST(Reference, HoldsWhatItsAccountsName) {
 }
 
 TEST(Reference, ReadmeShowsThreeFindingsWordForWord) {
-    const std::string text = readme();
+    const std::string text = testing::read_text(kSource / "README.md");
     std::size_t shown = 0;
     for (const char* study : kStudies)
         for (const Finding& finding : read_data(kReference / study).findings)
@@ -51,7 +43,7 @@ TEST(Reference, ReadmeShowsThreeFindingsWordForWord) {
 }
 
 TEST(Reference, PicturesOfTheReadmeAreThere) {
-    const std::string text = readme();
+    const std::string text = testing::read_text(kSource / "README.md");
     std::size_t pictures = 0;
     for (std::size_t at = text.find("](results/reference/"); at != std::string::npos;
          at = text.find("](results/reference/", at + 1)) {

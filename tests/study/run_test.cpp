@@ -1,6 +1,5 @@
 // Parts of a study, and what a run says of itself.
 #include <csignal>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -53,13 +52,13 @@ TEST_F(Run, OfAnotherStudySceneOrFormIsAnother) {
 TEST_F(Run, ClearsWhatAKilledOneLeft) {
     std::filesystem::create_directories(folder_ / "out/energy");
     const std::filesystem::path stale = TemporaryFile(folder_ / "out/energy/x.exr").temporary_path();
-    std::ofstream(stale) << "half";
+    testing::write_text(stale, "half");
     fingerprint();
     EXPECT_FALSE(std::filesystem::exists(stale));
 }
 
 TEST_F(Run, WithoutAFolderToWriteIsAnIoError) {
-    std::ofstream(folder_ / "file") << "";
+    folder_.write("file", "");
     options_.folder = folder_ / "file/energy";
     EXPECT_THROW(fingerprint(), IoError);
 }

@@ -11,6 +11,7 @@
 #include "host/touch/force_at.h"
 #include "host/touch/force_errors.h"
 #include "host/touch/places.h"
+#include "tests/io/folder.h"
 #include "tests/paths/sampled_plants.h"
 
 namespace forceshade::study {
@@ -18,6 +19,7 @@ namespace {
 
 using testing::kPlants;
 using testing::Plant;
+using testing::says;
 
 TEST(LinearLoop, PassiveWithHalfASampleAndItsDelay) {
     EXPECT_DOUBLE_EQ(passive_stiffness(1, 1e-3, 0), 2000);
@@ -268,12 +270,10 @@ TEST(SceneLimits, NameWhatTheyLeaveOut) {
             .text();
     };
     const std::string steps = "quantisation = \"10 um\"\ncoulomb = \"0.003 N\"\n";
-    EXPECT_NE(text_of("facets = 2", "").find("turns inwards (by 28 deg)"), std::string::npos)
-        << text_of("facets = 2", "");
-    EXPECT_EQ(text_of("facets = 1", "").find("turns inwards"), std::string::npos);
-    EXPECT_NE(text_of("facets = 1", steps).find("; above 600 N/m friction does not hold a step"), std::string::npos)
-        << text_of("facets = 1", steps);
-    EXPECT_EQ(text_of("facets = 1", "").find("hold a step"), std::string::npos);
+    EXPECT_TRUE(says(text_of("facets = 2", ""), "turns inwards (by 28 deg)"));
+    EXPECT_FALSE(says(text_of("facets = 1", ""), "turns inwards"));
+    EXPECT_TRUE(says(text_of("facets = 1", steps), "; above 600 N/m friction does not hold a step"));
+    EXPECT_FALSE(says(text_of("facets = 1", ""), "hold a step"));
 }
 
 TEST(SceneLimits, SayWhetherASceneIsStable) {
@@ -336,7 +336,7 @@ TEST(CouplingLimits, OfASceneWithNothingToTouchAreThoseOfAWall) {
     EXPECT_TRUE(limits_of("hand.coupling.stiffness = \"100 N/m\"").stable());
     const SceneLimits harsh = limits_of("hand.coupling = { stiffness = \"5 N/mm\", damping = \"400 N s/m\" }");
     EXPECT_FALSE(harsh.stable());
-    EXPECT_NE(harsh.warning().find("without damper"), std::string::npos) << harsh.warning();
+    EXPECT_TRUE(says(harsh.warning(), "without damper"));
 }
 
 TEST(CouplingLimits, AreOfferedWhereASceneIsUnstable) {
@@ -346,10 +346,10 @@ TEST(CouplingLimits, AreOfferedWhereASceneIsUnstable) {
     };
     const SceneLimits bare = limits_of("");
     ASSERT_TRUE(bare.safe);
-    EXPECT_NE(bare.warning().find("hand.coupling.stiffness = \"5976 N/m\""), std::string::npos) << bare.warning();
+    EXPECT_TRUE(says(bare.warning(), "hand.coupling.stiffness = \"5976 N/m\""));
     const SceneLimits held = limits_of("coupling.stiffness = \"5976 N/m\"\n");
     EXPECT_TRUE(held.stable()) << held.text();
-    EXPECT_NE(held.text().find("displayed as 5940 N/m"), std::string::npos) << held.text();
+    EXPECT_TRUE(says(held.text(), "displayed as 5940 N/m"));
     EXPECT_FALSE(limits_of("coupling.stiffness = \"6200 N/m\"\n").stable());
 }
 
@@ -485,9 +485,9 @@ TEST(SceneStability, AreTheScenesOwn) {
     const std::vector<Finding> findings = loop_findings(results);
     ASSERT_FALSE(findings.empty());
     EXPECT_LE(findings.size(), 6U);
-    EXPECT_NE(findings[0].text.find("its own 500 N/m is 0.0124 times that"), std::string::npos) << findings[0].text;
+    EXPECT_TRUE(says(findings[0].text, "its own 500 N/m is 0.0124 times that"));
     for (const Finding& finding : findings) {
-        EXPECT_EQ(finding.text.find("nan"), std::string::npos) << finding.text;
+        EXPECT_FALSE(says(finding.text, "nan"));
         EXPECT_FALSE(finding.place.empty() || finding.condition.empty() || finding.figure.empty()) << finding.name;
     }
 }

@@ -1,14 +1,13 @@
 // Cases on their way from engine to encoders: whatever fails, nothing waits for ever and nothing is lost.
-#include <filesystem>
 #include <future>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "host/cases/case_pipeline.h"
 #include "host/cases/chunk_queue.h"
 #include "host/program.h"
 #include "host/sweep/sweep.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::test {
 namespace {
@@ -87,14 +86,11 @@ Ran run(const Study& study, const std::filesystem::path& folder) {
 
 class CasePipeline : public ::testing::Test {
 protected:
-    void SetUp() override { std::filesystem::create_directories(folder_); }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-    std::filesystem::path folder_ =
-        std::filesystem::temp_directory_path() / ("forceshade-pipeline-" + std::to_string(getpid()));
+    testing::Folder folder_;
 };
 
 TEST_F(CasePipeline, EveryCaseEnds) {
-    const Ran ran = run(study_of(7, "[surface]\n"), folder_);
+    const Ran ran = run(study_of(7, "[surface]\n"), folder_.path());
     EXPECT_EQ(ran.done, 7);
     EXPECT_FALSE(ran.stopped);
 }

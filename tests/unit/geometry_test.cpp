@@ -1,8 +1,6 @@
 // G1 and G2: the table of the paper's three cylinders, facets that cover the bump; and what a scene switches on.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -11,6 +9,7 @@
 #include "host/reference/elementary.h"
 #include "host/reference/surfaces.h"
 #include "host/scene/study.h"
+#include "tests/io/folder.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {
@@ -169,12 +168,12 @@ TEST(Warnings, OfAFinerGridThatLeavesOutAPartOfTheBump) {
 }
 
 TEST(Warnings, OfAMeshThatNoHandSpans) {
-    const std::string file = ::testing::TempDir() + "forceshade_tetrahedron.obj";
-    std::ofstream(file) << "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-    const std::string scene = "[surface]\nkind = \"mesh\"\nfile = \"" + file + "\"\n";
+    const testing::Folder folder;
+    const std::filesystem::path file =
+        folder.write("tetrahedron.obj", "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const std::string scene = "[surface]\nkind = \"mesh\"\nfile = \"" + file.string() + "\"\n";
     EXPECT_TRUE(scene_warnings(scene + "unit = \"mm\"\n[grid]\nsamples = 4\n").empty());
     EXPECT_TRUE(mentions(scene_warnings(scene + "[grid]\nsamples = 4\n"), "is 40 m across"));
-    std::filesystem::remove(file);
 }
 
 } // namespace

@@ -245,14 +245,15 @@ private:
     FieldTables<double> exact_;
 };
 
-TEST(LawBounds, HoldWhateverAffineArithmeticSaysOfALaw) {
+TEST(LawBounds, HoldWhateverAffineArithmeticSaysOfALawAndAreNotMuchLarger) {
     using T = Affine<VulkanRounding>;
     std::size_t compared = 0;
-    double most = 0;
+    std::map<SurfaceKind, std::vector<double>> shares; // of the bound: each scene's largest
     for (std::uint64_t seed = 1; seed <= 400; ++seed) {
         const PreparedCase prepared = scene_of(seed);
         SCOPED_TRACE(prepared.scene);
         const RoundingBound bound(prepared, Precision::f32);
+        double most = 0;
         Places(prepared).each(20, seed, [&](const layout::Law<double>& law, const glm::dvec3& p) {
             affine_run.begin();
             const reference::Contact<T> found = RoundedLaw<T>(law, p.x)(p.x, p.y, p.z);
@@ -271,8 +272,15 @@ TEST(LawBounds, HoldWhateverAffineArithmeticSaysOfALaw) {
             ++compared;
         });
         ASSERT_LE(most, 1) << "seed " << seed;
+        if (most > 0)
+            shares[prepared.one.scene.surface.kind].push_back(most);
     }
-    EXPECT_GT(most, 0.7);
+    for (auto& [kind, all] : shares) {
+        std::ranges::sort(all);
+        EXPECT_GT(all.back(), 0.7) << int(kind);
+        EXPECT_GT(all[all.size() / 5], 0.1) << int(kind);
+    }
+    EXPECT_EQ(shares.size(), 3u);
     EXPECT_GT(compared, 1000u);
 }
 
@@ -327,52 +335,6 @@ TEST(LawBounds, SeeAForceThatIsOffByTwentyRoundings) {
     EXPECT_TRUE(first_misfit(computed, truth, bound.at(beside, 0, -depth), layout::kChannelForce));
     computed.force = truth.force * (1 + 3 * kUnit);
     EXPECT_FALSE(first_misfit(computed, truth, bound.at(beside, 0, -depth), layout::kChannelForce));
-}
-
-// The largest share of the bound that single precision uses up, over random positions held exactly by a float.
-double largest_share(const Scene& scene) {
-    PreparedCase prepared;
-    prepared.one.scene = scene;
-    const RoundingBound bound(prepared, Precision::f32);
-    const OwnedLaw<float> single(scene);
-    const OwnedLaw<double> exact(scene);
-    std::mt19937_64 random(3);
-    const auto between = [&](double low, double high) {
-        return static_cast<float>(std::lerp(low, high, static_cast<double>(random() >> 11) / 0x1p53));
-    };
-    double share = 0;
-    for (int i = 0; i < 3000; ++i) {
-        const float x = between(-0.016, 0.016), z = between(-0.008, 0.006);
-        const auto rounded = single(x, 0, z).force;
-        const auto truth = exact(x, 0, z);
-        if (single(x, 0, z).facet != truth.facet)
-            continue; // on a boundary, which validation accounts for
-        share = std::max(share, norm(rounded.x - truth.force.x, rounded.y - truth.force.y, rounded.z - truth.force.z) /
-                                    bound.at(x, 0, z).force);
-    }
-    return share;
-}
-
-TEST(RoundingBound, HoldsAndIsWithinTwoOrdersOfTheTruth) {
-    for (const double radius : {1.0001 * kHalfWidth, kRadii[0], kRadii[2], 1e6 * kHalfWidth}) {
-        for (const std::uint32_t facets : {1u, 2u, 3u, 32u})
-            for (const Shading shading : {Shading::none, Shading::reference}) {
-                const double share = largest_share(bump(radius, facets, shading));
-                EXPECT_LE(share, 1) << radius << ' ' << facets;
-                EXPECT_GE(share, 1e-3) << radius << ' ' << facets;
-            }
-        EXPECT_LE(largest_share(cylinder_bump(radius)), 1);
-        EXPECT_GE(largest_share(cylinder_bump(radius)), 1e-3);
-    }
-}
-
-// Rounding R moves the circle's rise near the edge by far more than an ULP.
-TEST(RoundingBound, HoldsWhereTheRadiusIsBarelyAboveHalfTheWidth) {
-    for (const double excess : {1e-3, 1e-5, 1e-6, 1e-7, 1e-8})
-        for (const std::uint32_t facets : {2u, 3u, 32u, 1000u})
-            for (const Shading shading : {Shading::none, Shading::reference})
-                EXPECT_LE(largest_share(bump((1 + excess) * kHalfWidth, facets, shading)), 1)
-                    << excess << ' ' << facets;
 }
 
 // One facet is the plane, whose depth is exact.

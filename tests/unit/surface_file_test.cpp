@@ -12,8 +12,11 @@
 #include "host/field/comparison.h"
 #include "host/output/files.h"
 #include "host/picture/picture.h"
+#include "host/touch/force_errors.h"
 #include "tests/io/folder.h"
 #include "tests/io/vtk_bytes.h"
+#include "tests/mesh/shapes.h"
+#include "tests/mesh/written_files.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {
@@ -155,6 +158,43 @@ TEST_F(SurfaceFile, OfAShadedMeshTurnsFromVertexToVertex) {
         }
 }
 
+TEST_F(SurfaceFile, OfAMeshHoldsWhatAProbeFeelsOnEachFacet) {
+    for (const char* shading : {"none", "mean_value"}) {
+        const PreparedCase prepared =
+            prepare(fmt::format("[surface]\nkind = \"mesh\"\nfile = \"{}/spot.obj\"\n"
+                                "transform = {{ scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }}\n"
+                                "[force]\nshading = \"{}\"\n[run]\nprecision = \"f64\"\n",
+                                FORCESHADE_TEST_DATA, shading));
+        const ReadSurface surface = written(prepared);
+        const std::unique_ptr<ProbeLaw> law = make_probe_law(prepared);
+        ASSERT_EQ(surface.cells.size(), 5856u);
+        std::size_t own = 0;
+        for (std::size_t facet = 0; facet < surface.cells.size(); ++facet) {
+            Point middle(0), force(0);
+            for (const std::size_t point : surface.cells[facet]) {
+                const Point &shaded = surface.force[point], &unshaded = surface.unshaded[point];
+                middle += surface.points[point] / 3.0;
+                force += shaded;
+                EXPECT_NEAR(distance(shaded, Point(0)), 1, 1e-9) << "1 N/mm times 1 mm";
+                EXPECT_LT(distance(unshaded, surface.unshaded[surface.cells[facet][0]]), 1e-12) << "one for a facet";
+                EXPECT_NEAR(surface.turn[point], angle_between(shaded, unshaded) * kDegreesOfRadian, 1e-5);
+            }
+            // From just above the middle to 1 mm below it.
+            const Point& normal = prepared.images.mesh->mesh.facet_normals[facet];
+            law->begin_path();
+            law->at(middle + 1e-6 * normal);
+            const ProbeContact felt = law->at(middle - 1e-3 * normal);
+            EXPECT_EQ(surface.facet[facet], int(facet));
+            if (felt.facet != facet)
+                continue; // under a fold
+            EXPECT_LT(distance(felt.force, force / distance(force, Point(0))), 1e-8);
+            ++own;
+        }
+        EXPECT_GT(double(own), 0.97 * double(surface.cells.size()));
+        EXPECT_EQ(std::ranges::max(surface.turn) > 10, shading != std::string("none"));
+    }
+}
+
 TEST_F(SurfaceFile, TurnsOfAMeshUnderAnyShadingAreThoseOfTheSceneWithIt) {
     folder_.write("house.off", kHouse);
     const PreparedCase plain = prepare(mesh("house.off", ""));
@@ -175,18 +215,7 @@ TEST_F(SurfaceFile, TurnsOfAMeshUnderAnyShadingAreThoseOfTheSceneWithIt) {
 
 TEST_F(SurfaceFile, TurnsOfAFacetOfManyCornersStandForTheirNeighbours) {
     constexpr int kCorners = 1000;
-    std::string off = fmt::format("OFF\n{} {} 0\n", 2 * kCorners, kCorners + 2), below, above, sides;
-    for (const int z : {0, 1})
-        for (int i = 0; i < kCorners; ++i)
-            off += fmt::format("{} {} {}\n", std::cos(2 * std::numbers::pi * i / kCorners),
-                               std::sin(2 * std::numbers::pi * i / kCorners), z);
-    for (int i = 0; i < kCorners; ++i) {
-        const int next = (i + 1) % kCorners;
-        below += fmt::format(" {}", kCorners - 1 - i);
-        above += fmt::format(" {}", kCorners + i);
-        sides += fmt::format("4 {} {} {} {}\n", i, next, kCorners + next, kCorners + i);
-    }
-    folder_.write("prism.off", fmt::format("{}{}{}\n{}{}\n{}", off, kCorners, below, kCorners, above, sides));
+    folder_.write("prism.off", testing::as_off(shapes::many_gon_prism(kCorners)));
     const std::vector<float> turns = mesh_turns(prepare(mesh("prism.off", "")), Shading::mean_value);
     ASSERT_EQ(turns.size(), 6u * kCorners);
     EXPECT_GT(turns[0], 10);

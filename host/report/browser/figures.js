@@ -70,24 +70,24 @@ function ticksOf(scale, axis, most, values = []) {
 const tickText = (value) => value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5)
   ? numberText(value, 5).replace(/\.?0+×/, "×").replace(/^(−?)1×/, "$1") : String(+value.toPrecision(6)).replace("-", "−");
 
+// As wide as there is room, so that words keep their size.
+const widthIn = (element) => Math.max(NARROWEST, Math.min(WIDTH, element.clientWidth || WIDTH));
+
 class FigureFrame {
-  constructor(element, figure, height = figure.height || HEIGHT) {
-    this.figure = figure;
-    this.height = height;
-    // As wide as there is room, so that words keep their size.
-    this.width = Math.max(NARROWEST, Math.min(WIDTH, element.clientWidth || WIDTH));
+  // `left`, `below`: px that words on the left and below take.
+  constructor(element, figure, { height = figure.height || HEIGHT, left = PLOT.left, below = PLOT.bottom } = {}) {
+    Object.assign(this, { figure, height, left, width: widthIn(element), bottom: height - below });
     this.right = this.width - PLOT.right;
-    this.bottom = height - PLOT.bottom;
     this.svg = d3.select(element).append("svg").attr("viewBox", `0 0 ${this.width} ${height}`).attr("role", "img")
       .attr("aria-label", figure.title).attr("class", "plot").attr("font-family", "system-ui, 'DejaVu Sans', Verdana, sans-serif");
     this.legend = d3.select(element).append("div").attr("class", "legend");
     this.clip = "clip-" + Math.random().toString(36).slice(2);
-    this.svg.append("clipPath").attr("id", this.clip).append("rect").attr("x", PLOT.left).attr("y", PLOT.top)
-      .attr("width", this.right - PLOT.left).attr("height", this.bottom - PLOT.top);
+    this.svg.append("clipPath").attr("id", this.clip).append("rect").attr("x", this.left).attr("y", PLOT.top)
+      .attr("width", this.right - this.left).attr("height", this.bottom - PLOT.top);
   }
 
   drawAxes(x, y, xTicks, yTicks, text = tickText) {
-    const { svg, figure, bottom, right } = this, grid = svg.append("g");
+    const { svg, figure, left, bottom, right } = this, grid = svg.append("g");
     for (const value of xTicks) {
       const at = x(value) + (x.bandwidth ? x.bandwidth() / 2 : 0);
       if (!x.bandwidth)
@@ -97,12 +97,12 @@ class FigureFrame {
     for (const value of yTicks) {
       const at = y(value) + (y.bandwidth ? y.bandwidth() / 2 : 0);
       if (!y.bandwidth)
-        grid.append("line").attr("class", "grid").attr("x1", PLOT.left).attr("x2", right).attr("y1", at).attr("y2", at);
-      grid.append("text").attr("class", "tick").attr("x", PLOT.left - 7).attr("y", at + 4).attr("text-anchor", "end").text(text(value));
+        grid.append("line").attr("class", "grid").attr("x1", left).attr("x2", right).attr("y1", at).attr("y2", at);
+      grid.append("text").attr("class", "tick").attr("x", left - 7).attr("y", at + 4).attr("text-anchor", "end").text(text(value));
     }
-    svg.append("rect").attr("class", "frame").attr("x", PLOT.left).attr("y", PLOT.top).attr("width", right - PLOT.left)
+    svg.append("rect").attr("class", "frame").attr("x", left).attr("y", PLOT.top).attr("width", right - left)
       .attr("height", bottom - PLOT.top);
-    svg.append("text").attr("class", "axis").attr("x", (PLOT.left + right) / 2).attr("y", this.height - 8).attr("text-anchor", "middle").text(figure.x.label);
+    svg.append("text").attr("class", "axis").attr("x", (left + right) / 2).attr("y", this.height - 8).attr("text-anchor", "middle").text(figure.x.label);
     svg.append("text").attr("class", "axis").attr("transform", `translate(15,${(PLOT.top + bottom) / 2}) rotate(-90)`).attr("text-anchor", "middle")
       .text(figure.y.label);
     this.body = svg.append("g").attr("clip-path", `url(#${this.clip})`);
@@ -120,6 +120,10 @@ function drawLine(target, points, x, y, colour, dash, width = 1.6) {
     .attr("d", d3.line().defined(([, b]) => b !== null && Number.isFinite(b)).x(([a]) => x(a)).y(([, b]) => y(b))(points));
 }
 
+// Signs of a legend and of the plot: a line, a mark.
+const drawKey = (key, colour, dash, width) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, colour, dash, width);
+const addMark = (target, symbol, size = 46) => target.append("path").attr("d", d3.symbol().type(symbol).size(size)());
+
 // [x, y, low, high]
 function drawBand(target, points, x, y) {
   target.append("path").attr("fill", "var(--plot-ink)").attr("fill-opacity", 0.16).attr("d", d3.area().x(([a]) => x(a)).y0(([, , low]) => y(low)).y1(([, , , high]) => y(high))(points));
@@ -128,12 +132,12 @@ function drawBand(target, points, x, y) {
 // Lines of numbers, null where missing, against a place: [{name, values, colour, dash}].
 function drawProfile(element, places, lines, label, placeLabel) {
   element.replaceChildren();
-  const frame = new FigureFrame(element, { title: label + " along the stroke", x: { label: placeLabel }, y: { label } }, 270), values = lines.flatMap((line) => line.values);
-  const x = scaleOf({}, [0, places[places.length - 1]], [PLOT.left, frame.right]), y = scaleOf({}, [0, ...values.filter((value) => value !== null)], [frame.bottom, PLOT.top]);
+  const frame = new FigureFrame(element, { title: label + " along the stroke", x: { label: placeLabel }, y: { label } }, { height: 270 }), values = lines.flatMap((line) => line.values);
+  const x = scaleOf({}, [0, places[places.length - 1]], [frame.left, frame.right]), y = scaleOf({}, [0, ...values.filter((value) => value !== null)], [frame.bottom, PLOT.top]);
   frame.drawAxes(x, y, ticksOf(x, {}, frame.width / 90), ticksOf(y, {}, 5));
   for (const line of lines) {
     drawLine(frame.body, line.values.map((value, i) => [places[i], value]), x, y, line.colour, line.dash, 2);
-    frame.addLegend(line.name, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, line.colour, line.dash, 2));
+    frame.addLegend(line.name, (key) => drawKey(key, line.colour, line.dash, 2));
   }
 }
 
@@ -150,7 +154,7 @@ function drawScatter(element, study, figure) {
   const spread = (axis, column) => spanned.map((row) => row[column]).filter((value) => canShow(axis, value));
   const frame = new FigureFrame(element, figure);
   const x = scaleOf(figure.x, [...spanned.map((row) => row[figure.x.column]), ...curves.flatMap((c) => c.points.map((p) => p[0])), ...spread(figure.x, figure.x_low), ...spread(figure.x, figure.x_high)],
-    [PLOT.left, frame.right]);
+    [frame.left, frame.right]);
   const y = scaleOf(figure.y, [...spanned.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.flatMap((p) => p.slice(1))), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
     [frame.bottom, PLOT.top]);
   const valuesOf = (axis) => spanned.map((row) => row[axis.column]);
@@ -164,16 +168,16 @@ function drawScatter(element, study, figure) {
     if (curve.low)
       drawBand(frame.body, curve.points, x, y);
     const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : of ? null : CURVE_DASHES[plain++ % 5];
-    const line = (target, points, across, up) => drawLine(target, points, across, up, of ? styleOf(of).colour : "var(--plot-ink)", dash, curve.low ? 2 : 1.2);
+    const style = [of ? styleOf(of).colour : "var(--plot-ink)", dash, curve.low ? 2 : 1.2], draw = () => drawLine(frame.body, curve.points, x, y, ...style);
     if (curve.low)
-      over.push(() => line(frame.body, curve.points, x, y));
+      over.push(draw);
     else
-      line(frame.body, curve.points, x, y);
+      draw();
     if (!own)
       frame.addLegend(curve.label, (key) => {
         if (curve.low)
           drawBand(key, [[-12, 0, -5, 5], [12, 0, -5, 5]], (v) => v, (v) => v);
-        line(key, [[-12, 0], [12, 0]], (v) => v, (v) => v);
+        drawKey(key, ...style);
       });
   });
   for (const name of names) {
@@ -190,9 +194,9 @@ function drawScatter(element, study, figure) {
       whisker(figure.y, figure.low, figure.high, (a, b) => `M${px - 3},${y(a)}h6m-3,0V${y(b)}m-3,0h6`);
       whisker(figure.x, figure.x_low, figure.x_high, (a, b) => `M${x(a)},${py - 3}v6m0,-3H${x(b)}m0,-3v6`);
       const pick = figure.picks && figure.picks.includes(row[figure.pick]);
-      frame.body.append("path").attr("class", "mark").classed("pick", pick).classed("line", figure.joined && own.length > MOST_MARKS)
+      addMark(frame.body, figure.shape ? styleOf(String(row[figure.shape])).symbol : style.symbol).attr("class", "mark").classed("pick", pick).classed("line", figure.joined && own.length > MOST_MARKS)
         .attr("tabindex", pick ? 0 : -1).attr("role", pick ? "button" : null).attr("transform", `translate(${px},${py})`)
-        .attr("d", d3.symbol().type(figure.shape ? styleOf(String(row[figure.shape])).symbol : style.symbol).size(46)()).attr("fill", style.colour).attr("stroke", "var(--plot-paper)").attr("stroke-width", 0.7)
+        .attr("fill", style.colour).attr("stroke", "var(--plot-paper)").attr("stroke-width", 0.7)
         .datum(() => ({ study, figure, row }))
         .append("title").text(rowText(study, figure.table, row, ["way", figure.label, figure.series, figure.shape, figure.x.column, figure.y.column, figure.low, figure.high,
           ...study.tables.find((one) => one.name === figure.table).columns.slice(0, 12).map((column) => column.name)]));
@@ -200,16 +204,16 @@ function drawScatter(element, study, figure) {
     if (figure.series)
       frame.addLegend(name, (key) => {
         if (figure.joined)
-          drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, style.colour, null);
+          drawKey(key, style.colour, null);
         if (figure.shape)
           key.append("rect").attr("x", -6).attr("y", -6).attr("width", 12).attr("height", 12).attr("fill", style.colour);
         else
-          key.append("path").attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour);
+          addMark(key, style.symbol).attr("fill", style.colour);
       });
   }
   if (figure.shape)
     for (const name of new Set(rows.map((row) => String(row[figure.shape]))))
-      frame.addLegend(name, (key) => key.append("path").attr("d", d3.symbol().type(styleOf(name).symbol).size(46)()).attr("fill", "var(--plot-quiet)"));
+      frame.addLegend(name, (key) => addMark(key, styleOf(name).symbol).attr("fill", "var(--plot-quiet)"));
   over.forEach((draw) => draw());
   placeLabels(frame, rows.filter((row) => figure.label && row[figure.label]).map((row) =>
     ({ text: String(row[figure.label]), x: x(row[figure.x.column]), y: y(row[figure.y.column]) })), rows.map((row) => [x(row[figure.x.column]), y(row[figure.y.column])]));
@@ -220,7 +224,7 @@ function drawScatter(element, study, figure) {
 // Names next to the marks that have one, where there is room: the others show theirs when pointed at.
 function placeLabels(frame, labels, marks) {
   const taken = [];
-  const covers = (box) => box.x < PLOT.left + 2 || box.x + box.w > frame.right - 2 || box.y < PLOT.top + 1 || box.y + box.h > frame.bottom - 1 || taken.some((other) => box.x < other.x + other.w && other.x < box.x + box.w &&
+  const covers = (box) => box.x < frame.left + 2 || box.x + box.w > frame.right - 2 || box.y < PLOT.top + 1 || box.y + box.h > frame.bottom - 1 || taken.some((other) => box.x < other.x + other.w && other.x < box.x + box.w &&
     box.y < other.y + other.h && other.y < box.y + box.h) || marks.some(([mx, my]) => mx > box.x - 4 && mx < box.x + box.w + 4 && my > box.y - 4 && my < box.y + box.h + 4);
   let placed = 0;
   for (const label of labels) {
@@ -252,18 +256,12 @@ function drawMap(element, study, figure) {
   // Numbers rise; words stand in the order of the rows, from the left and from the top.
   const valuesOf = (column) => [...new Set(spanned.map((row) => row[column]))], isWord = (values) => typeof values[0] === "string";
   const inOrder = (values, turned) => isWord(values) ? turned ? values.reverse() : values : values.sort((a, b) => a - b);
-  const xs = inOrder(valuesOf(figure.x.column)), ys = inOrder(valuesOf(figure.y.column), true), words = isWord(ys), margins = { ...PLOT };
-  if (isWord(xs))
-    PLOT.bottom += 30; // where they do not fit they slant
-  const frame = new FigureFrame(element, figure, words ? PLOT.top + PLOT.bottom + 20 * ys.length : undefined);
-  if (words) {
-    PLOT.left = Math.min(0.6 * frame.width, 14 + 7 * d3.max(ys, (name) => name.length));
-    frame.svg.select("clipPath rect").attr("x", PLOT.left).attr("width", frame.right - PLOT.left);
-  }
-  const x = d3.scaleBand().domain(xs).range([PLOT.left, frame.right]), y = d3.scaleBand().domain(ys).range([frame.bottom, PLOT.top]);
+  const xs = inOrder(valuesOf(figure.x.column)), ys = inOrder(valuesOf(figure.y.column), true), words = isWord(ys), below = PLOT.bottom + (isWord(xs) ? 30 : 0); // where words do not fit they slant
+  const frame = new FigureFrame(element, figure, !words ? { below }
+    : { below, height: PLOT.top + below + 20 * ys.length, left: Math.min(0.6 * widthIn(element), 14 + 7 * d3.max(ys, (name) => name.length)) });
+  const x = d3.scaleBand().domain(xs).range([frame.left, frame.right]), y = d3.scaleBand().domain(ys).range([frame.bottom, PLOT.top]);
   const some = (all, most) => all.filter((_, i) => i % Math.ceil(all.length / most) === 0);
   frame.drawAxes(x, y, isWord(xs) ? xs : some(xs, frame.width / 75), words ? ys : some(ys, 9), (value) => typeof value === "number" ? numberText(value, 2) : value);
-  Object.assign(PLOT, margins);
   if (isWord(xs) && x.bandwidth() < 7 * d3.max(xs, (name) => name.length))
     frame.svg.selectAll(".tick").filter(function () { return this.getAttribute("text-anchor") === "middle"; }).attr("text-anchor", "end")
       .attr("transform", function () { return `rotate(-30 ${this.getAttribute("x")} ${frame.bottom + 12})`; });
@@ -305,7 +303,7 @@ function drawMap(element, study, figure) {
     const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
     if (points.length)
       drawLine(frame.body, points, along(x, xs), along(y, ys), "var(--plot-ink)", dash, 1.8);
-    frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, "var(--plot-ink)", dash, 1.8));
+    frame.addLegend(curve.label, (key) => drawKey(key, "var(--plot-ink)", dash, 1.8));
   });
 }
 
@@ -314,24 +312,22 @@ function drawBars(element, study, figure) {
   const names = [...new Set(rows.map((row) => String(row[figure.x.column])))], series = [...new Set(rows.map((row) => String(row[figure.series] || "")))];
   const ofName = d3.nest().key((row) => String(row[figure.x.column])).map(rows), most = d3.max(ofName.values(), (some) => some.length) || 1;
   // Bars lie. Words stand on the left where they have room, else above their bars.
-  const needed = 12 + 7.4 * d3.max(names, (name) => name.length), above = needed > Math.min(260, element.clientWidth / 2) ? 14 : 0, left = PLOT.left;
+  const needed = 12 + 7.4 * d3.max(names, (name) => name.length), above = needed > Math.min(260, element.clientWidth / 2) ? 14 : 0;
   const height = figure.height || Math.max(160, PLOT.top + PLOT.bottom + names.length * (10 + 14 * most + above));
-  const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, height);
-  PLOT.left = above ? 12 : Math.max(needed, left);
+  const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, { height, left: above ? 12 : Math.max(needed, PLOT.left) });
   const values = rows.flatMap((row) => [row[figure.y.column], row[figure.low], row[figure.high]]).filter((value) => typeof value === "number" && (!figure.y.logarithmic || value > 0));
-  const x = scaleOf(figure.y, figure.y.logarithmic ? values : [0, ...values], [PLOT.left, frame.right]);
+  const x = scaleOf(figure.y, figure.y.logarithmic ? values : [0, ...values], [frame.left, frame.right]);
   const y = d3.scaleBand().domain(names).range([PLOT.top, frame.bottom]).padding(0.25), thick = (y.bandwidth() - above) / most;
   frame.drawAxes(x, y, ticksOf(x, figure.y, frame.width / 110), above ? [] : names, (value) => typeof value === "number" ? tickText(value) : value);
-  frame.svg.select("clipPath rect").attr("x", PLOT.left).attr("width", frame.right - PLOT.left);
   if (above)
-    names.forEach((name) => frame.body.append("text").attr("class", "tick").attr("x", PLOT.left + 4).attr("y", y(name) + 10).text(name));
+    names.forEach((name) => frame.body.append("text").attr("class", "tick").attr("x", frame.left + 4).attr("y", y(name) + 10).text(name));
   for (const row of rows) {
     const own = ofName.get(String(row[figure.x.column])), style = styleOf(String(row[figure.series] || figure.title));
     const top = y(String(row[figure.x.column])) + above + (y.bandwidth() - above - own.length * thick) / 2 + own.indexOf(row) * thick;
     const at = x(row[figure.y.column]), middle = top + thick / 2;
     // A logarithmic axis has no zero for a bar to begin at: a mark alone.
     const mark = figure.y.logarithmic
-      ? frame.body.append("path").attr("d", d3.symbol().type(style.symbol).size(60)()).attr("transform", `translate(${at},${middle})`)
+      ? addMark(frame.body, style.symbol, 60).attr("transform", `translate(${at},${middle})`)
       : frame.body.append("rect").attr("x", Math.min(x(0), at)).attr("y", top).attr("width", Math.max(Math.abs(at - x(0)), 1)).attr("height", Math.max(thick - 1, 1));
     mark.attr("class", "mark").attr("fill", style.colour).datum(() => ({ study, figure, row }))
       .append("title").text(rowText(study, figure.table, row, [figure.x.column, figure.series, figure.y.column, figure.low, figure.high]));
@@ -339,10 +335,8 @@ function drawBars(element, study, figure) {
       frame.body.append("path").attr("stroke", "var(--plot-ink)").attr("fill", "none")
         .attr("d", `M${x(row[figure.low])},${middle - 3}v6m0,-3H${x(row[figure.high])}m0,-3v6`);
   }
-  PLOT.left = left;
   if (series.length > 1)
-    series.forEach((name) => frame.addLegend(name, (key) => (figure.y.logarithmic
-      ? key.append("path").attr("d", d3.symbol().type(styleOf(name).symbol).size(46)())
+    series.forEach((name) => frame.addLegend(name, (key) => (figure.y.logarithmic ? addMark(key, styleOf(name).symbol)
       : key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12)).attr("fill", styleOf(name).colour)));
 }
 

@@ -2,10 +2,17 @@
 
 const MM = 1e3;
 
-function solid(positions, index) {
+// A geometry of vertices: {position: [x, y, z, ...], and perhaps uv, color}.
+function geometryOf(index, attributes) {
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
+  for (const [name, values] of Object.entries(attributes))
+    geometry.setAttribute(name, new THREE.Float32BufferAttribute(values, name === "uv" ? 2 : 3));
   geometry.setIndex(index);
+  return geometry;
+}
+
+function solid(position, index) {
+  const geometry = geometryOf(index, { position });
   geometry.computeVertexNormals();
   return geometry;
 }

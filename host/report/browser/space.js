@@ -181,10 +181,8 @@ class Space {
     const { viewer } = this, { axis, point, quantity, arrows } = viewer.state, one = side.volume, plane = slicePlane(axis);
     const at = one.position(axis, one.nearest(axis, point[axis])), [u, v] = plane.map((a) => one.edges(a));
     const corner = (i, k) => { const place = [0, 0, 0]; place[axis] = at; place[plane[0]] = u[i]; place[plane[1]] = v[k]; return place.map((value) => MM * value); };
-    const geometry = new THREE.BufferGeometry(), corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
-    geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners.flatMap(([i, k]) => corner(i, k)), 3));
-    geometry.setAttribute("uv", new THREE.Float32BufferAttribute(corners.flat(), 2));
-    geometry.setIndex([0, 1, 2, 0, 2, 3]);
+    const corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+    const geometry = geometryOf([0, 1, 2, 0, 2, 3], { position: corners.flatMap(([i, k]) => corner(i, k)), uv: corners.flat() });
     const map = new THREE.CanvasTexture(viewer.panes[side.name].sheet);
     map.magFilter = map.minFilter = THREE.NearestFilter;
     const sheet = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide, alphaTest: 0.5 }));
@@ -231,8 +229,8 @@ class Space {
         if (there && i % steps && Number.isFinite(position[0][i - 1]))
           index.push(i - 1, i);
       }
-      const geometry = solidLines(places, colours, index), own = solidLines(places, colours, index.filter((i) => Math.floor(i / steps) === chosen));
-      this.put(side, "paths", new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors })),
+      const [all, own] = [index, index.filter((i) => Math.floor(i / steps) === chosen)].map((some) => geometryOf(some, { position: places, color: colours }));
+      this.put(side, "paths", new THREE.LineSegments(all, new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors })),
         new THREE.Points(own, new THREE.PointsMaterial({ size: 5, sizeAttenuation: false, vertexColors: THREE.VertexColors })));
     }
     if (walking.length)
@@ -245,12 +243,12 @@ class Space {
     const step = Number(byId("path-time").value), texts = [];
     for (const side of this.sides) {
       const walk = side.paths, i = walk ? Number(byId("path").value) * walk.steps + step : 0;
-      const place = (name) => walk[name].map((values) => MM * values[i]);
+      const place = (name) => vectorAt(walk[name], i).map((value) => MM * value);
       if (!walk || step >= walk.steps || !Number.isFinite(walk.position[0][i])) {
         this.put(side, "probe");
         continue;
       }
-      const force = walk.force.map((values) => values[i]), ball = (at, colour) => {
+      const force = vectorAt(walk.force, i), ball = (at, colour) => {
         const mesh = new THREE.Mesh(new THREE.SphereBufferGeometry(this.radius / 60, 16, 12), new THREE.MeshLambertMaterial({ color: colour }));
         mesh.position.set(...at);
         return mesh;
@@ -389,14 +387,6 @@ class Space {
       });
     return lines.join("\n") + "\n";
   }
-}
-
-function solidLines(places, colours, index) {
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.Float32BufferAttribute(places, 3));
-  geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
-  geometry.setIndex(index);
-  return geometry;
 }
 
 const vectorAt = (vectors, i) => vectors.map((values) => values[i]);

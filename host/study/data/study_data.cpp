@@ -83,11 +83,15 @@ Interval bootstrap_median(const std::vector<double>& values) {
     return {medians[kResamples / 40], median, medians[kResamples - 1 - kResamples / 40]};
 }
 
+std::string ratio_text(const Interval& ratio) {
+    return fmt::format("{:.2f} [{:.2f}, {:.2f}]", ratio.median, ratio.low, ratio.high);
+}
+
 std::string times_as_long(const Interval& ratio, const char* other) {
     if (!is_significant(ratio))
         return fmt::format("takes about as long as {} (no significant difference: {:.2f} to {:.2f} times)", other,
                            ratio.low, ratio.high);
-    return fmt::format("takes {:.2f} [{:.2f}, {:.2f}] times as long as {}", ratio.median, ratio.low, ratio.high, other);
+    return fmt::format("takes {} times as long as {}", ratio_text(ratio), other);
 }
 
 double quantile(std::vector<double> values, double share) {

@@ -116,16 +116,8 @@ struct Curve {
     std::string low{}, high{}; /* columns with the ends of a band about y, which pages show; empty: none */
 };
 
-struct Figure {
-    std::string name;    /* the SVG's stem */
-    std::string title;   /* one line */
-    std::string caption; /* how to read it, and its result */
-    FigureKind kind = FigureKind::scatter;
-    std::string table{};
-    Where where{};
-    FigureAxis x{}, y{};
-    std::string series{};          /* scatter, bars: column whose words name the series; empty: one */
-    std::string label{};           /* scatter: column with the words to stand at points; empty: none */
+/// What is drawn at a row's place.
+struct FigureMarks {
     std::string shape{};           /* scatter: column whose words give the marks' shapes; empty: the series' */
     std::string low{}, high{};     /* columns with the ends of a spread about y; empty: none */
     std::string x_low{}, x_high{}; /* the same about x */
@@ -135,18 +127,31 @@ struct Figure {
     bool value_logarithmic = false;
     double value_limit = 0; /* map of numbers: the colours end at this size, 0: at the largest number shown */
     std::vector<std::string> value_words{}; /* map of words: their order in the legend */
+    std::string panels{};                   /* map: column whose words have a small map each, all on the same axes */
+};
+
+struct Figure : FigureMarks {
+    std::string name;    /* the SVG's stem */
+    std::string title;   /* one line */
+    std::string caption; /* how to read it, and its result */
+    FigureKind kind = FigureKind::scatter;
+    std::string table{};
+    Where where{};
+    FigureAxis x{}, y{};
+    std::string series{}; /* scatter, bars: column whose words name the series; empty: one */
+    std::string label{};  /* scatter: column with the words to stand at points; empty: none */
     std::vector<Curve> curves{};
-    std::string panels{};              /* map: column whose words have a small map each, all on the same axes */
     std::string pick{};                /* column: picking a mark shows its word's rows in the `linked` figures */
     std::vector<std::string> linked{}; /* names of figures whose `where` has that column, with a word to begin with */
 };
 
-/// A figure with the common members; the rest is set after.
+/// A figure without curves and linked figures.
 inline Figure make_figure(std::string name, std::string title, std::string caption, FigureKind kind, std::string table,
-                          Where where, FigureAxis x, FigureAxis y, std::string series = {}, std::string label = {}) {
-    return {std::move(name),   std::move(title), std::move(caption), kind,
-            std::move(table),  std::move(where), std::move(x),       std::move(y),
-            std::move(series), std::move(label)};
+                          Where where, FigureAxis x, FigureAxis y, std::string series = {}, std::string label = {},
+                          FigureMarks marks = {}) {
+    return {std::move(marks), std::move(name),  std::move(title), std::move(caption), kind,
+            std::move(table), std::move(where), std::move(x),     std::move(y),       std::move(series),
+            std::move(label)};
 }
 
 /// Adds `more` at the end of `all`.
@@ -198,6 +203,9 @@ Interval bootstrap_median(const std::vector<double>& values);
 inline bool is_significant(const Interval& ratio, double none = 1) {
     return ratio.high < none || ratio.low > none;
 }
+
+/// "1.30 [1.21, 1.42]"
+std::string ratio_text(const Interval& ratio);
 
 /// "takes 1.30 [1.21, 1.42] times as long as the other", or that the difference is not significant.
 std::string times_as_long(const Interval& ratio, const char* other);

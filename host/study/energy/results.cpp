@@ -140,15 +140,12 @@ Table curl_table(const std::vector<CurlCell>& cells) {
 }
 
 Figure law_figure(const EnergySurface& surface) {
-    Figure figure = make_figure("energy-" + surface.name, fmt::format("Energy gained per loop on the {}", surface.name),
-                                "Median of the loops, with whiskers from 5 to 95 % of them, worse direction of travel.",
-                                FigureKind::scatter, "energy", {{"surface", surface.name}, {"felt", "by the place"}},
-                                {"elements", fmt::format("{} over the width", surface.elements), true},
-                                {"shown_mJ", "gain / mJ", true}, "series");
-    figure.low = "shown_5_mJ";
-    figure.high = "shown_95_mJ";
-    figure.joined = true;
-    return figure;
+    return make_figure("energy-" + surface.name, fmt::format("Energy gained per loop on the {}", surface.name),
+                       "Median of the loops, with whiskers from 5 to 95 % of them, worse direction of travel.",
+                       FigureKind::scatter, "energy", {{"surface", surface.name}, {"felt", "by the place"}},
+                       {"elements", fmt::format("{} over the width", surface.elements), true},
+                       {"shown_mJ", "gain / mJ", true}, "series", "",
+                       {.low = "shown_5_mJ", .high = "shown_95_mJ", .joined = true});
 }
 
 bool any_shaded(const EnergyResults& results) {
@@ -165,17 +162,13 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
                                       "Each point is a loop; on the diagonal shading has no effect.",
                                       FigureKind::scatter, "pairs", {}, {"unshaded_mJ", "gain unshaded / mJ"},
                                       {"gain_mJ", "gain shaded / mJ"}, "scheme"));
-    if (!results.curl.empty()) {
-        Figure& figure = figures.emplace_back(
+    if (!results.curl.empty())
+        figures.push_back(
             make_figure("curl", "Where loops give energy, in a section",
                         "Work round a cell over its area and K; a loop gives the sum of the cells inside it. Along a "
                         "jump of the force, alternating colours cancel.",
-                        FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}));
-        figure.panels = "map";
-        figure.value = "curl_per_K";
-        figure.value_label = "curl_y F / K";
-        figure.value_limit = 0.5;
-    }
+                        FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}, "", "",
+                        {.value = "curl_per_K", .value_label = "curl_y F / K", .value_limit = 0.5, .panels = "map"}));
     return figures;
 }
 

@@ -145,17 +145,14 @@ private:
         header.spacing = scene_.grid.spacing;
         header.channels = scene_.output.channels | layout::kChannelForce;
         set_options(header, setup_.prepared, scene_, 2);
-        struct Removed {
-            std::filesystem::path file;
-            ~Removed() {
-                std::error_code ignored;
-                std::filesystem::remove(file, ignored);
-            }
-        } const volume{folder / ".volume.exr"};
-        VolumeWriter writer(volume.file, header);
+        const std::filesystem::path volume = folder / ".volume.exr";
+        VolumeWriter writer(volume, header);
         const std::size_t repeats = scene_.grid.size[1] / tables_.y.size();
         engine.evaluate<T>(tables_.input(), [&](const auto& chunk) { writer.write(chunk, repeats); });
-        return writer.finish().bytes;
+        const std::uint64_t bytes = writer.finish().bytes;
+        std::error_code ignored;
+        std::filesystem::remove(volume, ignored);
+        return bytes;
     }
 
     // A mesh's blocks are planned here where free space is visited; else by the engine, slab by slab.
@@ -231,14 +228,6 @@ template <typename T> bool same_force(Same same, const std::vector<T>& a, const 
     return same_bits(a, b, at, 3);
 }
 
-template <typename T> std::uint64_t with_force(Engine& engine, const Setup& setup, bool paths) {
-    const std::vector<T> force = capture<T>(engine, setup, paths, 0).force;
-    std::uint64_t count = 0;
-    for (std::size_t i = 0; i < force.size() / 3; ++i)
-        count += is_nonzero(force, i);
-    return count;
-}
-
 } // namespace
 
 template <typename T> Captured<T> capture(Engine& engine, const Setup& setup, bool paths, std::uint32_t channels) {
@@ -279,9 +268,9 @@ template Agreement compare<double>(const Comparison&, const Captured<double>&, c
 
 Measurement measure(Engine& engine, const Comparison& comparison, const Rounds& rounds,
                     const std::filesystem::path& folder) {
-    if (comparison.with.prepared.one.scene.precision == Precision::f32)
-        return measure_in<float>(engine, comparison, rounds, folder);
-    return measure_in<double>(engine, comparison, rounds, folder);
+    return in_precision(comparison.with.prepared.one.scene.precision, [&]<typename T>(std::type_identity<T>) {
+        return measure_in<T>(engine, comparison, rounds, folder);
+    });
 }
 
 Touched touched(Engine& engine, const BaseScene& base) {
@@ -289,8 +278,13 @@ Touched touched(Engine& engine, const BaseScene& base) {
         Setup setup{base.prepared, "all"};
         Scene& scene = setup.prepared.one.scene;
         scene.field = !paths;
-        return scene.precision == Precision::f32 ? with_force<float>(engine, setup, paths)
-                                                 : with_force<double>(engine, setup, paths);
+        return in_precision(scene.precision, [&]<typename T>(std::type_identity<T>) {
+            const std::vector<T> force = capture<T>(engine, setup, paths, 0).force;
+            std::uint64_t touching = 0;
+            for (std::size_t i = 0; i < force.size() / 3; ++i)
+                touching += is_nonzero(force, i);
+            return touching;
+        });
     };
     return {base.field ? count(false) : 0, base.paths ? count(true) : 0};
 }

@@ -145,11 +145,9 @@ Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Row>
 }
 
 Figure bars(const std::string& kind, const char* title, const char* caption, const char* label) {
-    Figure figure = make_figure(kind, title, caption, FigureKind::bars, "features", {{kind + "_costs", "yes"}},
-                                {"feature", "left out"}, {kind + "_ratio", label, true}, "scene");
-    figure.low = kind + "_ratio_from";
-    figure.high = kind + "_ratio_to";
-    return figure;
+    return make_figure(kind, title, caption, FigureKind::bars, "features", {{kind + "_costs", "yes"}},
+                       {"feature", "left out"}, {kind + "_ratio", label, true}, "scene", "",
+                       {.low = kind + "_ratio_from", .high = kind + "_ratio_to"});
 }
 
 std::string name_of(const Row& row) {

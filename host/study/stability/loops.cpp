@@ -58,33 +58,9 @@ layout::HandParams<T> hand_of(const RestPlace& place, const LoopCell& cell, cons
     return params;
 }
 
-// The spread of the measured positions of each path in the last quarter of the time.
-template <typename T> class LateSpread {
-public:
-    LateSpread(std::size_t paths, std::size_t steps)
-        : from_(steps - steps / 4), low_(paths, glm::dvec3(INFINITY)), high_(paths, glm::dvec3(-INFINITY)) {}
-    void take(const layout::PathChunk<T>& chunk) {
-        if (chunk.position.empty())
-            return;
-        for (std::size_t step = 0; step < chunk.step_count; ++step) {
-            if (chunk.step_first + step < from_)
-                continue;
-            for (std::size_t i = 0; i < chunk.path_count; ++i) {
-                const glm::dvec3 at(reference::vector_at(chunk.position, step * chunk.pitch + i));
-                low_[chunk.path_first + i] = glm::min(low_[chunk.path_first + i], at);
-                high_[chunk.path_first + i] = glm::max(high_[chunk.path_first + i], at);
-            }
-        }
-    }
-    double of(std::size_t path) const {
-        const glm::dvec3 spread = high_[path] - low_[path];
-        return std::max({spread.x, spread.y, spread.z});
-    }
-    glm::dvec3 middle(std::size_t path) const { return 0.5 * (low_[path] + high_[path]); }
-
-private:
-    std::size_t from_;
-    std::vector<glm::dvec3> low_, high_;
+// The farthest measured positions of a path in the last quarter of the time.
+struct LateSpread {
+    glm::dvec3 low{INFINITY}, high{-INFINITY};
 };
 
 // `creep`, m/s: too slow to move noticeably in a quarter of the time.
@@ -116,32 +92,41 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, cons
         run.swings || std::ranges::any_of(cells, [](const LoopCell& cell) { return cell.hand.quantisation > 0; });
     input.features.channels = swings ? layout::kChannelPosition : 0;
     input.hands = hands;
-    LateSpread<T> spread(cells.size(), run.steps);
+    std::vector<LateSpread> spreads(cells.size());
+    const auto take = [&](const layout::PathChunk<T>& chunk) {
+        const std::size_t late = run.steps - run.steps / 4;
+        for (std::size_t step = late - std::min(late, chunk.step_first); swings && step < chunk.step_count; ++step)
+            for (std::size_t i = 0; i < chunk.path_count; ++i) {
+                const glm::dvec3 at(reference::vector_at(chunk.position, step * chunk.pitch + i));
+                auto& [low, high] = spreads[chunk.path_first + i];
+                low = glm::min(low, at);
+                high = glm::max(high, at);
+            }
+    };
     const glm::dvec3 origin = scene_origin(prepared); /* m: of the places */
     std::vector<LoopOutcome> outcomes(cells.size());
-    engine.explore(
-        input, [&](const layout::PathChunk<T>& chunk) { spread.take(chunk); },
-        [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
-            constexpr double kRest = std::is_same_v<T, double> ? 1e-6 : 1e-2; // of the speed that the disturbance makes
-            constexpr double kNowhere = 0.1;                                  // of the disturbance
-            const auto steps = static_cast<double>(run.steps);
-            for (std::size_t i = 0; i < metrics.size(); ++i) {
-                const LoopCell& cell = cells[first + i];
-                LoopOutcome& outcome = outcomes[first + i];
-                outcome.early = static_cast<double>(metrics[i].early_speed);
-                outcome.late = static_cast<double>(metrics[i].late_speed);
-                outcome.left = metrics[i].unstable_step != layout::kNever;
-                const double quick =
-                    run.disturbance * place.depth * std::min(std::sqrt(cell.stiffness / cell.hand.mass), cell.rate);
-                outcome.at_rest = outcome.late <= kRest * quick;
-                const double creep = kNowhere * run.disturbance * place.depth * cell.rate / (0.25 * steps);
-                if (swings && !outcome.left) {
-                    outcome.swing = spread.of(first + i);
-                    outcome.moved = reference::length(origin + spread.middle(first + i) - place.at);
-                }
-                outcome.state = state_of(outcome, creep, outcome.swing, cell.hand.quantisation);
+    engine.explore<T>(input, take, [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+        constexpr double kRest = std::is_same_v<T, double> ? 1e-6 : 1e-2; // of the speed that the disturbance makes
+        constexpr double kNowhere = 0.1;                                  // of the disturbance
+        const auto steps = static_cast<double>(run.steps);
+        for (std::size_t i = 0; i < metrics.size(); ++i) {
+            const LoopCell& cell = cells[first + i];
+            LoopOutcome& outcome = outcomes[first + i];
+            outcome.early = static_cast<double>(metrics[i].early_speed);
+            outcome.late = static_cast<double>(metrics[i].late_speed);
+            outcome.left = metrics[i].unstable_step != layout::kNever;
+            const double quick =
+                run.disturbance * place.depth * std::min(std::sqrt(cell.stiffness / cell.hand.mass), cell.rate);
+            outcome.at_rest = outcome.late <= kRest * quick;
+            const double creep = kNowhere * run.disturbance * place.depth * cell.rate / (0.25 * steps);
+            if (swings && !outcome.left) {
+                const auto& [low, high] = spreads[first + i];
+                outcome.swing = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+                outcome.moved = reference::length(origin + 0.5 * (low + high) - place.at);
             }
-        });
+            outcome.state = state_of(outcome, creep, outcome.swing, cell.hand.quantisation);
+        }
+    });
     return outcomes;
 }
 

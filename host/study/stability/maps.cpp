@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@ namespace forceshade::study {
 namespace {
 
 constexpr double kOwnStiffness = 1000;    // N/m: of the study's own surfaces over quantum and friction
+constexpr double kOwnFriction = 0.05;     // N: of hands that have none
 constexpr std::size_t kMostSteps = 30000; // of a simulated loop of the atlas
 
 struct Fineness {
@@ -24,20 +26,31 @@ Fineness fineness_of(const LoopSurface& surface, bool quick) {
     return quick ? Fineness{16, 8, 200} : Fineness{32, 16, 400};
 }
 
-// Runs the loops of a map at once, a row after the other, each with its own number of steps and its own kick, if any.
-std::vector<MapLoop> run_rows(Engine& engine, const LoopSurface& surface, const RestPlace& place,
-                              std::vector<MapLoop> loops, int count, LoopRun run) {
-    const auto columns = static_cast<std::size_t>(count);
-    for (std::size_t first = 0; first < loops.size(); first += columns) {
-        if (loops[first].kick > 0)
-            run.disturbance = loops[first].kick / place.depth;
-        const std::span<MapLoop> row = std::span(loops).subspan(first, columns);
+// From the first of a map's columns or rows to the last.
+struct Ends {
+    double low, high;
+};
+
+// Loops like `first` over a map, each changed by set(loop, x, y), and their outcomes: a row is run at once, with its
+// own number of steps and its own kick, if any.
+template <typename Set>
+std::vector<MapLoop> map_of(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick,
+                            const MapLoop& first, const Ends& x, const Ends& y, LoopRun run, const Set& set) {
+    const Fineness fine = fineness_of(surface, quick);
+    run.patience = fine.patience;
+    std::vector<MapLoop> loops;
+    for (int j = 0; j < fine.rows; ++j) {
         std::vector<LoopCell> cells;
-        for (const MapLoop& loop : row)
+        for (int i = 0; i < fine.columns; ++i) {
+            MapLoop& loop = loops.emplace_back(first);
+            set(loop, short_between(x.low, x.high, i, fine.columns), short_between(y.low, y.high, j, fine.rows));
             cells.push_back(loop.cell);
+        }
+        if (loops.back().kick > 0)
+            run.disturbance = loops.back().kick / place.depth;
         const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, place, cells, run);
-        for (std::size_t i = 0; i < columns; ++i)
-            row[i].outcome = outcomes[i];
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            loops[loops.size() - cells.size() + i].outcome = outcomes[i];
     }
     return loops;
 }
@@ -139,65 +152,53 @@ std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, c
 }
 
 std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick) {
-    const Fineness fine = fineness_of(surface, quick);
     const double damping = damping_of(least.cell.hand), wall = least.wall;
     const double least_shown = std::max(least.limit.value_or(wall), 1e-3 * wall); // N/m
     const double low = std::min(least_shown, surface.stiffness > 0 ? surface.stiffness : wall) / 10;
     const double high = std::max(wall, surface.stiffness) * 10;
-    std::vector<MapLoop> loops;
-    for (int j = 0; j < fine.rows; ++j) {
-        LoopCell row = damped(least.cell, short_between(0.2 * damping, 20 * damping, j, fine.rows));
-        const std::optional<double> limit = limit_at(least, row);
-        for (int i = 0; i < fine.columns; ++i) {
-            row.stiffness = short_between(low, high, i, fine.columns);
-            loops.push_back({"damping", surface.name, row, {}, !limit || row.stiffness < *limit});
-        }
-    }
+    std::optional<double> limit; // of a row
+    double row = NAN;
     LoopRun run;
-    run.patience = fine.patience;
     run.all_sides = least.hold.along == glm::dvec3(0);
-    return run_rows(engine, surface, least.place, std::move(loops), fine.columns, run);
+    return map_of(engine, surface, least.place, quick, {"damping", surface.name, least.cell}, {low, high},
+                  {0.2 * damping, 20 * damping}, run, [&](MapLoop& loop, double stiffness, double damped_by) {
+                      loop.cell = damped(loop.cell, damped_by);
+                      if (damped_by != std::exchange(row, damped_by))
+                          limit = limit_at(least, loop.cell);
+                      loop.cell.stiffness = stiffness;
+                      loop.foreseen = !limit || stiffness < *limit;
+                  });
 }
 
 std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
     constexpr double kRigid = 1e6; /* N/m */
-    const Fineness fine = fineness_of(surface, quick);
     HandSpec linear = surface.hand;
     linear.quantisation = linear.coulomb = 0;
     const double damping = damping_of(linear);
     const double passive = passive_stiffness(damping, 1 / surface.rate, linear.delay_samples);
     const Hold down = pressed_along({0, 0, 1});
-    std::vector<MapLoop> loops;
-    for (int j = 0; j < fine.rows; ++j)
-        for (int i = 0; i < fine.columns; ++i) {
-            const HandSpec hand = coupled(linear, short_between(0.1 * passive, 30 * passive, i, fine.columns),
-                                          short_between(0.03 * damping, 100 * damping, j, fine.rows));
-            const bool rests = !grows(hand, surface.rate, down, place.force_around(), kRigid);
-            loops.push_back({"coupling", surface.name, {hand, surface.rate, kRigid}, {}, rests});
-        }
-    LoopRun run;
-    run.patience = fine.patience;
-    return run_rows(engine, surface, place, std::move(loops), fine.columns, run);
+    return map_of(engine, surface, place, quick, {"coupling", surface.name, {linear, surface.rate, kRigid}},
+                  {0.1 * passive, 30 * passive}, {0.03 * damping, 100 * damping}, {},
+                  [&](MapLoop& loop, double stiffness, double damper) {
+                      loop.cell.hand = coupled(linear, stiffness, damper);
+                      loop.foreseen = !grows(loop.cell.hand, surface.rate, down, place.force_around(), kRigid);
+                  });
 }
 
 std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
-    const Fineness fine = fineness_of(surface, quick);
-    LoopCell cell{surface.hand, surface.rate, surface.stiffness > 0 ? surface.stiffness : kOwnStiffness};
+    const LoopCell cell{surface.hand, surface.rate, surface.stiffness > 0 ? surface.stiffness : kOwnStiffness};
     const double quantum = cell.hand.quantisation > 0 ? cell.hand.quantisation : 1e-5; // m
-    const double friction = cell.hand.coulomb > 0 ? cell.hand.coulomb : 0.05;          // N
+    const double friction = cell.hand.coulomb > 0 ? cell.hand.coulomb : kOwnFriction;
     const double passive = passive_stiffness(damping_of(cell.hand), 1 / cell.rate, cell.hand.delay_samples);
-    std::vector<MapLoop> loops;
-    for (int j = 0; j < fine.rows; ++j)
-        for (int i = 0; i < fine.columns; ++i) {
-            cell.hand.quantisation = short_between(0.1 * quantum, 30 * quantum, i, fine.columns);
-            cell.hand.coulomb = short_between(0.02 * friction, 20 * friction, j, fine.rows);
-            const double still = 2 * cell.hand.coulomb / cell.hand.quantisation; // N/m (Abbott & Okamura)
-            loops.push_back({"rounding", surface.name, cell, {}, cell.stiffness <= std::min(passive, still)});
-        }
     LoopRun run;
-    run.patience = fine.patience;
     run.disturbance = 0.5; // friction stops small motions
-    return run_rows(engine, surface, place, std::move(loops), fine.columns, run);
+    return map_of(engine, surface, place, quick, {"rounding", surface.name, cell}, {0.1 * quantum, 30 * quantum},
+                  {0.02 * friction, 20 * friction}, run, [&](MapLoop& loop, double step, double coulomb) {
+                      loop.cell.hand.quantisation = step;
+                      loop.cell.hand.coulomb = coulomb;
+                      const double still = 2 * coulomb / step; // N/m (Abbott & Okamura)
+                      loop.foreseen = cell.stiffness <= std::min(passive, still);
+                  });
 }
 
 double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay) {
@@ -206,96 +207,86 @@ double friction_basin(double mass, double friction, double stiffness, double sam
 }
 
 std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
-    const Fineness fine = fineness_of(surface, quick);
-    const double friction = surface.hand.coulomb > 0 ? surface.hand.coulomb : 0.05; // N
+    const double friction = surface.hand.coulomb > 0 ? surface.hand.coulomb : kOwnFriction;
     LoopCell cell = damped({surface.hand, surface.rate, 1}, 0);
     cell.hand.quantisation = 0;
     cell.hand.delay_samples = 0;
     cell.hand.coulomb = friction;
     const double highest = 0.16 * cell.hand.mass * cell.rate * cell.rate; // N/m: w T of 0.4
-    std::vector<MapLoop> loops;
-    for (int j = 0; j < fine.rows; ++j)
-        for (int i = 0; i < fine.columns; ++i) {
-            MapLoop loop{"basin", surface.name, cell, {}, false, 0};
-            loop.kick = short_between(place.depth / 200, place.depth / 2, j, fine.rows);
-            loop.cell.stiffness = short_between(highest / 100, highest, i, fine.columns);
-            loop.foreseen = loop.kick < friction_basin(cell.hand.mass, friction, loop.cell.stiffness, 1 / cell.rate, 0);
-            loops.push_back(loop);
-        }
     LoopRun run;
     run.steps = 8000;
-    return run_rows(engine, surface, place, std::move(loops), fine.columns, run);
+    return map_of(engine, surface, place, quick, {"basin", surface.name, cell}, {highest / 100, highest},
+                  {place.depth / 200, place.depth / 2}, run, [&](MapLoop& loop, double stiffness, double kick) {
+                      loop.kick = kick;
+                      loop.cell.stiffness = stiffness;
+                      loop.foreseen = kick < friction_basin(cell.hand.mass, friction, stiffness, 1 / cell.rate, 0);
+                  });
 }
 
 std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least) {
     std::vector<MapCurvePoint> points;
-    const auto add_over_damping = [&](const char* curve, const auto& limit_of) {
-        std::optional<double> last;
-        for (const MapLoop& loop : loops) {
-            if (loop.map != "damping" || last == damping_of(loop.cell.hand))
-                continue;
-            last = damping_of(loop.cell.hand);
-            if (const std::optional<double> limit = limit_of(loop.cell); limit && *limit > 0)
-                points.push_back({.map = "damping", .curve = curve, .stiffness = *limit, .damping = *last});
-        }
-    };
-    add_over_damping("K_crit", [](const LoopCell& cell) { return std::optional(wall_limit(cell.hand, cell.rate)); });
-    add_over_damping("linearised", [&](const LoopCell& cell) { return limit_at(least, cell); });
-    std::optional<double> coupler;
-    for (const MapLoop& loop : loops) {
-        const HandSpec& hand = loop.cell.hand;
-        if (loop.map != "coupling" || coupler == hand.coupling_damping)
-            continue;
-        coupler = hand.coupling_damping;
-        const auto add = [&](const std::string& curve, double stiffness) {
-            points.push_back({.map = "coupling", .curve = curve, .coupling = stiffness, .coupling_damping = *coupler});
-        };
-        const double passive = passive_stiffness(damping_of(hand) - *coupler, 1 / loop.cell.rate,
-                                                 hand.delay_samples); // Colgate & Schenkel
-        if (hand.delay_samples == 0 && passive >= hand.coupling_stiffness)
-            add("passive", passive);
-        const ForceAround wall = wall_place().force_around();
-        for (const int samples : {0, kUsualFilter, 4 * kUsualFilter}) {
-            HandSpec filtered = hand;
-            filtered.coupling_filter = samples / loop.cell.rate;
-            const double softest = hand.coupling_stiffness;
-            const auto limit = least_growing(softest, 300 * softest, 1.001, [&](double k) {
-                return grows(coupled(filtered, k, *coupler), loop.cell.rate, pressed_along(wall.direction), wall,
-                             loop.cell.stiffness);
-            });
-            if (limit && *limit > 1.01 * softest)
-                add(samples == 0 ? "linearised" : fmt::format("filter of {} samples", samples), *limit);
-        }
-    }
-    // The least and the largest of a number of a map's loops.
-    const auto range_of = [&](const char* map, const auto& number) {
-        std::pair<double, double> range(INFINITY, 0);
+    // Visits a row or a column of a map, the loops of the least `number`, with the largest one of the map.
+    const auto over = [&](const char* map, double (*number)(const MapLoop&), const auto& visit) {
+        double low = INFINITY, high = 0;
         for (const MapLoop& loop : loops)
-            if (loop.map == map)
-                range = {std::min(range.first, number(loop)), std::max(range.second, number(loop))};
-        return range;
+            if (loop.map == map) {
+                low = std::min(low, number(loop));
+                high = std::max(high, number(loop));
+            }
+        for (const MapLoop& loop : loops)
+            if (loop.map == map && number(loop) == low)
+                visit(loop, loop.cell, high);
     };
-    const auto frictions = range_of("rounding", [](const MapLoop& loop) { return loop.cell.hand.coulomb; }); // N
-    std::optional<double> last;
-    for (const MapLoop& loop : loops) {
-        const double quantum = loop.cell.hand.quantisation, friction = loop.cell.stiffness * quantum / 2;
-        if (loop.map != "rounding" || (last && quantum <= *last))
-            continue;
-        last = quantum;
-        if (friction >= frictions.first && friction <= frictions.second)
-            points.push_back(
-                {.map = "rounding", .curve = "f_c = K quantum / 2", .quantum = quantum, .friction = friction});
-    }
-    const auto kicks = range_of("basin", [](const MapLoop& loop) { return loop.kick; }); // m
-    for (const MapLoop& loop : loops) {
-        if (loop.map != "basin" || loop.kick != kicks.first)
-            continue;
-        const double basin =
-            friction_basin(loop.cell.hand.mass, loop.cell.hand.coulomb, loop.cell.stiffness, 1 / loop.cell.rate, 0);
-        if (basin >= kicks.first && basin <= kicks.second)
-            points.push_back(
-                {.map = "basin", .curve = "8 f_c / (pi K T w)", .stiffness = loop.cell.stiffness, .kick = basin});
-    }
+    for (const char* curve : {"K_crit", "linearised"})
+        over(
+            "damping", [](const MapLoop& loop) { return loop.cell.stiffness; },
+            [&](const MapLoop&, const LoopCell& cell, double) {
+                const std::optional<double> limit =
+                    curve[0] == 'K' ? wall_limit(cell.hand, cell.rate) : limit_at(least, cell);
+                if (limit && *limit > 0)
+                    points.push_back(
+                        {.map = "damping", .curve = curve, .stiffness = *limit, .damping = damping_of(cell.hand)});
+            });
+    over(
+        "coupling", [](const MapLoop& loop) { return loop.cell.hand.coupling_stiffness; },
+        [&](const MapLoop&, const LoopCell& cell, double) {
+            const double softest = cell.hand.coupling_stiffness, damper = cell.hand.coupling_damping;
+            const auto add = [&](const std::string& curve, double stiffness) {
+                points.push_back(
+                    {.map = "coupling", .curve = curve, .coupling = stiffness, .coupling_damping = damper});
+            };
+            const double passive = passive_stiffness(damping_of(cell.hand) - damper, 1 / cell.rate,
+                                                     cell.hand.delay_samples); // Colgate & Schenkel
+            if (cell.hand.delay_samples == 0 && passive >= softest)
+                add("passive", passive);
+            const ForceAround wall = wall_place().force_around();
+            for (const int samples : {0, kUsualFilter, 4 * kUsualFilter}) {
+                HandSpec filtered = cell.hand;
+                filtered.coupling_filter = samples / cell.rate;
+                const auto limit = least_growing(softest, 300 * softest, 1.001, [&](double k) {
+                    return grows(coupled(filtered, k, damper), cell.rate, pressed_along(wall.direction), wall,
+                                 cell.stiffness);
+                });
+                if (limit && *limit > 1.01 * softest)
+                    add(samples == 0 ? "linearised" : fmt::format("filter of {} samples", samples), *limit);
+            }
+        });
+    over(
+        "rounding", [](const MapLoop& loop) { return loop.cell.hand.coulomb; },
+        [&](const MapLoop&, const LoopCell& cell, double most) {
+            const double quantum = cell.hand.quantisation, friction = cell.stiffness * quantum / 2;
+            if (friction >= cell.hand.coulomb && friction <= most)
+                points.push_back(
+                    {.map = "rounding", .curve = "f_c = K quantum / 2", .quantum = quantum, .friction = friction});
+        });
+    over(
+        "basin", [](const MapLoop& loop) { return loop.kick; },
+        [&](const MapLoop& loop, const LoopCell& cell, double most) {
+            const double kick = friction_basin(cell.hand.mass, cell.hand.coulomb, cell.stiffness, 1 / cell.rate, 0);
+            if (kick >= loop.kick && kick <= most)
+                points.push_back(
+                    {.map = "basin", .curve = "8 f_c / (pi K T w)", .stiffness = cell.stiffness, .kick = kick});
+        });
     return points;
 }
 

@@ -43,8 +43,7 @@ Setting plain_setting(const std::string& surface) {
 }
 
 double circle_height(double radius, double x) {
-    return (kOwnHalfWidth - x) * (kOwnHalfWidth + x) /
-           (reference::circle_rise(radius, x) + reference::circle_rise(radius, kOwnHalfWidth));
+    return reference::cylinder_height(kOwnHalfWidth, radius, reference::circle_rise(radius, kOwnHalfWidth), x);
 }
 
 /// The nominal surface above x, m.
@@ -145,10 +144,8 @@ constexpr double kOriginShown = 1e-4; /* m: where an origin of 0 is shown */
 
 Figure number_figure(const std::string& axis, const char* title, const char* caption, const char* label,
                      const FigureAxis& y) {
-    Figure figure = make_figure("number_" + axis, title, caption, FigureKind::scatter, "number", {{"axis", axis}},
-                                {"value_shown", label, true}, y, "series");
-    figure.joined = true;
-    return figure;
+    return make_figure("number_" + axis, title, caption, FigureKind::scatter, "number", {{"axis", axis}},
+                       {"value_shown", label, true}, y, "series", "", {.joined = true});
 }
 
 } // namespace

@@ -66,7 +66,8 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
 
 // At the surface with the lowest limit, away from edges: paths of a map go further than a limit's disturbance.
 void add_maps(Engine& engine, bool quick, LoopResults& results) {
-    const LeastLimit *worst = worst_of(results.limits), *flat = worst_of(results.limits, results.surfaces.front().name);
+    const LoopSurface& first = results.surfaces.front();
+    const LeastLimit *worst = worst_of(results.limits), *flat = worst_of(results.limits, first.name);
     if (!worst || !flat)
         return;
     const LeastLimit* crest = worst_of(results.limits, worst->surface, {}, PlaceKind::crest);
@@ -76,8 +77,7 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
     held.limit = linear_limit(held.cell.hand, held.cell.rate, held.hold, held.place.force_around());
     results.map_kind = name_of(held.place.kind);
     results.maps = damping_map(engine, *surface, held, quick);
-    append(results.maps, rounding_map(engine, results.surfaces.front(), flat->place, quick));
-    const LoopSurface& first = results.surfaces.front();
+    append(results.maps, rounding_map(engine, first, flat->place, quick));
     if (!first.is_mesh())
         append(results.maps, coupling_map(engine, first, flat->place, quick));
     if (const LeastLimit* deep = worst_of(results.limits, first.name, first.deepest, PlaceKind::flat);

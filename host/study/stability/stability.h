@@ -69,7 +69,7 @@ std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, c
 struct MapLoop {
     std::string map, surface; /* "damping", "coupling", "rounding", "basin" */
     LoopCell cell;
-    LoopOutcome outcome;
+    LoopOutcome outcome{};
     bool foreseen = false; /* to come to rest: by the linearised loop; with rounding by
                               K <= min(2 b / T, 2 f_c / quantum), which is enough on a wall */
     double kick = 0;       /* m: where kicks are varied */

@@ -1,5 +1,6 @@
 // Results of the loops as tables, figures and notes.
 #include <cmath>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -264,10 +265,10 @@ Figure map_figure(const LoopResults& results, const std::string& map, const std:
                   const FigureAxis& y) {
     Figure figure =
         make_figure("loop-" + map, title, "The state of each loop, the hand pressed down. Lines: closed forms.",
-                    FigureKind::map, "loop_map", {{"map", map}}, x, y);
-    figure.value = "state";
-    figure.value_label = "the loop";
-    figure.value_words = {"stable", "quantisation limit cycle", "limit cycle", "unstable"};
+                    FigureKind::map, "loop_map", {{"map", map}}, x, y, "", "",
+                    {.value = "state",
+                     .value_label = "the loop",
+                     .value_words = {"stable", "quantisation limit cycle", "limit cycle", "unstable"}});
     for (const std::string curve : {"K_crit", "passive", "linearised", "filter of 5 samples", "filter of 20 samples",
                                     "f_c = K quantum / 2", "8 f_c / (pi K T w)"})
         if (const Where where{{"map", map}, {"curve", curve}}; std::ranges::any_of(
@@ -275,15 +276,6 @@ Figure map_figure(const LoopResults& results, const std::string& map, const std:
             figure.curves.push_back({"loop_curves", where, x.column, y.column,
                                      curve == "linearised" ? "linearised there" : curve,
                                      curve == "K_crit" || curve == "passive"});
-    return figure;
-}
-
-// Limits over a quantity in groups without units.
-Figure atlas_figure(const std::string& quantity, const std::string& title, const std::string& caption,
-                    const FigureAxis& x) {
-    Figure figure = make_figure("loop-atlas-" + quantity, title, caption, FigureKind::scatter, "loop_atlas",
-                                {{"varied", quantity}}, x, {"K_T_over_b_1", "limit K T / b", true}, "series");
-    figure.joined = true;
     return figure;
 }
 
@@ -303,15 +295,14 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                     "label")};
     for (const LoopSurface& surface : results.surfaces)
         figures.back().curves.push_back({"loop_profile", {{"surface", surface.name}}, "x_mm", "z_mm", surface.name});
-    if (!results.swings.empty()) {
+    if (!results.swings.empty())
         figures.push_back(make_figure(
             "loop-edges", "Swing of a probe that rests on a jump of the direction",
             "Peak to peak over the surface's stiffness, the hand pressed down. A point that is missing: the probe left "
             "its place.",
             FigureKind::scatter, "loop_edges", {{"kind", "foot"}, {"depth_mm", Cell(1e3 * first.depths()[2]).text()}},
-            {"stiffness_N_per_m", "stiffness / (N/m)", true}, {"swing_um", "swing / um", true}, "series"));
-        figures.back().joined = true;
-    }
+            {"stiffness_N_per_m", "stiffness / (N/m)", true}, {"swing_um", "swing / um", true}, "series", "",
+            {.joined = true}));
     const auto any = [&](const char* map) { return std::ranges::find(results.maps, map, &MapLoop::map); };
     if (const auto loop = any("damping"); loop != results.maps.end())
         figures.push_back(map_figure(results, "damping",
@@ -319,19 +310,20 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                                                  results.map_kind.empty() ? "" : ", " + results.map_kind),
                                      {"stiffness_N_per_m", "stiffness / (N/m)", true},
                                      {"damping_N_s_per_m", "damping / (N s/m)", true}));
-    if (!results.atlas.empty()) {
-        const std::string places =
-            "At the worst place of each kind with the hand's own; T is a sample, b the damping of "
-            "device and hand. 2 is what is passive without delay.";
-        figures.push_back(atlas_figure("mass", "The limit over the hand's mass, 1 g to 10 kg", places,
-                                       {"b_T_over_m_1", "b T / m", true}));
-        figures.push_back(atlas_figure("grip", "The limit over the grip's stiffness, 20 to 5000 N/m", places,
-                                       {"kg_T_over_b_1", "k_g T / b", true}));
-        figures.push_back(
-            atlas_figure("delay", "The limit over the delay", places, {"delay_samples", "delay / samples"}));
-        figures.push_back(atlas_figure("lag", "The limit over the lag of the device's force, 0.01 to 100 ms", places,
-                                       {"lag_over_T_1", "lag / T", true}));
-    }
+    // Over a quantity in groups without units.
+    const std::tuple<const char*, const char*, FigureAxis> groups[] = {
+        {"mass", "The limit over the hand's mass, 1 g to 10 kg", {"b_T_over_m_1", "b T / m", true}},
+        {"grip", "The limit over the grip's stiffness, 20 to 5000 N/m", {"kg_T_over_b_1", "k_g T / b", true}},
+        {"delay", "The limit over the delay", {"delay_samples", "delay / samples"}},
+        {"lag", "The limit over the lag of the device's force, 0.01 to 100 ms", {"lag_over_T_1", "lag / T", true}}};
+    for (const auto& [quantity, title, x] : groups)
+        if (!results.atlas.empty())
+            figures.push_back(make_figure(
+                fmt::format("loop-atlas-{}", quantity), title,
+                "At the worst place of each kind with the hand's own; T is a sample, b the damping of device and hand. "
+                "2 is what is passive without delay.",
+                FigureKind::scatter, "loop_atlas", {{"varied", quantity}}, x, {"K_T_over_b_1", "limit K T / b", true},
+                "series", "", {.joined = true}));
     if (!results.couplings.empty())
         figures.push_back(
             make_figure("loop-couplings", "Stiffness displayed through a virtual coupling, in a scene of 1e6 N/m",
