@@ -160,8 +160,10 @@ public:
         if (const std::string manner = manner_text(opened_.settings); !manner.empty())
             line_.say(manner);
         const std::vector<SampleRing*> others = start_readers();
-        loop_.emplace(*opened_.device, make_probe_law(prepared_), opened_.settings, log_ ? &log_->ring() : nullptr,
-                      others);
+        loop_.emplace(*opened_.device,
+                      options_.make_law ? options_.make_law(prepared_, 1 / opened_.settings.rate)
+                                        : make_probe_law(prepared_),
+                      opened_.settings, log_ ? &log_->ring() : nullptr, others);
     }
 
     SessionResult run() {

@@ -15,6 +15,7 @@
 #include "host/mesh/structure.h"
 #include "host/output/files.h"
 #include "host/reference/god_object.h"
+#include "host/renderer/renderer_engine.h"
 #include "host/spelling.h"
 
 namespace forceshade {
@@ -46,6 +47,22 @@ std::unique_ptr<Engine> make_engine(const SelectedEngine& selected, const Common
     if (!selected.why.empty())
         note(common, "engine: {}\n", selected.why);
     return make_engine(selected.options);
+}
+
+std::unique_ptr<Engine> make_engine(const std::string& renderer, const PreparedCase& prepared,
+                                    const CommonOptions& common, const Workload& work) {
+    if (renderer.empty())
+        return make_engine(select_engine(common, prepared.one.scene.precision == Precision::f64, work), common);
+    device_options(common, false); // refuses --gpu with --engine cpu
+    if (common.engine != "auto" || !common.gpu.empty())
+        throw UsageError("--renderer takes the place of an engine: leave --engine and --gpu out");
+    return make_renderer_engine(parse_renderer(renderer), prepared);
+}
+
+void describe_renderer(Options& options, std::string& renderer) {
+    options.optional("--renderer LIBRARY[:OPTIONS]", renderer,
+                     "forces by a shared library of your own in place of the oracle's (forceshade_renderer.h); not "
+                     "held against the oracle, which score and validate do");
 }
 
 std::vector<Precision> precisions_of(const EngineReport& engine) {

@@ -143,6 +143,7 @@ void add_explore_command(CommandLine& program);
 void add_mesh_command(CommandLine& program);
 void add_study_command(CommandLine& program);
 void add_report_command(CommandLine& program);
+void add_score_command(CommandLine& program);
 void add_experiment_command(CommandLine& program);
 void add_live_command(CommandLine& program);
 void add_device_command(CommandLine& program);
@@ -172,6 +173,12 @@ std::unique_ptr<Engine> make_engine(const SelectedEngine& selected, const Common
 
 /// Single and double precision, where the device has both.
 std::vector<Precision> precisions_of(const EngineReport& engine);
+
+/// A renderer of the user's own in place of an engine, if one is named; else select_engine's. `prepared` outlives it.
+std::unique_ptr<Engine> make_engine(const std::string& renderer, const PreparedCase& prepared,
+                                    const CommonOptions& common, const Workload& work);
+/// --renderer.
+void describe_renderer(Options& options, std::string& renderer);
 
 /// Flags that replace keys of the scene.
 std::vector<Override> overrides(const CommonOptions& common);

@@ -24,7 +24,7 @@ namespace forceshade {
 namespace {
 
 struct ExploreArguments {
-    std::string scene, paths, out;
+    std::string scene, paths, out, renderer;
     std::vector<std::string> also;
     picture::Look look;
     bool metrics_only = false, open_loop = false;
@@ -55,7 +55,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common, const Scene& scene,
                  const std::string& recorded) {
     return common.engine == "cpu" && !recorded.empty() && !(scene.paths && scene.paths->closed()) && !scene.compare &&
-           !arguments.metrics_only && arguments.also.empty() &&
+           !arguments.metrics_only && arguments.also.empty() && arguments.renderer.empty() &&
            std::filesystem::path(arguments.out).extension() == ".csv";
 }
 
@@ -157,14 +157,12 @@ std::vector<std::filesystem::path> all_files(const PathRunOptions& options, cons
 
 int run_all(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
-    const SelectedEngine selected =
-        select_engine(common, scene.precision == Precision::f64, path_workload(scene, arguments.paths));
     const bool closed = scene.paths && scene.paths->closed();
     // While a device opens.
-    std::future<std::string> warning =
-        std::async(closed && !selected.options.cpu ? std::launch::async : std::launch::deferred,
-                   [&] { return closed ? scene_limits(prepared).warning() : std::string(); });
-    const auto engine = make_engine(selected, common);
+    std::future<std::string> warning = std::async(closed ? std::launch::async : std::launch::deferred, [&] {
+        return closed ? scene_limits(prepared).warning() : std::string();
+    });
+    const auto engine = make_engine(arguments.renderer, prepared, common, path_workload(scene, arguments.paths));
     if (const std::string limit = warning.get(); !limit.empty())
         print_warnings({limit}, common);
     PathRunOptions options;
@@ -202,7 +200,8 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     note(common, "wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
     if (common.json)
         print_data(as_json(record, arguments, engine->report()));
-    if (const std::string wrong = error_text(record, out, engine->report().device); !wrong.empty())
+    if (const std::string wrong = error_text(record, out, engine->report().device);
+        !wrong.empty() && arguments.renderer.empty())
         throw Error(ExitCode::failed, wrong);
     return 0;
 }
@@ -259,6 +258,7 @@ void describe(Options& options, ExploreArguments& arguments) {
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
                  "paths are a closed loop");
     options.flag("--metrics-only", arguments.metrics_only, "no samples, only OUT.paths.csv");
+    describe_renderer(options, arguments.renderer);
     options.example("explore strokes.toml --out felt.csv --also png", "the paths that a scene describes, drawn, too")
         .example("explore bump.toml --paths felt.csv --open-loop --engine cpu --precision f64 -o again.csv",
                  "the same law along recorded positions");

@@ -17,7 +17,7 @@ namespace forceshade {
 namespace {
 
 struct FieldArguments {
-    std::string scene, out, slice, view;
+    std::string scene, out, slice, view, renderer;
     std::vector<std::string> also;
     PictureChoice pictures;
 };
@@ -108,8 +108,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     job.prepared.one.name = volume.stem().string(); // the record's
     print_warnings(job.prepared.warnings, common);
     const Scene& scene = job.prepared.one.scene;
-    const auto engine =
-        make_engine(select_engine(common, scene.precision == Precision::f64, field_workload(scene)), common);
+    const auto engine = make_engine(arguments.renderer, job.prepared, common, field_workload(scene));
     job.pictures = picture_choice(arguments, job.prepared.one.scene, job.also.pictures);
     Forecast needed = forecast(scene, job.also);
     require_space(job.volume.parent_path(), needed);
@@ -148,7 +147,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
         note(common, "warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
     if (common.json)
         print_data(record_json(record) + "\n");
-    if (const std::string wrong = error_text(record); !wrong.empty())
+    if (const std::string wrong = error_text(record); !wrong.empty() && arguments.renderer.empty())
         throw Error(ExitCode::failed, wrong);
     return 0;
 }
@@ -173,6 +172,7 @@ void describe(Options& options, FieldArguments& arguments) {
                 throw UsageError("--full-scale {}: write a force above 0, as in 5 N", text);
         },
         "where the colours of forces end; by default the force of a hand that presses 2 mm deep");
+    describe_renderer(options, arguments.renderer);
     options.optional("--slice PLANE", arguments.slice,
                      "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");
     options.optional("--view X,Y,Z", arguments.view,

@@ -15,6 +15,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/output/files.h"
+#include "host/renderer/renderer_process.h"
 #include "host/spelling.h"
 #include "host/threads.h"
 
@@ -406,13 +407,15 @@ Command with_hint(const Command& command, const CLI::App& chosen) {
 
 } // namespace
 
-// What scripts call: __share DIR of the build, __complete AT WORD... of a shell.
+// What programs call: __share DIR of the build, __complete AT WORD... of a shell, __renderer LIBRARY of this program.
 std::optional<Command> CommandLine::hidden_command(const std::vector<std::string>& words) const {
     if (words.size() == 2 && words[0] == "__share")
         return [this, folder = std::filesystem::path(words[1])] {
             write_share(*grammar_, folder);
             return 0;
         };
+    if (words.size() == 2 && words[0] == kRendererCommand)
+        return [library = words[1]] { return serve_renderer(library); };
     std::size_t at = 0;
     if (words.size() < 3 || words[0] != "__complete" ||
         std::from_chars(words[1].data(), words[1].data() + words[1].size(), at).ec != std::errc())

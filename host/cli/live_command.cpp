@@ -16,6 +16,7 @@
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/output/files.h"
+#include "host/renderer/renderer_process.h"
 #include "host/scene/document.h"
 #include "host/scene/schema.h"
 #include "host/scene/study.h"
@@ -25,7 +26,7 @@ namespace forceshade {
 namespace {
 
 struct LiveArguments {
-    std::string scene, log, report;
+    std::string scene, log, report, renderer;
     bool fast = false, view = false;
     std::optional<int> port;
     DeviceArguments device;
@@ -120,6 +121,14 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
         throw UsageError("--watch: standard input is read once; name a scene's file");
     if (arguments.port && !arguments.view)
         throw UsageError("--port is of the page that --view serves: say --view, too");
+    if (!arguments.renderer.empty() && arguments.device.session.watch)
+        throw UsageError("--renderer and --watch exclude each other: a renderer has one scene");
+    if (const std::string& device = arguments.device.session.device;
+        !arguments.renderer.empty() && !arguments.device.session.unstable && device != "sim" &&
+        !device.starts_with("sim:") && !device.starts_with("replay:"))
+        throw UsageError("--renderer on {}: forces of a library that nobody has checked, on a hand; try --device sim "
+                         "first, and say --unstable to display them within the limits of --max-force and --slew",
+                         device);
     const Case one = load_scene(arguments.scene, common);
     const std::filesystem::path stem = report_stem(arguments);
     check_outputs(arguments, stem, one.scene);
@@ -145,11 +154,21 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     options.replace_log = common.overwrite;
     if (common.no_clobber && !arguments.log.empty() && !may_write({options.log}, common))
         return 0;
+    const auto failure = std::make_shared<std::string>();
+    if (!arguments.renderer.empty())
+        options.make_law = [source = parse_renderer(arguments.renderer), failure](const PreparedCase& prepared,
+                                                                                  double period) {
+            return std::make_unique<RendererLaw>(source, prepared, period, failure);
+        };
     const device::SessionResult result = device::run_session(options);
     note(common, "{}", device::report_text(result.outcome));
     if (common.json)
         print_data(device::report_json(result.outcome).dump(2) + "\n");
-    return outcome_code(result, written_report(result.outcome, stem, options.log));
+    const int code = outcome_code(result, written_report(result.outcome, stem, options.log));
+    if (!failure->empty())
+        throw Error(ExitCode::failed,
+                    fmt::format("{} {}; there was no force from then on", arguments.renderer, *failure));
+    return code;
 }
 
 void describe(Options& options, LiveArguments& arguments) {
@@ -173,6 +192,8 @@ void describe(Options& options, LiveArguments& arguments) {
     options.optional("--report STEM", arguments.report,
                      "STEM.txt, STEM.json and STEM.html at the end (default: next to the log, LOG.live.*)");
     options.flag("--watch", session.watch, "read the scene again whenever its file is saved");
+    options.optional("--renderer LIBRARY[:OPTIONS]", arguments.renderer,
+                     "forces by a shared library of your own (forceshade_renderer.h), for sim and replay");
     options.flag("--fast", arguments.fast, "sim and replay: as fast as possible, not by the clock");
     describe_safety(options, arguments.device);
     options

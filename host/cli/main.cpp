@@ -26,10 +26,10 @@ using namespace forceshade;
 
 int parse_and_run(int argc, char** argv) {
     CommandLine program;
-    for (const auto add :
-         {add_sweep_command, add_field_command, add_explore_command, add_mesh_command, add_study_command,
-          add_report_command, add_experiment_command, add_live_command, add_device_command, add_init_command,
-          add_schema_command, add_validate_command, add_gpus_command, add_devices_command, add_doctor_command})
+    for (const auto add : {add_sweep_command, add_field_command, add_explore_command, add_mesh_command,
+                           add_study_command, add_score_command, add_report_command, add_experiment_command,
+                           add_live_command, add_device_command, add_init_command, add_schema_command,
+                           add_validate_command, add_gpus_command, add_devices_command, add_doctor_command})
         add(program);
     const Command command = program.parse(argc, argv);
     spdlog::set_level(program.common.quiet     ? spdlog::level::err

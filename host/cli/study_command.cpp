@@ -44,7 +44,7 @@ constexpr std::array<KnownStudy, 5> kStudies{{
 constexpr const char* kAll = "all";
 
 struct StudyArguments {
-    std::string name, scene, out;
+    std::string name, scene, out, renderer;
     bool quick = false, fresh = false;
 };
 
@@ -103,6 +103,10 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
     options.scene = scene_of(known, arguments, common);
     if (known.many && !arguments.scene.empty())
         options.cases = load_study(arguments.scene, common).cases;
+    if (!arguments.renderer.empty() && (std::string_view(known.name) != "error-time" || arguments.scene.empty()))
+        throw UsageError("--renderer is of study error-time SCENE: a renderer is measured on a scene of yours");
+    if (!arguments.renderer.empty())
+        options.renderer = parse_renderer(arguments.renderer);
     options.quick = arguments.quick;
     options.engine = device_options(common, true);
     const auto show = [&](const study::StudyData& data, const std::string& how) {
@@ -134,6 +138,8 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
 // One study after the other; a later run goes on with those that are not there yet.
 int run(const StudyArguments& arguments, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
+    if (arguments.name == kAll && !arguments.renderer.empty())
+        throw UsageError("--renderer is of study error-time SCENE: a renderer is measured on a scene of yours");
     if (arguments.name != kAll)
         return run_one(known_study(arguments.name), arguments, common);
     if (common.json)
@@ -155,6 +161,8 @@ void describe(Options& options, StudyArguments& arguments) {
     options.optional("SCENE", arguments.scene,
                      "scene file (TOML) to study, for perception also one of many scenes; without it the study's own");
     options.required("--out DIR", arguments.out, "folder of the results; each study has a folder of its name in it");
+    options.optional("--renderer LIBRARY[:OPTIONS]", arguments.renderer,
+                     "error-time of a scene: a shared library of your own among the methods (forceshade_renderer.h)");
     options.flag("--quick", arguments.quick, "coarse, within a minute each");
     options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
     options.example("study all --quick --out results", "which shading? in some two minutes")

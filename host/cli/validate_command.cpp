@@ -13,6 +13,7 @@
 #include "host/paths/recorded.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
+#include "host/renderer/renderer_engine.h"
 #include "host/scene/cases.h"
 #include "host/sweep/sweep.h"
 
@@ -22,7 +23,7 @@ namespace {
 constexpr std::size_t kSearched = 2000; // places that the search for the worst rounding begins at
 
 struct ValidateArguments {
-    std::string study, only = "*";
+    std::string study, only = "*", renderer;
 };
 
 // Single and double precision where the user asks for neither and the device has both.
@@ -181,13 +182,15 @@ template <typename Compare> auto found_by(const Compare& compare, const std::str
     }
 }
 
-// `rounding`: null where it was searched for before.
-Findings findings_on(const EngineOptions& options, const std::vector<const Case*>& cases, const CommonOptions& common,
+// By a device, or a renderer, which is opened for each case. `rounding`: null where it was searched for before.
+Findings findings_on(const EngineOptions& options, const std::optional<RendererSource>& renderer,
+                     const std::vector<const Case*>& cases, const CommonOptions& common,
                      std::vector<CaseRounding>* rounding) {
-    const auto engine = make_engine(options);
-    const std::vector<Precision> wanted = precisions(common, engine->report());
+    std::unique_ptr<Engine> engine = renderer ? nullptr : make_engine(options);
+    Findings found{renderer ? EngineReport{"renderer", renderer->name, "", "", false, true} : engine->report(), {}, {}};
+    const std::vector<Precision> wanted =
+        renderer && common.precision.empty() ? std::vector{Precision::f64} : precisions(common, found.engine);
     CasePreparation preparation;
-    Findings found{engine->report(), {}, {}};
     std::set<std::string> warned;
     std::size_t all = 0;
     for (const Case* one : cases)
@@ -197,6 +200,8 @@ Findings findings_on(const EngineOptions& options, const std::vector<const Case*
         stage.update(found.fields.size() + found.paths.size(), one->name);
         PreparedCase prepared = preparation.prepare(*one);
         add_recorded_digest(prepared);
+        if (renderer)
+            engine = make_renderer_engine(*renderer, prepared);
         for (const std::string& warning : prepared.warnings)
             if (rounding && warned.insert(warning).second)
                 print_warnings({warning}, common);
@@ -222,8 +227,13 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     const std::vector<const Case*> cases = cases_named(study, arguments.only);
     std::vector<Findings> all;
     std::vector<CaseRounding> rounding;
-    for (const EngineOptions& options : devices(common))
-        all.push_back(findings_on(options, cases, common, all.empty() ? &rounding : nullptr));
+    if (!arguments.renderer.empty()) {
+        if (common.engine != "auto" || !common.gpu.empty())
+            throw UsageError("--renderer takes the place of an engine: leave --engine and --gpu out");
+        all.push_back(findings_on({}, parse_renderer(arguments.renderer), cases, common, &rounding));
+    } else
+        for (const EngineOptions& options : devices(common))
+            all.push_back(findings_on(options, std::nullopt, cases, common, all.empty() ? &rounding : nullptr));
     print(all, rounding, common.gpu == "all", common.json);
     bool passed = true;
     for (const Findings& found : all) {
@@ -243,6 +253,8 @@ void add_validate_command(CommandLine& program) {
             options.optional("SCENE-or-STUDY", arguments.study,
                              "TOML file; without it the paper's study, which is built in");
             options.optional("--only CASES", arguments.only, "shell pattern of case names").names(case_names);
+            options.optional("--renderer LIBRARY[:OPTIONS]", arguments.renderer,
+                             "in place of a device: a shared library of your own (forceshade_renderer.h)");
             options.example("validate bump.toml", "a scene in both precisions")
                 .example("validate --only '*600mil_facets-3_*' --gpu 0", "cases of the paper on a device")
                 .example("validate bump.toml --gpu all",

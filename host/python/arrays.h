@@ -14,6 +14,7 @@
 #include "host/field/case_law.h"
 #include "host/field/comparison.h"
 #include "host/field/engine.h"
+#include "host/score/measures.h"
 
 namespace forceshade::python {
 
@@ -70,6 +71,24 @@ private:
 
     std::shared_ptr<const PreparedScene> scene_;
     std::variant<Probe<float>, Probe<double>> probe_;
+};
+
+/// Strokes over a scene, and the oracle along them, against which forces are scored.
+class ScoredStrokes {
+public:
+    /// Strokes are (n, 3), m; a sample each 1 / `rate`, Hz. \throws UsageError for a stroke that is empty, not finite
+    /// or out of the oracle's reach.
+    ScoredStrokes(const PreparedScene& scene, const std::vector<Points>& strokes, double rate);
+    /// N, (n, 3) of each stroke.
+    std::vector<Points> oracle() const;
+    /// The measures of forces, N, (n, 3) for each stroke: arrays (strokes) by name.
+    py::dict score(const std::vector<Points>& forces) const;
+
+private:
+    score::Yardstick yardstick_;
+    double period_; /* s */
+    std::vector<score::Stroke> strokes_;
+    std::vector<score::Truth> truths_;
 };
 
 /// A file of fields (all its channels, `x`, `y`, `z`, `scene`) or of paths. \throws IoError.

@@ -89,6 +89,10 @@ void define(py::module_& module) {
         .def(py::init([](const std::shared_ptr<PreparedScene>& scene) { return GodObject(scene); }))
         .def("follow", &GodObject::follow)
         .def("reset", &GodObject::reset);
+    py::class_<ScoredStrokes>(module, "ScoredStrokes")
+        .def(py::init<const PreparedScene&, const std::vector<Points>&, double>())
+        .def("oracle", &ScoredStrokes::oracle)
+        .def("score", &ScoredStrokes::score);
     module.def("read_exr", &read_exr);
 }
 

@@ -135,6 +135,7 @@ TEST_F(GrammarTest, GivesExamplesThatWork) {
         "[surface]\nkind = \"bump\"\nradius = \"600 mil\"\nfacets = 2\n[grid]\nsize = [16, 8, 8]\n"
         "origin = [\"-14 mm\", \"-3 mm\", \"-4 mm\"]\nspacing = [\"1.8 mm\", \"1 mm\", \"0.6 mm\"]\n";
     write("bump.toml", bump);
+    std::filesystem::create_symlink(PENALTY, path("libmine.so"));
     write("strokes.toml", bump + "[paths]\ncount = 20\npress = \"1 N\"\n");
     std::filesystem::rename(path("three.toml"), path("study.toml"));
     write("bone.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"

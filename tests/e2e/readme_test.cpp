@@ -42,7 +42,9 @@ protected:
         std::filesystem::create_directory(path("bin"));
         std::filesystem::create_symlink(FORCESHADE_PROGRAM, path("bin/forceshade"));
         std::filesystem::create_directory(path("work"));
-        std::filesystem::create_directory_symlink(FORCESHADE_SOURCE "/tests", path("work/tests"));
+        for (const char* const folder : {"tests", "host"})
+            std::filesystem::create_directory_symlink(std::filesystem::path(FORCESHADE_SOURCE) / folder,
+                                                      path("work") / folder);
     }
     static std::filesystem::path page() { return std::filesystem::path(FORCESHADE_SOURCE) / GetParam(); }
     Outcome run_in_work(const std::string& program, const std::vector<std::string>& arguments) const {
@@ -95,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Pages, Readme,
                          ::testing::Values("README.md", "device/README.md", "host/README.md",
                                            "host/experiment/README.md", "host/mesh/README.md", "host/output/README.md",
                                            "host/paths/README.md", "host/python/README.md", "host/referee/README.md",
-                                           "host/scene/README.md", "host/study/README.md",
+                                           "host/score/README.md", "host/scene/README.md", "host/study/README.md",
                                            "host/sweep/README.md", "shaders/README.md"));
 
 } // namespace

@@ -299,6 +299,33 @@ class Scenes(InFolder):
         half = forceshade.Scene({"surface": {"kind": "mesh"}}, mesh=(vertices, faces)).forces([0, 0, 0.0175])
         np.testing.assert_array_equal(force, 2 * half)
 
+    def test_renderers_are_scored_against_the_oracle(self):
+        class Spring(forceshade.Renderer): # of the plane alone, a tenth too stiff from its second stroke on
+            strokes = 0
+
+            def reset(self):
+                self.strokes += 1
+
+            def update(self, probe):
+                return [0, 0, max(-probe[2], 0) * (1000 if self.strokes < 2 else 1100)]
+
+        scene = forceshade.Scene({"surface": {"kind": "bump", "facets": 2}}, {"run.precision": "f64"})
+        press = np.stack([np.full(400, 0.1), np.zeros(400), 1e-3 * np.cos(np.linspace(0, 2 * np.pi, 400))], -1)
+        strokes = [press, press + [0.01, 0, 0]]
+        scores = forceshade.score(scene, strokes, {"spring": Spring(),
+                                                   "own": [scene.forces(stroke) for stroke in strokes]})
+        self.assertEqual(list(scores), ["oracle", "spring", "own"])
+        for name in ("oracle", "own"):
+            np.testing.assert_array_equal(scores[name]["error_rms_N"], 0)
+        np.testing.assert_allclose(scores["spring"]["error_percent"], [0, 10], atol=1e-9)
+        self.assertTrue((scores["spring"]["update_us"] > 0).all())
+        np.testing.assert_array_equal(scores["spring"]["pop_throughs"], 0)
+        for wrong, words in (([], "at least one"), ([np.zeros((3, 2))], "stroke 0.*\\(n, 3\\)")):
+            with self.assertRaisesRegex(forceshade.SceneError, words):
+                forceshade.score(scene, wrong, {})
+        with self.assertRaisesRegex(forceshade.SceneError, "forces of stroke 0: 3, its positions are 400"):
+            forceshade.score(scene, [press], {"short": [np.zeros((3, 3))]})
+
     def test_vertices_given_twice_are_one_and_what_is_wrong_is_said(self):
         vertices, faces = forceshade.sphere(0.02, 2)
         scene = {"surface": {"kind": "mesh"}, "force": {"shading": "mean_value"}, "run": {"precision": "f64"}}

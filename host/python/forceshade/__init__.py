@@ -16,6 +16,7 @@ import csv
 import json
 import os
 import re
+import time
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field as _field
@@ -28,8 +29,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._native import DeviceError, Error, FileError, SceneError, __version__
 
-__all__ = ["Contact", "DeviceError", "Error", "Field", "FileError", "GodObject", "Paths", "Scene", "SceneError",
-           "SceneWarning", "Table", "angle", "read", "sphere", "__version__"]
+__all__ = ["Contact", "DeviceError", "Error", "Field", "FileError", "GodObject", "Paths", "Renderer", "Scene", "SceneError",
+           "SceneWarning", "Table", "angle", "read", "score", "sphere", "__version__"]
 
 Array = NDArray[Any]
 FilePath = Union[str, "os.PathLike[str]"]
@@ -300,6 +301,47 @@ class GodObject:
     def reset(self) -> None:
         """Forgets the past: the next place begins a new way."""
         self._native.reset()
+
+
+class Renderer:
+    """A haptic renderer of one's own, to be scored: override update, and reset if it has a history."""
+
+    def reset(self) -> None:
+        """The next update begins a stroke."""
+
+    def update(self, probe: Array) -> ArrayLike:
+        """The force (3,), N, on the probe at its next place (3,), m."""
+        raise NotImplementedError
+
+
+def score(scene: Scene, strokes: Sequence[ArrayLike], renderers: Mapping[str, Renderer | Sequence[ArrayLike]],
+          rate: float = 1000) -> dict[str, Table]:
+    """Holds renderers against the oracle along strokes: positions (n, 3), m, a sample each 1 / rate, Hz. A renderer is a
+    Renderer, or forces (n, 3), N, for each stroke. For each a Table with a row a stroke: the measures of
+    `forceshade score` (host/score/README.md), with their units, and for a Renderer `update_us`, the median time of an
+    update. The oracle's own row comes first. What a renderer raises is its caller's."""
+    places = [np.asarray(stroke, dtype=float) for stroke in strokes]
+    native = _native.ScoredStrokes(scene._native, places, rate)
+    scores = {"oracle": Table(native.score(native.oracle()))}
+    for name, renderer in renderers.items():
+        times = None
+        forces: list[Array] = []
+        if not isinstance(renderer, Renderer):
+            forces = [np.asarray(one, dtype=float) for one in renderer]
+        else:
+            times = []
+            for stroke in places:
+                renderer.reset()
+                own, seconds = np.empty_like(stroke), np.empty(len(stroke))
+                for i, probe in enumerate(stroke):
+                    start = time.perf_counter()
+                    own[i] = renderer.update(probe.copy())
+                    seconds[i] = time.perf_counter() - start
+                forces.append(own)
+                times.append(1e6 * np.median(seconds))
+        columns = native.score(forces)
+        scores[name] = Table(columns if times is None else {**columns, "update_us": np.asarray(times)})
+    return scores
 
 
 def read(file: FilePath) -> Field | Paths | Table:

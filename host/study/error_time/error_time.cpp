@@ -15,13 +15,6 @@ namespace {
 
 using Forces = std::vector<glm::dvec3>;
 
-double rms_of(const Forces& forces) {
-    double squares = 0;
-    for (const glm::dvec3& force : forces)
-        squares += reference::dot(force, force);
-    return std::sqrt(squares / static_cast<double>(forces.size()));
-}
-
 Forces true_forces(const Subject& subject, std::span<const TouchPlace> at) {
     Forces forces;
     for (const TouchPlace& place : at)
@@ -72,7 +65,9 @@ std::map<std::string, MethodErrors> errors_by_method(std::span<const Method> met
     for (const Method& method : methods) {
         if (!method.places) {
             const Forces forces = method.forces(places.at);
-            const std::string law = method.family == "god-object" ? method.family : "direct";
+            const bool with_history = method.family == "god-object" ||
+                                      (method.family.starts_with("renderer") && method.variant->prepared->images.mesh);
+            const std::string law = with_history ? "god-object" : "direct";
             if (method.family == law && method.precision == "f64")
                 in_double[law] = forces;
             if (!in_double.contains(law))
@@ -94,7 +89,7 @@ std::map<std::string, MethodErrors> errors_by_method(std::span<const Method> met
 
 void add_errors(std::vector<Method>& methods, const Subject& subject, const Variant& variant, const Extents& extents,
                 const Engines& engines, KnownPlaces& known) {
-    const double typical = rms_of(true_forces(subject, subject.places));
+    const double typical = rms(true_forces(subject, subject.places));
     std::vector<Method> own; // that have errors
     std::ranges::copy_if(methods, std::back_inserter(own),
                          [&](const Method& method) { return method.variant == &variant && method.forces; });
@@ -212,6 +207,11 @@ std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Me
     return notes;
 }
 
+// Whether a law is the user's scene's own.
+bool is_scenes(const Variant& variant, const std::optional<PreparedCase>& scene) {
+    return variant.thorough && scene && variant.prepared->one.scene.force.shading == scene->one.scene.force.shading;
+}
+
 } // namespace
 
 StudyData study_error_time(StudyRun& run) {
@@ -222,18 +222,22 @@ StudyData study_error_time(StudyRun& run) {
     one_thread.cpu = true;
     one_thread.threads = 1;
     const std::unique_ptr<Engine> single_thread = shared_engine(make_engine(one_thread));
+    std::optional<RendererProcess> renderer;
     std::vector<Method> methods;
     const Engines engines{run.engine(), *single_thread};
-    for (const Subject& subject : subjects)
-        for (const Variant& variant : subject.variants)
-            add_methods(methods, subject, variant, 0, engines);
     KnownPlaces known;
     std::vector<Round> rounds;
     std::vector<Part> parts;
     for (const Subject& subject : subjects)
-        for (const Variant& variant : subject.variants)
+        for (const Variant& variant : subject.variants) {
+            add_methods(methods, subject, variant, 0, engines);
+            if (const auto& source = run.options().renderer; source && !renderer && is_scenes(variant, run.scene())) {
+                renderer.emplace(*source, *variant.prepared, 1 / kLoopRate);
+                add_renderer(methods, subject, variant, *renderer, source->name);
+            }
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
                              [&] { add_errors(methods, subject, variant, extents, engines, known); }});
+        }
     OtherTimes others;
     for (const Subject& subject : subjects)
         append(others.fields, field_runs(subject, run.engine(), *single_thread));
@@ -241,7 +245,7 @@ StudyData study_error_time(StudyRun& run) {
         parts.push_back({"whole fields", [&] { measure(others.fields, run.options().folder); }});
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
-            if (variant.thorough && variant.shading != "none")
+            if (variant.is_main())
                 parts.push_back(
                     {"loops of " + subject.name,
                      [&] { append(others.loops, loop_runs(subject.name, variant, *single_thread, extents.runs)); }});

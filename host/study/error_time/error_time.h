@@ -31,6 +31,9 @@ inline std::optional<Interval> rms_over_draws(const MethodErrors& errors, Summar
     return over_draws(errors, [&](const MethodErrors& one) { return (one.shared.*summary).rms; });
 }
 
+/// Root mean square of vectors, or of how far they are from others.
+double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>* less = nullptr);
+
 /// The places of laws that differ in their shading alone: by surface, elements and draw.
 using KnownPlaces = std::map<std::tuple<const Subject*, std::optional<double>, std::size_t>, KindPlaces>;
 

@@ -177,8 +177,7 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
             return other.variant == method.variant && other.family == "direct" && other.precision == "f64";
         })[0]);
         if (is_significant(cost))
-            significant.push_back(
-                fmt::format("{:.2f} [{:.2f}, {:.2f}] ({})", cost.median, cost.low, cost.high, law_name(method)));
+            significant.push_back(fmt::format("{} ({})", ratio_text(cost), law_name(method)));
         else
             ++others;
     }
@@ -204,7 +203,7 @@ std::optional<std::pair<Interval, const Method*>> between(const Measured& measur
     const auto find = [&](const std::string& name) {
         const auto found = std::ranges::find_if(measured.methods, [&](const Method& method) {
             return method.subject == &subject && method.family == name && method.precision == "f64" &&
-                   method.variant->thorough && method.variant->shading != "none";
+                   method.variant->is_main();
         });
         return static_cast<std::size_t>(found - measured.methods.begin());
     };
@@ -228,8 +227,7 @@ void add_ways_to_run(std::vector<Finding>& findings, const Measured& measured) {
     const Method* of = nullptr;
     for (const Subject& one : measured.subjects)
         if (const auto batch = between(measured, one, "direct, a batch on all threads", "direct")) {
-            batches.push_back(fmt::format("{:.2f} [{:.2f}, {:.2f}] ({})", batch->first.median, batch->first.low,
-                                          batch->first.high, one.name));
+            batches.push_back(fmt::format("{} ({})", ratio_text(batch->first), one.name));
             of = batch->second;
         }
     if (of)

@@ -259,6 +259,41 @@ public:
         }
     }
 
+    // Its own rounding is its error against the law that it stands for.
+    void add_renderer(RendererProcess& renderer, const std::string& name) {
+        Method& method = add(Use::live, "renderer, " + name, kPrecision<double>);
+        const auto descent_to = [&scale = subject_.scale](const TouchPlace& place) { return descent(place, scale); };
+        const auto force_at = [&renderer, descent_to](const TouchPlace& place) {
+            renderer.begin_path();
+            return renderer.update(descent_to(place));
+        };
+        method.forces = [force_at](std::span<const TouchPlace> at) {
+            std::vector<glm::dvec3> forces;
+            for (const TouchPlace& place : at)
+                forces.push_back(force_at(place).back().force);
+            return forces;
+        };
+        if (variant_.prepared->images.mesh)
+            method.exact = forces_of([&prepared = *variant_.prepared, &scale = subject_.scale] {
+                return std::make_unique<ProxyForce<double>>(prepared, scale);
+            });
+        const std::span<const TouchPlace> places =
+            std::span(subject_.places).first(std::min(kTimedPlaces, subject_.places.size()));
+        method.seconds = [force_at, places] {
+            double seconds = 0;
+            for (const TouchPlace& place : places)
+                for (const RendererAnswer& answer : force_at(place))
+                    seconds += answer.seconds;
+            return seconds / double(kDescent * places.size());
+        };
+        method.once = [&renderer, descent_to, places](std::size_t number) {
+            const std::size_t update = number % kDescent;
+            if (update == 0)
+                renderer.begin_path();
+            return renderer.update(descent_to(places[number / kDescent * kStride % places.size()])[update]).seconds;
+        };
+    }
+
     template <typename T> void add_field(const std::string& by, Engine& engine) {
         Method& method = add(Use::volume, "field, " + by, kPrecision<T>);
         method.drawn = true;
@@ -397,6 +432,11 @@ private:
 const char* name_of(Use use) {
     constexpr const char* kNames[] = {"live", "batch", "volume", "loop"};
     return kNames[static_cast<std::size_t>(use)];
+}
+
+void add_renderer(std::vector<Method>& methods, const Subject& subject, const Variant& variant,
+                  RendererProcess& renderer, const std::string& name) {
+    MethodBuilder(methods, subject, variant, 0).add_renderer(renderer, name);
 }
 
 void add_methods(std::vector<Method>& methods, const Subject& subject, const Variant& variant, std::size_t draw,

@@ -22,12 +22,6 @@ constexpr double kSettled = 0.6; // s: by then the ringing of the first contact 
 constexpr std::uint64_t kStrokes = 16;
 constexpr Precision kPrecisions[] = {Precision::f32, Precision::f64};
 
-const Variant* shaded_variant(const Subject& subject) {
-    const auto found = std::ranges::find_if(subject.variants,
-                                            [](const Variant& one) { return one.thorough && one.shading != "none"; });
-    return found == subject.variants.end() ? nullptr : &*found;
-}
-
 // Where the probe was and what force it met, at each millisecond of each stroke once it has settled.
 struct Stroked {
     std::vector<glm::dvec3> position, force; /* m, N */
@@ -68,15 +62,6 @@ Stroked stroked(const PreparedCase& variant, double rate, Precision precision, E
                         [&]<typename T>(std::type_identity<T>) { return stroked_in<T>(variant, rate, engine); });
 }
 
-double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>* less = nullptr) {
-    double squares = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const glm::dvec3 value = less ? values[i] - (*less)[i] : values[i];
-        squares += reference::dot(value, value);
-    }
-    return std::sqrt(squares / static_cast<double>(values.size()));
-}
-
 // The RMS error of a field read between its samples, over the RMS true force: that of the look-up with its spacing.
 double look_up_error(const Measured& measured, const FieldRun& run) {
     const std::vector<std::size_t> found = measured.find([&](const Method& method) {
@@ -86,26 +71,26 @@ double look_up_error(const Measured& measured, const FieldRun& run) {
     return found.empty() ? NAN : measured.methods[found[0]].errors->shared.typical.rms;
 }
 
-struct FieldRunRow {
-    const FieldRun& run;
-    double error; /* 1 */
-};
-
 const char* word_of(Precision precision) {
     return precision == Precision::f32 ? "f32" : "f64";
 }
 
-std::string series_of(const FieldRun& run) {
-    return fmt::format("{}, {}", run.by, word_of(run.precision));
-}
-
 } // namespace
+
+double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>* less) {
+    double squares = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const glm::dvec3 value = less ? values[i] - (*less)[i] : values[i];
+        squares += reference::dot(value, value);
+    }
+    return std::sqrt(squares / static_cast<double>(values.size()));
+}
 
 std::vector<FieldRun> field_runs(const Subject& subject, Engine& engine, Engine& single_thread) {
     const EngineReport report = engine.report();
     const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores";
     std::vector<FieldRun> runs;
-    if (const Variant* variant = shaded_variant(subject))
+    if (const Variant* variant = subject.main_variant())
         for (const double spacing : subject.spacings) {
             const GridSpec grid = volume_grid(subject.low, subject.high, spacing, glm::dvec3(0));
             for (const Precision precision : kPrecisions) {
@@ -123,6 +108,7 @@ void measure(std::vector<FieldRun>& runs, const std::filesystem::path& folder) {
         auto job = std::make_unique<CaseJob>(CaseJob{*run.variant->prepared, volume, ""});
         Scene& scene = job->prepared.one.scene;
         scene.grid = run.grid;
+        scene.field = true; // a scene of paths alone has none
         scene.paths.reset();
         scene.output.channels = layout::kChannelForce;
         set_precision(job->prepared.one, run.precision);
@@ -196,7 +182,7 @@ std::vector<std::size_t> met_methods(const std::vector<Method>& methods) {
     std::vector<std::size_t> chosen;
     for (std::size_t i = 0; i < methods.size(); ++i) {
         const Method& method = methods[i];
-        if (!method.once || !method.variant->thorough || method.variant->shading == "none")
+        if (!method.once || !method.variant->is_main())
             continue;
         const bool finer = std::ranges::any_of(methods, [&](const Method& other) {
             return other.variant == method.variant && other.family == method.family &&
@@ -255,32 +241,29 @@ namespace {
 
 std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldRun>& fields,
                               const std::vector<LoopRun>& loops) {
-    std::vector<FieldRunRow> rows;
-    rows.reserve(fields.size());
-    for (const FieldRun& run : fields)
-        rows.push_back({run, look_up_error(measured, run)});
-    using R = FieldRunRow;
-    const auto time = [](double share) { return [share](const R& r) { return quantile(r.run.seconds, share); }; };
+    using R = FieldRun;
+    const auto time = [](double share) { return [share](const R& r) { return quantile(r.seconds, share); }; };
     return {table_of<R>(
                 "field_runs", "Whole fields, with their files",
-                {{"surface", "", "as in ways", [](const R& r) { return r.run.surface; }},
-                 {"law", "", "the law of the field", [](const R& r) { return r.run.variant->name; }},
-                 {"series", "", "engine and precision", [](const R& r) { return series_of(r.run); }},
-                 {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.run.grid.spacing[0]; }},
+                {{"surface", "", "as in ways", &R::surface},
+                 {"law", "", "the law of the field", [](const R& r) { return r.variant->name; }},
+                 {"series", "", "engine and precision",
+                  [](const R& r) { return fmt::format("{}, {}", r.by, word_of(r.precision)); }},
+                 {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.grid.spacing[0]; }},
                  {"voxels", "1", "of the grid",
-                  [](const R& r) { return double(r.run.grid.size[0] * r.run.grid.size[1] * r.run.grid.size[2]); }},
+                  [](const R& r) { return double(r.grid.size[0] * r.grid.size[1] * r.grid.size[2]); }},
                  {"time_s", "s", "evaluated, compressed, written to disk and checked, median", time(0.5)},
                  {"time_low_s", "s", "the least", time(0)},
                  {"time_high_s", "s", "the largest", time(1)},
-                 {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.run.bytes; }},
+                 {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.bytes; }},
                  {"typical_rms_1", "1",
                   "error of the force between the samples (trilinear) over the RMS true force, root mean square, at "
                   "the median of random draws of the grid",
-                  &R::error}},
-                rows),
+                  [&](const R& r) { return look_up_error(measured, r); }}},
+                fields),
             table_of<LoopRun>(
                 "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
-                {{"surface", "", "as in ways", [](const LoopRun& r) { return r.surface; }},
+                {{"surface", "", "as in ways", &LoopRun::surface},
                  {"law", "", "of the force", [](const LoopRun& r) { return r.variant->name; }},
                  {"precision", "", "of the loop", [](const LoopRun& r) { return word_of(r.precision); }},
                  {"rate_kHz", "kHz", "of the loop", [](const LoopRun& r) { return r.rate / 1000; }},
@@ -296,28 +279,23 @@ std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldR
 
 std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::vector<LoopRun>& loops) {
     std::vector<Figure> figures;
-    if (!fields.empty()) {
-        Figure& figure = figures.emplace_back(make_figure(
+    if (!fields.empty())
+        figures.push_back(make_figure(
             "field-runs", fmt::format("Fields of \"{}\": error between samples against time", fields.front().surface),
             "Each mark is a whole run of a field: evaluated, compressed, written and checked. Its label is the grid's "
             "spacing in mm. The error is that of reading between the samples, root mean square.",
             FigureKind::scatter, "field_runs", {{"surface", fields.front().surface}},
             {"time_s", "time of a field with its file / s", true},
-            {"typical_rms_1", "RMS error over the RMS force", true}, "series", "spacing_mm"));
-        figure.x_low = "time_low_s";
-        figure.x_high = "time_high_s";
-        figure.joined = true;
-    }
-    if (!loops.empty()) {
-        Figure& figure = figures.emplace_back(make_figure(
+            {"typical_rms_1", "RMS error over the RMS force", true}, "series", "spacing_mm",
+            {.x_low = "time_low_s", .x_high = "time_high_s", .joined = true}));
+    if (!loops.empty())
+        figures.push_back(make_figure(
             "loop-rates", "Strokes in closed loop: error against time, by the loop's rate",
             "Each mark is a rate, in kHz, of the same strokes of a hand that presses. The error is the RMS difference "
             "of the force from that of a loop of 64 kHz, over its RMS.",
             FigureKind::scatter, "loop_rates", {{"precision", "f64"}},
             {"time_ms", "time for a second of a stroke / ms", true}, {"force_error_1", "RMS error of the force", true},
-            "surface", "rate_kHz"));
-        figure.joined = true;
-    }
+            "surface", "rate_kHz", {.joined = true}));
     return figures;
 }
 

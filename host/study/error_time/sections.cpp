@@ -147,17 +147,16 @@ std::vector<Figure> section_figures(const Subject& subject, const Method& method
     Figure field = make_figure(
         "field-" + subject.name, fmt::format("Error on a section: {}", method.name),
         "Largest error of eight places in each cell of a section, over the force there; at least 1e-4.",
-        FigureKind::map, "fields", where, {"x_mm", "x / mm"}, {"height_mm", "height over the surface / mm"});
-    field.value = "local_max_1";
-    field.value_label = "error over the force there";
-    field.value_logarithmic = true;
-    field.value_limit = 1;
-    Figure stroke =
-        make_figure("stroke-" + subject.name, fmt::format("Force along a stroke: {}", method.name),
-                    fmt::format("Force {:.2g} mm under the surface, along the section; dashed: {}.",
-                                1e3 * stroke_depth(subject), subject.against),
-                    FigureKind::scatter, "strokes", where, {"x_mm", "x / mm"}, {"force_N", "force / N"}, "component");
-    stroke.joined = true;
+        FigureKind::map, "fields", where, {"x_mm", "x / mm"}, {"height_mm", "height over the surface / mm"}, "", "",
+        {.value = "local_max_1",
+         .value_label = "error over the force there",
+         .value_logarithmic = true,
+         .value_limit = 1});
+    Figure stroke = make_figure("stroke-" + subject.name, fmt::format("Force along a stroke: {}", method.name),
+                                fmt::format("Force {:.2g} mm under the surface, along the section; dashed: {}.",
+                                            1e3 * stroke_depth(subject), subject.against),
+                                FigureKind::scatter, "strokes", where, {"x_mm", "x / mm"}, {"force_N", "force / N"},
+                                "component", "", {.joined = true});
     for (const char* component : {"along x", "along z"})
         stroke.curves.push_back({"strokes",
                                  {{"surface", subject.name}, {"way", subject.against}, {"component", component}},

@@ -2,6 +2,7 @@
 // these places.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
+#include "host/renderer/renderer_process.h"
 #include "host/touch/force_at.h"
 #include "host/touch/force_errors.h"
 
@@ -42,6 +44,7 @@ struct Variant {
     bool thorough = false;          /* also from volumes, over grids and along closed loops */
     std::vector<Variant> drawn{};   /* the same on a mesh that is tessellated anew: from draw 1 on; empty: only one */
 
+    bool is_main() const { return thorough && shading != "none"; }
     const Variant& at(std::size_t draw) const { return draw > 0 && !drawn.empty() ? drawn[draw - 1] : *this; }
 };
 
@@ -57,6 +60,12 @@ struct Subject : TouchedShape {
     std::vector<double> spacings;
     std::vector<Variant> variants;
     std::vector<std::string> notes;
+
+    /// The law that all methods are measured on, shaded; null: none.
+    const Variant* main_variant() const {
+        const auto found = std::ranges::find_if(variants, &Variant::is_main);
+        return found == variants.end() ? nullptr : &*found;
+    }
 };
 
 /// The paper's bump of R = 600 mil, and the same cylinder as meshes of triangles.
@@ -147,6 +156,11 @@ struct Engines {
     Engine& engine;
     Engine& single_thread; /* the oracle on one thread */
 };
+
+/// A renderer of the user's own as a method of a thorough law: it approaches each place as the god-object does, and its
+/// updates are timed in its process. `renderer`, `subject` and `variant` must outlive it.
+void add_renderer(std::vector<Method>& methods, const Subject& subject, const Variant& variant,
+                  RendererProcess& renderer, const std::string& name);
 
 /// All methods of a law of a subject, in a fixed order, from volumes and over grids at random offsets; from draw 1 on
 /// volumes are turned about the vertical as well, and the study's own meshes are tessellated anew. `subject` and the

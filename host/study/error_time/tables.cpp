@@ -359,10 +359,8 @@ Figure error_over_time(const Subject& subject, bool own) {
                     "closer ones. Methods that miss the force at more than 1 % of the places are left out.",
                     subject.against),
         FigureKind::scatter, "ways", {{"surface", subject.name}}, {"time_ns", "time of an evaluation / ns", true},
-        {"shown_local_1", "error over the force there, 95 % of places", true}, "shading", "on_front");
-    figure.shape = "method";
-    figure.x_low = "time_low_ns";
-    figure.x_high = "time_high_ns";
+        {"shown_local_1", "error over the force there, 95 % of places", true}, "shading", "on_front",
+        {.shape = "method", .x_low = "time_low_ns", .x_high = "time_high_ns"});
     for (const Use use : kUses) {
         const Where front{{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kLocal.name}};
         figure.curves.push_back(
@@ -376,7 +374,7 @@ Figure error_over_time(const Subject& subject, bool own) {
 
 // Errors of look-ups over the volume's spacing, kind by kind, of the law that has them.
 Figure lookup_figure(const Subject& subject, const Variant& variant) {
-    Figure figure = make_figure(
+    return make_figure(
         "look-up-" + subject.name,
         fmt::format("{}, {}: error of a trilinear look-up by kind of place", subject.name, variant.name),
         "95th percentile over the places of a kind, over the force there, at the draw of the volume's grid that "
@@ -388,21 +386,17 @@ Figure lookup_figure(const Subject& subject, const Variant& variant) {
          {"precision", "f32"},
          {"shading", variant.shading}},
         {"spacing_mm", "spacing of the volume / mm", true},
-        {"local_p95_1", "error over the force there, 95 % of places", true}, "kind");
-    figure.joined = true;
-    return figure;
+        {"local_p95_1", "error over the force there, 95 % of places", true}, "kind", "", {.joined = true});
 }
 
 Figure convergence(const Subject& subject, const std::string& family) {
-    Figure figure =
-        make_figure("elements-" + subject.name,
-                    fmt::format("{}: error of the direction over the number of {}", subject.name, subject.elements),
-                    "In double precision, where the surface gives a force: coarse ones miss places, as in the table.",
-                    FigureKind::scatter, "ways", {{"surface", subject.name}, {"family", family}, {"precision", "f64"}},
-                    {"elements", subject.elements == "facets" ? "facets" : "cells along a side", true},
-                    {"direction_rms_deg", "RMS error of the direction / deg", true}, "shading");
-    figure.joined = true;
-    return figure;
+    return make_figure(
+        "elements-" + subject.name,
+        fmt::format("{}: error of the direction over the number of {}", subject.name, subject.elements),
+        "In double precision, where the surface gives a force: coarse ones miss places, as in the table.",
+        FigureKind::scatter, "ways", {{"surface", subject.name}, {"family", family}, {"precision", "f64"}},
+        {"elements", subject.elements == "facets" ? "facets" : "cells along a side", true},
+        {"direction_rms_deg", "RMS error of the direction / deg", true}, "shading", "", {.joined = true});
 }
 
 } // namespace
@@ -455,9 +449,7 @@ std::vector<Figure> figures_of(const Measured& measured, bool own) {
         }
     }
     const Subject &first = measured.subjects.front(), &last = measured.subjects.back();
-    if (const auto shaded = std::ranges::find_if(
-            first.variants, [](const Variant& one) { return one.thorough && one.shading != "none"; });
-        shaded != first.variants.end())
+    if (const Variant* shaded = first.main_variant())
         figures.push_back(lookup_figure(first, *shaded));
     if (!last.elements.empty())
         figures.push_back(convergence(last, last.variants.front().prepared->images.mesh ? "god-object" : "direct"));

@@ -74,9 +74,11 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
     make_subfolder(options_.folder.parent_path(), options_.folder.filename().string());
     clear_stale_temporaries(options_.folder);
     const EngineReport report = engine_->report();
-    fingerprint_ = sha256_of(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", study_, version(), report.engine,
+    const std::string renderer =
+        options_.renderer ? options_.renderer->name + sha256_of_file(options_.renderer->library) : "";
+    fingerprint_ = sha256_of(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}{}", study_, version(), report.engine,
                                          report.device, report.uuid, report.driver, cpu_name(),
-                                         options_.engine.validation, options_.quick, scene_text_));
+                                         options_.engine.validation, options_.quick, scene_text_, renderer));
 }
 
 void StudyRun::run(const std::vector<Part>& parts) {

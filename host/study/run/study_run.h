@@ -11,15 +11,17 @@
 
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
+#include "host/renderer/renderer_process.h"
 #include "host/study/data/study_data.h"
 
 namespace forceshade::study {
 
 struct StudyOptions {
-    std::filesystem::path folder; /* of this study: OUT/error-time */
-    std::optional<Case> scene;    /* the user's; none: the study's own */
-    std::vector<Case> cases;      /* the user's, of a study of many scenes */
-    bool quick = false;           /* coarse, within a minute */
+    std::filesystem::path folder;             /* of this study: OUT/error-time */
+    std::optional<Case> scene;                /* the user's; none: the study's own */
+    std::vector<Case> cases;                  /* the user's, of a study of many scenes */
+    bool quick = false;                       /* coarse, within a minute */
+    std::optional<RendererSource> renderer{}; /* of the user's own, among the methods of error-time */
     EngineOptions engine;
 };
 

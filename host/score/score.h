@@ -1,0 +1,62 @@
+// Renderers scored along strokes: against the oracle, and against the smooth shape of the scene.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/field/prepared_case.h"
+#include "host/renderer/renderer_process.h"
+#include "host/score/measures.h"
+#include "host/study/data/study_data.h"
+
+namespace forceshade::score {
+
+/// Times of a renderer's updates, s.
+struct UpdateTimes {
+    double warm = NAN;                            /* the mean in a second run along the strokes */
+    double median = NAN, p999 = NAN, worst = NAN; /* in the first run */
+    double cold = NAN;                            /* the median with caches full of other memory */
+    double boundary = NAN;                        /* the median of what the way to its process and back takes */
+};
+
+/// A renderer and what came of it.
+struct Scored {
+    std::string name;
+    std::string kind;                 /* "oracle", "forceshade", "renderer", "recorded" */
+    Track track;                      /* empty: it failed */
+    std::vector<StrokeScore> strokes; /* as many as there are strokes */
+    std::optional<UpdateTimes> times; /* none: its forces are from a file */
+    std::string failed;               /* what it did wrong; empty: nothing */
+};
+
+struct ScoreOptions {
+    Strokes strokes;
+    std::vector<RendererSource> renderers;
+    std::vector<std::pair<std::string, Track>> recorded; /* by name */
+    RendererPatience patience{};
+};
+
+struct Scores {
+    std::vector<Scored> all;
+    std::vector<std::string> warnings;
+};
+
+/// The oracle first, then this program's other laws of the scene, then renderers in their order. \throws UsageError for
+/// a stroke that leaves the oracle's reach, Interrupted, IoError.
+Scores score_all(const PreparedCase& prepared, const ScoreOptions& options);
+
+/// m: a scene's size, against which a file's unit is held.
+double size_of(const PreparedCase& prepared);
+
+/// A stroke's measures by name, in their readers' units; NaN where there is nothing to measure.
+std::vector<std::pair<std::string, double>> named_measures(const StrokeScore& score);
+
+/// Tables, figures and findings of scores.
+void add_scores(study::StudyData& data, const Scores& scores, const Strokes& strokes);
+
+/// The scores as a table for the terminal.
+std::string score_text(const Scores& scores);
+
+} // namespace forceshade::score

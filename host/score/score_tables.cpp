@@ -1,0 +1,371 @@
+// Scores as tables, figures and findings, and for the terminal.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "host/numbers.h"
+#include "host/score/score.h"
+
+namespace forceshade::score {
+namespace {
+
+using study::Cell;
+using study::FigureKind;
+using study::Interval;
+
+constexpr std::size_t kMostShown = 2000; // samples of a renderer in a figure
+
+// A measure in a reader's unit.
+struct Measure {
+    const char* name; /* of columns, with its unit */
+    const char* unit;
+    double scale; /* that unit in one SI unit */
+    double StrokeScore::*value;
+    const char* meaning;
+    bool counted = false; /* summed over strokes */
+};
+
+const std::vector<Measure>& measures() {
+    using S = StrokeScore;
+    static const std::vector<Measure> all{
+        {"error_rms_N", "N", 1, &S::error_rms, "size of the difference from the oracle's force, root mean square"},
+        {"error_p95_N", "N", 1, &S::error_p95, "the same, 95th percentile"},
+        {"error_largest_N", "N", 1, &S::error_largest, "the same, the largest"},
+        {"error_percent", "%", 100, &S::error_share, "its root mean square over that of the oracle's force"},
+        {"magnitude_rms_N", "N", 1, &S::magnitude_rms, "difference of the forces' sizes, root mean square"},
+        {"direction_rms_deg", "deg", 1, &S::direction_rms, "angle from the oracle's force, root mean square"},
+        {"direction_p95_deg", "deg", 1, &S::direction_p95, "the same, 95th percentile"},
+        {"smooth_direction_deg", "deg", 1, &S::smooth_direction,
+         "angle from the normal of the shape of [compare], root mean square"},
+        {"smooth_magnitude_N", "N", 1, &S::smooth_magnitude,
+         "difference from the size of that shape's force, root mean square"},
+        {"phantom_percent", "%", 100, &S::phantom_share, "samples with a force where the oracle has no contact"},
+        {"phantom_largest_N", "N", 1, &S::phantom_largest, "the largest force there"},
+        {"drop_outs", "1", 1, &S::drop_outs, "times that the force is lost in a contact and comes back", true},
+        {"pop_throughs", "1", 1, &S::pop_throughs,
+         "times that the force turns to the other side, or is lost for the rest of the contact", true},
+        {"jumps_per_mm", "1/mm", 1, &S::jumps,
+         "steps of the force of more than twice the stiffness times the step of the probe, over the way in contact"},
+        {"above_30Hz_mN", "mN", 1e3, &S::buzz_30, "of the force above 30 Hz, root mean square"},
+        {"above_100Hz_mN", "mN", 1e3, &S::buzz_100, "of the force above 100 Hz, root mean square"},
+        {"added_30Hz_mN", "mN", 1e3, &S::added_30, "of the difference from the oracle's force above 30 Hz"},
+        {"added_100Hz_mN", "mN", 1e3, &S::added_100, "of the difference from the oracle's force above 100 Hz"},
+        {"work_mJ", "mJ", 1e3, &S::work, "work on the hand"},
+        {"excess_work_mJ", "mJ", 1e3, &S::excess_work, "work on the hand beyond the oracle's"},
+        {"loop_work_mJ", "mJ", 1e3, &S::loop_work,
+         "work on the hand in strokes that end where they began: above 0 the surface gives energy"},
+        {"proxy_inside_um", "um", 1e6, &S::inside, "how deep the renderer's proxy is below the surface, at most"},
+        {"delay_ms", "ms", 1e3, &S::delay, "by which its forces come after the oracle's"},
+        {"not_finite", "1", 1, &S::not_finite, "samples whose force is NaN or infinite, left out of all others", true},
+    };
+    return all;
+}
+
+std::vector<double> values_of(const Scored& scored, const Measure& measure) {
+    std::vector<double> values;
+    for (const StrokeScore& stroke : scored.strokes)
+        if (const double value = measure.scale * stroke.*measure.value; std::isfinite(value))
+            values.push_back(value);
+    return values;
+}
+
+double sum_of(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values)
+        sum += value;
+    return sum;
+}
+
+// The median over strokes, or the sum of what is counted; NaN without a stroke that has it.
+double value_of(const Scored& scored, double StrokeScore::*of) {
+    const Measure& measure = *std::ranges::find(measures(), of, &Measure::value);
+    const std::vector<double> values = values_of(scored, measure);
+    return values.empty() ? NAN : measure.counted ? sum_of(values) : study::quantile(values, 0.5);
+}
+
+struct MeasureRow {
+    const Scored* scored;
+    const Measure* measure;
+    std::vector<double> values;
+};
+
+study::Table measures_table(const std::vector<Scored>& all) {
+    std::vector<MeasureRow> rows;
+    for (const Scored& scored : all)
+        for (const Measure& measure : measures())
+            if (std::vector<double> values = values_of(scored, measure); !values.empty())
+                rows.push_back({&scored, &measure, std::move(values)});
+    using R = MeasureRow;
+    const auto interval = [](double Interval::*end) {
+        return
+            [end](const R& r) { return r.values.size() > 1 ? Cell(study::bootstrap_median(r.values).*end) : Cell(); };
+    };
+    return study::table_of<R>(
+        "measures", "Every measure of every renderer, over strokes",
+        {{{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
+         {{"measure", "", "what is measured, with its unit"}, [](const R& r) { return r.measure->name; }},
+         {{"median", "", "over strokes, in the measure's unit"},
+          [](const R& r) { return study::quantile(r.values, 0.5); }},
+         {{"low", "", "95 % of the medians of bootstrap samples over strokes lie above"}, interval(&Interval::low)},
+         {{"high", "", "and below"}, interval(&Interval::high)},
+         {{"largest", "", "of a stroke"}, [](const R& r) { return *std::ranges::max_element(r.values); }},
+         {{"total", "", "over all strokes, of what is counted"},
+          [](const R& r) { return r.measure->counted ? Cell(sum_of(r.values)) : Cell(); }},
+         {{"strokes", "1", "that have it"}, [](const R& r) { return r.values.size(); }},
+         {{"meaning", "", "of the measure"}, [](const R& r) { return r.measure->meaning; }}},
+        rows);
+}
+
+std::vector<study::ColumnOf<Scored>> time_columns() {
+    using R = Scored;
+    const auto nano = [](double UpdateTimes::*time) {
+        return [time](const R& r) { return r.times ? Cell(1e9 * (*r.times).*time) : Cell(); };
+    };
+    return {{{"warm_ns", "ns", "an update in a second run along all strokes, mean"}, nano(&UpdateTimes::warm)},
+            {{"p50_ns", "ns", "an update in the first run, median"}, nano(&UpdateTimes::median)},
+            {{"p99_9_ns", "ns", "the same, once in a thousand"}, nano(&UpdateTimes::p999)},
+            {{"worst_ns", "ns", "the same, the worst"}, nano(&UpdateTimes::worst)},
+            {{"cold_ns", "ns", "with caches full of other memory, median"}, nano(&UpdateTimes::cold)},
+            {{"boundary_ns", "ns",
+              "what the way to the renderer's process and back takes, median; in none of the other times"},
+             nano(&UpdateTimes::boundary)}};
+}
+
+study::Table renderers_table(const std::vector<Scored>& all) {
+    using R = Scored;
+    std::vector<study::ColumnOf<R>> columns{
+        {{"renderer", "", "whose forces"}, [](const R& r) { return r.name; }},
+        {{"kind", "", "oracle; forceshade: another law of this program; renderer: a library; recorded: a file"},
+         [](const R& r) { return r.kind; }},
+        {{"status", "", "ok, or what it did wrong"}, [](const R& r) { return r.failed.empty() ? "ok" : r.failed; }}};
+    for (const Measure& measure : measures())
+        columns.push_back(
+            {{measure.name, measure.unit,
+              fmt::format("{}{}", measure.meaning, measure.counted ? ", over all strokes" : ", median over strokes")},
+             [of = measure.value](const R& r) { return value_of(r, of); }});
+    study::append(columns, time_columns());
+    return study::table_of<R>("renderers", "Renderers along the strokes", columns, all);
+}
+
+struct StrokeRow {
+    const Scored* scored;
+    const Stroke* stroke;
+    const StrokeScore* score;
+};
+
+study::Table strokes_table(const std::vector<Scored>& all, const Strokes& strokes) {
+    std::vector<StrokeRow> rows;
+    for (const Scored& scored : all)
+        for (std::size_t i = 0; i < scored.strokes.size(); ++i)
+            rows.push_back({&scored, &strokes.all[i], &scored.strokes[i]});
+    using R = StrokeRow;
+    std::vector<study::ColumnOf<R>> columns{
+        {{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
+        {{"path", "1", "the stroke, as its file numbers it"}, [](const R& r) { return r.stroke->id; }},
+        {{"samples", "1", "of the stroke"}, [](const R& r) { return r.stroke->probe.size(); }}};
+    for (const Measure& measure : measures())
+        columns.push_back({{measure.name, measure.unit, measure.meaning},
+                           [&measure](const R& r) { return measure.scale * r.score->*measure.value; }});
+    return study::table_of<R>("strokes", "Every stroke of every renderer", columns, rows);
+}
+
+struct FaultRow {
+    const Scored* scored;
+    const Stroke* stroke;
+    Fault fault;
+};
+
+study::Table faults_table(const std::vector<Scored>& all, const Strokes& strokes) {
+    std::vector<FaultRow> rows;
+    for (const Scored& scored : all)
+        for (std::size_t i = 0; i < scored.strokes.size(); ++i)
+            for (const Fault& fault : scored.strokes[i].faults)
+                rows.push_back({&scored, &strokes.all[i], fault});
+    using R = FaultRow;
+    const auto place = [](int axis) {
+        return [axis](const R& r) { return 1e3 * r.stroke->probe[r.fault.sample][axis]; };
+    };
+    return study::table_of<R>(
+        "faults", "Contacts that are lost",
+        {{{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
+         {{"fault", "",
+           "pop-through: the force turns to the other side or does not come back; drop-out: it comes back"},
+          [](const R& r) { return r.fault.through ? "pop-through" : "drop-out"; }},
+         {{"path", "1", "the stroke"}, [](const R& r) { return r.stroke->id; }},
+         {{"t_s", "s", "when it begins"}, [](const R& r) { return r.stroke->time[r.fault.sample]; }},
+         {{"duration_ms", "ms", "from its first to its last sample"}, [](const R& r) { return 1e3 * r.fault.seconds; }},
+         {{"x_mm", "mm", "where"}, place(0)},
+         {{"y_mm", "mm", "where"}, place(1)},
+         {{"z_mm", "mm", "where"}, place(2)}},
+        rows);
+}
+
+// The stroke at which renderers and oracle differ most, but for those with forces beyond all measure.
+std::size_t telling_stroke(const std::vector<Scored>& all) {
+    std::size_t stroke = 0;
+    double most = -1;
+    for (const Scored& scored : all)
+        for (std::size_t i = 0; i < scored.strokes.size(); ++i)
+            if (const double share = scored.strokes[i].error_share;
+                std::isfinite(share) && std::min(share, 2.0) > most) {
+                most = std::min(share, 2.0);
+                stroke = i;
+            }
+    return stroke;
+}
+
+struct SignalRow {
+    const Scored* scored;
+    double time, size;
+};
+
+study::Table signals_table(const std::vector<Scored>& all, const Strokes& strokes, std::size_t stroke) {
+    const Stroke& one = strokes.all[stroke];
+    const std::size_t step = one.probe.size() / kMostShown + 1;
+    std::vector<SignalRow> rows;
+    for (const Scored& scored : all)
+        for (std::size_t i = 0; !scored.track.empty() && i < one.probe.size(); i += step)
+            rows.push_back({&scored, one.time[i], glm::length(scored.track[stroke][i])});
+    using R = SignalRow;
+    return study::table_of<R>("signals", fmt::format("Forces along path {}", one.id),
+                              {{{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
+                               {{"t_s", "s", "of the sample"}, [](const R& r) { return r.time; }},
+                               {{"force_N", "N", "size of the force"}, [](const R& r) { return r.size; }}},
+                              rows);
+}
+
+std::string nanoseconds(double seconds) {
+    return std::isfinite(seconds) ? fmt::format("{:.3g} us", 1e6 * seconds) : "-";
+}
+
+study::Finding finding_of(const Scored& scored, std::size_t index) {
+    using S = StrokeScore;
+    const auto value = [&](double S::*of) { return value_of(scored, of); };
+    study::Finding finding;
+    finding.name = fmt::format("renderer_{}", index);
+    finding.figure = "errors";
+    if (!scored.failed.empty()) {
+        finding.text = fmt::format("{} {}; it has no score.", scored.name, scored.failed);
+        return finding;
+    }
+    finding.text = fmt::format("{}: its forces differ from the oracle's by {:.3g} % of their root mean square",
+                               scored.name, value(&S::error_share));
+    if (const double angle = value(&S::direction_rms); std::isfinite(angle))
+        finding.text += fmt::format(", by {:.3g} deg in direction", angle);
+    finding.text += fmt::format("; {} and {}", numbers::counted(std::uint64_t(value(&S::pop_throughs)), "pop-through"),
+                                numbers::counted(std::uint64_t(value(&S::drop_outs)), "drop-out"));
+    if (const double buzz = value(&S::added_100); std::isfinite(buzz))
+        finding.text += fmt::format("; above 100 Hz {:.3g} mN that the oracle does not have", buzz);
+    if (const double phantom = value(&S::phantom_largest); phantom > 0)
+        finding.text += fmt::format("; up to {:.3g} N without contact", phantom);
+    if (const double count = value(&S::not_finite); count > 0)
+        finding.text += fmt::format("; {} without a finite force", numbers::counted(std::uint64_t(count), "sample"));
+    if (scored.times)
+        finding.text += fmt::format("; an update takes {} ({} once in a thousand)", nanoseconds(scored.times->warm),
+                                    nanoseconds(scored.times->p999));
+    finding.text += ".";
+    const std::vector<double> shares =
+        values_of(scored, *std::ranges::find(measures(), &S::error_share, &Measure::value));
+    if (shares.size() > 1) {
+        const Interval interval = study::bootstrap_median(shares);
+        finding.interval = fmt::format("median over {} strokes; 95 % of bootstrap samples: {:.3g} to {:.3g} %",
+                                       shares.size(), interval.low, interval.high);
+    }
+    return finding;
+}
+
+} // namespace
+
+std::vector<std::pair<std::string, double>> named_measures(const StrokeScore& score) {
+    std::vector<std::pair<std::string, double>> named;
+    for (const Measure& measure : measures())
+        named.emplace_back(measure.name, measure.scale * score.*measure.value);
+    return named;
+}
+
+void add_scores(study::StudyData& data, const Scores& scores, const Strokes& strokes) {
+    const std::vector<Scored>& scored = scores.all;
+    const std::size_t shown = telling_stroke(scored);
+    for (const std::string& warning : scores.warnings)
+        data.notes.push_back(warning);
+    data.notes.push_back(fmt::format("{} of {}. The oracle is this program's god-object in double precision with the "
+                                     "scene's shading; every renderer "
+                                     "gets the same positions, whatever its forces would have done to a hand. A "
+                                     "contact counts from 5 % of a stroke's "
+                                     "largest force on.",
+                                     numbers::counted(strokes.all.size(), "stroke"),
+                                     numbers::counted(strokes.samples(), "sample")));
+    data.notes.push_back("A library runs in a process of its own; its times are taken there, around each update, and "
+                         "hold no way between processes. Intervals are of bootstrap samples over strokes.");
+    data.tables.push_back(renderers_table(scored));
+    data.tables.push_back(measures_table(scored));
+    data.tables.push_back(strokes_table(scored, strokes));
+    if (study::Table faults = faults_table(scored, strokes); !faults.rows.empty())
+        data.tables.push_back(std::move(faults));
+    data.tables.push_back(signals_table(scored, strokes, shown));
+    study::Figure front =
+        study::make_figure("front", "Error against run time",
+                           "Each mark is a renderer: how long an update takes in a warm run, and how far its forces "
+                           "are from the oracle's. "
+                           "The oracle itself has no error, and no mark.",
+                           FigureKind::scatter, "renderers", {}, {"warm_ns", "time of an update / ns", true},
+                           {"error_percent", "RMS error / % of the RMS force", true}, "renderer", "renderer");
+    data.figures.push_back(std::move(front));
+    study::Figure errors = study::make_figure(
+        "errors", "Difference from the oracle's force",
+        "The median over strokes of the root mean square difference, over the root mean square of the oracle's force; "
+        "the spread is of bootstrap samples over strokes.",
+        FigureKind::bars, "measures", {{"measure", "error_percent"}}, {"renderer", "renderer"},
+        {"median", "RMS error / % of the RMS force"});
+    errors.low = "low";
+    errors.high = "high";
+    data.figures.push_back(std::move(errors));
+    study::Figure buzz = study::make_figure(
+        "buzz", "Vibration that the oracle does not have",
+        "Root mean square of the difference from the oracle's force above 100 Hz, where skin feels best.",
+        FigureKind::bars, "measures", {{"measure", "added_100Hz_mN"}}, {"renderer", "renderer"},
+        {"median", "above 100 Hz / mN"});
+    buzz.low = "low";
+    buzz.high = "high";
+    if (strokes.period)
+        data.figures.push_back(std::move(buzz));
+    study::Figure signal =
+        study::make_figure("signals", fmt::format("Forces along path {}", strokes.all[shown].id),
+                           "The stroke at which a renderer differs most from the oracle.", FigureKind::scatter,
+                           "signals", {}, {"t_s", "time / s"}, {"force_N", "force / N"}, "renderer");
+    signal.joined = true;
+    data.figures.push_back(std::move(signal));
+    for (std::size_t i = 0; i < scored.size(); ++i)
+        data.findings.push_back(finding_of(scored[i], i));
+}
+
+std::string score_text(const Scores& scores) {
+    using S = StrokeScore;
+    const std::vector<Scored>& scored = scores.all;
+    std::size_t width = 8;
+    for (const Scored& one : scored)
+        width = std::max(width, one.name.size());
+    constexpr const char* kRow = "{:<{}}  {:>9}  {:>9}  {:>8}  {:>8}  {:>7}  {:>9}  {:>8}  {:>9}  {:>9}\n";
+    std::string text = fmt::format(fmt::runtime(kRow), "renderer", width, "error", "direction", "phantom", "pop-",
+                                   "drop-", "jumps", ">100 Hz", "update", "99.9 %");
+    text += fmt::format(fmt::runtime(kRow), "", width, "% RMS", "deg RMS", "N", "throughs", "outs", "1/mm", "mN", "us",
+                        "us");
+    for (const Scored& one : scored) {
+        if (!one.failed.empty()) {
+            text += fmt::format("{:<{}}  {}\n", one.name, width, one.failed);
+            continue;
+        }
+        const auto shown = [](double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-"; };
+        const auto value = [&](double S::*of) { return shown(value_of(one, of)); };
+        text += fmt::format(fmt::runtime(kRow), one.name, width, value(&S::error_share), value(&S::direction_rms),
+                            value(&S::phantom_largest), value(&S::pop_throughs), value(&S::drop_outs), value(&S::jumps),
+                            value(&S::added_100), shown(one.times ? 1e6 * one.times->warm : NAN),
+                            shown(one.times ? 1e6 * one.times->p999 : NAN));
+    }
+    return text;
+}
+
+} // namespace forceshade::score

@@ -1,0 +1,85 @@
+// Recorded strokes and the forces of renderers along them, as files of many kinds have them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace forceshade::score {
+
+// A table of numbers in a file: CSV with a header, rows of numbers without one, or a NumPy array.
+
+struct NumberTable {
+    std::string source;                     /* the file's name, for errors */
+    std::vector<std::string> columns;       /* as the header has them; without one "#1", "#2", ... */
+    std::vector<std::vector<double>> cells; /* a vector a column; NaN where a cell is empty or no number */
+    std::vector<std::uint32_t> lines;       /* of the rows, for errors; of an array the rows' numbers from 0 */
+    bool named = false;                     /* a header names the columns */
+
+    std::size_t rows() const { return lines.size(); }
+};
+
+/// A file that ends in .npy is an array of f4 or f8 of one or two dimensions. Another is text: CSV if its first line
+/// has a comma, else numbers between blanks, tabs or semicolons; lines that begin with # are comments. \throws IoError,
+/// UsageError `file:line:column: ...` for rows of different lengths, or no row at all.
+NumberTable read_numbers(const std::filesystem::path& file);
+
+// Which column is what.
+
+/// Of the quantities path, t, x, y, z, fx, fy, fz: the column that has it, its sign, and its unit.
+struct ColumnSource {
+    std::string column;
+    bool negative = false;
+    double unit = 1;            /* SI units in one of the column's */
+    mutable bool found = false; /* some file had the column */
+};
+using ColumnMap = std::map<std::string, ColumnSource, std::less<>>;
+
+/// "x=px mm, y=-pz mm, fx=force.x, t=#1 ms": QUANTITY=[-]COLUMN[ UNIT], separated by commas. \throws UsageError.
+ColumnMap parse_map(const std::string& text);
+
+/// \throws UsageError for a column that none of the files read so far has.
+void require_found(const ColumnMap& map);
+
+// Strokes.
+
+struct Stroke {
+    std::uint64_t id = 0;
+    std::vector<double> time;      /* s */
+    std::vector<glm::dvec3> probe; /* m */
+    std::vector<std::uint32_t> lines;
+};
+
+struct Strokes {
+    std::string source;
+    std::vector<Stroke> all;
+    std::optional<double> period; /* s: from sample to sample of every stroke, to 1 %; none: it varies */
+    std::vector<std::string> warnings;
+
+    std::size_t samples() const;
+};
+
+inline bool is_finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Forces along strokes: one a sample, N, perhaps not finite.
+using Track = std::vector<std::vector<glm::dvec3>>;
+
+/// Columns by the map, else by their own names: x, y, z, and path and t if there are any; a unit in the name counts
+/// ("x_mm", "t [ms]"). Without times, `rate`, Hz, gives them. `size`, m: of the scene, against which positions are
+/// held: a file in another unit is refused, not taken. \throws IoError, UsageError.
+Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, std::optional<double> rate, double size);
+
+/// The forces fx, fy, fz of a renderer along strokes: of the same samples in the same order. Where the file has
+/// positions, they must be the strokes'. \throws IoError, UsageError `file:line: ...`.
+Track read_forces(const std::filesystem::path& file, const ColumnMap& map, const Strokes& strokes);
+
+} // namespace forceshade::score

@@ -1,0 +1,97 @@
+// Files of strokes and forces, as other programs write them.
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/score/strokes.h"
+#include "tests/io/folder.h"
+
+namespace forceshade::score {
+namespace {
+
+class StrokeFile : public ::testing::Test {
+protected:
+    Strokes strokes(const std::string& text, const std::string& map = "", std::optional<double> rate = {},
+                    const char* name = "strokes.csv") const {
+        return read_strokes(folder_.write(name, text), parse_map(map), rate, 0.1);
+    }
+    std::string refusal(const std::string& text, const std::string& map = "", std::optional<double> rate = {}) const {
+        return testing::message_of<UsageError>([&] { strokes(text, map, rate); });
+    }
+    static void expect_two(const Strokes& two) {
+        ASSERT_EQ(two.all.size(), 1U);
+        ASSERT_EQ(two.samples(), 2U);
+        EXPECT_NEAR(two.all[0].probe[1].x, 0.002, 1e-12);
+        EXPECT_NEAR(two.all[0].probe[1].y, -0.005, 1e-12);
+        EXPECT_NEAR(two.all[0].probe[1].z, 0.003, 1e-12);
+        EXPECT_NEAR(*two.period, 0.001, 1e-12);
+    }
+
+    testing::Folder folder_;
+};
+
+TEST_F(StrokeFile, IsReadWhateverItsNamesUnitsAndForm) {
+    expect_two(strokes("path,t,x,y,z\n7,0,0,0,0\n7,0.001,0.002,-0.005,0.003\n"));
+    expect_two(strokes("time_ms,x_mm,y_mm,z_mm\n0,0,0,0\n1,2,-5,3\n"));
+    expect_two(strokes("t [ms],pos_x (mm),pos_y (mm),pos_z (mm)\n0,0,0,0\n1,2,-5,3\n"));
+    expect_two(strokes("clock,a,b,c\n0,0,0,0\n1,2,3,5\n", "t=clock ms, x=a mm, y=-c mm, z=b mm"));
+    expect_two(strokes("# a .traj\n0 0 0\n2\t-5 3\n", "x=#1 mm, y=#2 mm, z=#3 mm", 1000));
+    expect_two(strokes("0;0;0\r\n0.002;-0.005;0.003\r\n", "x=#1,y=#2,z=#3", 1000));
+    std::string array("\x93NUMPY\x01\x00\x76\x00", 10);
+    std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
+    header.resize(117, ' ');
+    array += header + "\n";
+    for (const double number : {0.0, 0.0, 0.0, 2.0, -5.0, 3.0})
+        array.append(reinterpret_cast<const char*>(&number), sizeof number);
+    expect_two(strokes(array, "x=#1 mm, y=#2 mm, z=#3 mm", 1000, "strokes.npy"));
+    EXPECT_THROW(strokes(array.substr(0, array.size() - 1), "x=#1", 1000, "strokes.npy"), UsageError);
+}
+
+TEST_F(StrokeFile, ThatIsWrongIsRefusedWithWhatWouldBeRight) {
+    EXPECT_TRUE(testing::says(refusal("t,a,b,c\n0,0,0,0\n"),
+                              "no column is called x; the columns are t, a, b, c. Say which it is"));
+    EXPECT_TRUE(testing::says(refusal("x,y,z\n0,0,0\n"), "--rate"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n1,12,0,0\n"),
+                              "positions reach 12 m, the scene 0.1 m. If the file is in mm"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n0,0,0,0\n"), ":3: t: 0 s comes after 0 s"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,nan\n"), ":2: a position or time is missing or not finite"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0\n"), ":2: 3 numbers in this row, 4 in the first"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n"), "no row of numbers"));
+    EXPECT_TRUE(
+        testing::says(refusal("t,a,y,z\n0,0,0,0\n", "x=q mm"), "--map names a column for x that is not there (q)"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n", "x=x furlong"), "--map: the unit of x"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n", "w=x"), "QUANTITY=COLUMN UNIT"));
+}
+
+TEST_F(StrokeFile, AColumnOfTheMapThatNoFileHasIsRefused) {
+    const ColumnMap map = parse_map("x=q mm");
+    read_strokes(folder_.write("strokes.csv", "t,x,y,z\n0,0,0,0\n"), map, {}, 0.1);
+    EXPECT_TRUE(testing::says(testing::message_of<UsageError>([&] { require_found(map); }), "no file has a column q"));
+}
+
+TEST_F(StrokeFile, WithGapsHasNoPeriodAndSaysWhere) {
+    const Strokes gap = strokes("t,x,y,z\n0,0,0,0\n0.001,0,0,0\n0.005,0,0,0\n");
+    EXPECT_FALSE(gap.period);
+    ASSERT_EQ(gap.warnings.size(), 1U);
+    EXPECT_TRUE(testing::says(gap.warnings[0], ":4: 0.004 s after the sample before"));
+}
+
+TEST_F(StrokeFile, ForcesBelongToTheSameSamples) {
+    const Strokes two = strokes("path,t,x,y,z\n1,0,0,0,0\n2,0,0.001,0,0\n1,0.001,0,0,0.001\n");
+    const auto forces = [&](const std::string& text) {
+        return read_forces(folder_.write("forces.csv", text), {}, two);
+    };
+    const Track track = forces("path,fx,fy,fz_mN\n1,0,0,1\n1,0,0,2\n2,nan,0,3\n");
+    EXPECT_NEAR(track[0][1].z, 0.002, 1e-12);
+    EXPECT_NEAR(track[1][0].z, 0.003, 1e-12);
+    EXPECT_TRUE(std::isnan(track[1][0].x));
+    EXPECT_THROW(forces("fx,fy,fz\n0,0,0\n"), UsageError) << "too few";
+    EXPECT_THROW(forces("path,fx,fy,fz\n1,0,0,0\n1,0,0,0\n3,0,0,0\n"), UsageError) << "another path";
+    EXPECT_NO_THROW(forces("path,x,y,z,fx,fy,fz\n1,0,0,0,0,0,0\n2,0.001,0,0,0,0,0\n1,0,0,0.001,0,0,0\n"));
+    EXPECT_THROW(forces("path,x,y,z,fx,fy,fz\n1,0,0,0,0,0,0\n2,0,0.001,0,0,0,0\n1,0,0,0.001,0,0,0\n"), UsageError)
+        << "x and y exchanged";
+}
+
+} // namespace
+} // namespace forceshade::score
