@@ -61,8 +61,8 @@ std::unique_ptr<Engine> make_engine(const std::string& renderer, const PreparedC
 
 void describe_renderer(Options& options, std::string& renderer) {
     options.optional("--renderer LIBRARY[:OPTIONS]", renderer,
-                     "forces by a shared library of your own in place of the oracle's (forceshade_renderer.h); not "
-                     "held against the oracle, which score and validate do");
+                     "forces by a shared library of your own in place of the oracle's (forceshade_renderer.h); score "
+                     "and validate hold it against the oracle");
 }
 
 std::vector<Precision> precisions_of(const EngineReport& engine) {

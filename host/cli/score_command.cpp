@@ -1,4 +1,6 @@
 // forceshade score.
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -10,6 +12,7 @@
 #include "host/report/report.h"
 #include "host/score/score.h"
 #include "host/study/data/study_data.h"
+#include "host/sweep/sweep.h"
 #include "host/threads.h"
 
 namespace forceshade {
@@ -31,16 +34,19 @@ recorded_of(const ScoreArguments& arguments, const score::ColumnMap& map, const 
 }
 
 int run(const ScoreArguments& arguments, const CommonOptions& common) {
-    if (arguments.paths.empty() && arguments.forces.empty())
-        throw UsageError("score needs strokes: --paths STROKES.csv, or --forces of a file that has positions, too");
     const LongRun long_run(common.quiet);
+    const std::filesystem::path folder = std::filesystem::path(arguments.out) / "score";
+    if (!arguments.out.empty() && !may_write({folder / "study.json"}, common))
+        return 0;
     CasePreparation preparation;
     const PreparedCase prepared = prepare_scene(preparation, load_scene(arguments.scene, common), common);
     print_warnings(prepared.warnings, common);
     const score::ColumnMap map = score::parse_map(arguments.map);
     score::ScoreOptions options;
-    options.strokes = score::read_strokes(arguments.paths.empty() ? arguments.forces.front() : arguments.paths, map,
-                                          arguments.rate, score::size_of(prepared));
+    const std::string positions =
+        arguments.paths.empty() && !arguments.forces.empty() ? arguments.forces.front() : arguments.paths;
+    options.strokes = positions.empty() ? score::scene_strokes(prepared)
+                                        : score::read_strokes(positions, map, arguments.rate, score::size_of(prepared));
     options.recorded = recorded_of(arguments, map, options.strokes);
     score::require_found(map);
     for (const std::string& renderer : arguments.renderers)
@@ -60,23 +66,37 @@ int run(const ScoreArguments& arguments, const CommonOptions& common) {
     data.scene = prepared.scene;
     data.seconds = seconds_since(start);
     score::add_scores(data, scores, options.strokes);
+    data.notes.push_back(fmt::format("Scene: {}. Strokes: {}{}.", arguments.scene, options.strokes.source,
+                                     arguments.map.empty() ? "" : fmt::format(", by the map \"{}\"", arguments.map)));
+    for (const RendererSource& source : options.renderers)
+        data.notes.push_back(
+            fmt::format("{}: {}, SHA-256 {}.", source.name, source.library.string(), sha256_of_file(source.library)));
+    for (const std::string& file : arguments.forces)
+        data.notes.push_back(fmt::format("{}: {}, SHA-256 {}.", std::filesystem::path(file).stem().string(), file,
+                                         sha256_of_file(file)));
     note(common, "{}", score::score_text(scores));
     if (!arguments.out.empty()) {
         make_subfolder(arguments.out, data.study);
-        study::write_data(std::filesystem::path(arguments.out) / data.study, data, study::figure_files(data));
+        study::write_data(folder, data, study::figure_files(data));
         note(common, "look at {}, numbers in {}\n", full_path(report::write_report(arguments.out).file),
-             full_path(std::filesystem::path(arguments.out) / data.study));
+             full_path(folder));
     }
     if (common.json)
         print_data(study::data_json(data));
+    const auto failed = std::ranges::count_if(scores.all, [](const score::Scored& one) { return !one.failed.empty(); });
+    if (failed > 0)
+        throw Error(ExitCode::failed,
+                    fmt::format("{} failed and {} no score; the table says why",
+                                plural(std::uint64_t(failed), "renderer"), failed == 1 ? "has" : "have"));
     return 0;
 }
 
 void describe(Options& options, ScoreArguments& arguments) {
     options.required("SCENE", arguments.scene, "scene file (TOML) whose law is the oracle");
-    options.optional("--paths STROKES", arguments.paths,
-                     "positions: CSV with x, y, z and, if there are any, t and path; rows of numbers without a header "
-                     "and .npy arrays with --map; by default those of the first --forces");
+    options.optional(
+        "--paths STROKES", arguments.paths,
+        "positions: CSV with x, y, z and, if there are any, t and path; rows of numbers without a header "
+        "and .npy arrays with --map; by default those of the first --forces, else those of the scene's [paths]");
     options.list("--forces FILE,...", arguments.forces,
                  "forces of other programs along these positions, a sample a row: fx, fy, fz");
     options.list("--renderer LIBRARY[:OPTIONS],...", arguments.renderers,

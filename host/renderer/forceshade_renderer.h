@@ -29,7 +29,7 @@ typedef struct fsr_scene {
     size_t triangle_count;
     double extent;       /* m; of a mesh 0 */
     double stiffness;    /* N/m */
-    double period;       /* s: from one update to the next */
+    double period;       /* s: from one update to the next; 0 where that is not known, as in a field */
     const char* toml;    /* the complete scene */
     const char* options; /* the text behind the library's name in --renderer LIBRARY:OPTIONS; "" without one */
 } fsr_scene;

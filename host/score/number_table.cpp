@@ -78,11 +78,15 @@ void read_rows(NumberTable& table, const std::string& text) {
         if (row.size() > kLongestLine)
             throw UsageError("{}:{}: a line of {} bytes; is this a file of strokes?", table.source, line, row.size());
         cells.clear();
-        constexpr std::string_view kBetween = " \t;\r";
-        for (row.remove_prefix(std::min(row.find_first_not_of(kBetween), row.size())); !row.empty();
-             row.remove_prefix(std::min(row.find_first_not_of(kBetween), row.size()))) {
-            cells.push_back(row.substr(0, row.find_first_of(kBetween)));
+        const std::string_view between = row.find(';') != row.npos ? ";\r" : " \t\r";
+        for (row.remove_prefix(std::min(row.find_first_not_of(between), row.size())); !row.empty();
+             row.remove_prefix(std::min(row.find_first_not_of(between), row.size()))) {
+            cells.push_back(row.substr(0, row.find_first_of(between)));
             row.remove_prefix(cells.back().size());
+            while (cells.back().ends_with(' '))
+                cells.back().remove_suffix(1);
+            while (cells.back().starts_with(' '))
+                cells.back().remove_prefix(1);
         }
         if (cells.empty() || cells.front().starts_with('#'))
             continue;
@@ -168,7 +172,7 @@ NumberTable read_numbers(const std::filesystem::path& file) {
         while (line.starts_with('#') && line.find('\n') != std::string_view::npos)
             line.remove_prefix(line.find('\n') + 1);
         line = line.substr(0, line.find('\n'));
-        line.find(',') != std::string_view::npos ? read_csv(table, file) : read_rows(table, text);
+        line.find(',') != line.npos&& line.find(';') == line.npos ? read_csv(table, file) : read_rows(table, text);
     }
     if (table.rows() == 0)
         throw UsageError("{}: there is no row of numbers", table.source);

@@ -8,7 +8,9 @@
 #include "host/clock.h"
 #include "host/long_run.h"
 #include "host/mesh/structure.h"
+#include "host/paths/scene_paths.h"
 #include "host/program.h"
+#include "host/reference/motion.h"
 
 namespace forceshade::score {
 namespace {
@@ -144,6 +146,39 @@ Scored score_probe(const char* name, const PreparedCase& prepared, const Yardsti
 
 } // namespace
 
+Strokes scene_strokes(const PreparedCase& prepared) {
+    const std::optional<PathsSpec>& spec = prepared.one.scene.paths;
+    if (!spec)
+        throw UsageError("score needs strokes: --paths STROKES.csv, --forces of a file that has positions, or a scene "
+                         "with [paths]");
+    if (spec->closed() || spec->kind == PathKind::recorded)
+        throw UsageError("the scene's [paths] are {}: give positions with --paths, such as explore writes them",
+                         spec->closed() ? "of a hand, whose positions depend on the forces" : "in a file");
+    Strokes strokes{"[paths]", {}, 1 / spec->rate, {}};
+    ScenePaths<double> paths(prepared);
+    const layout::PathInput<double> input = paths.input();
+    const glm::dvec3 origin = scene_origin(prepared);
+    for (std::size_t path = 0; path < input.paths; ++path) {
+        check_interrupt();
+        const layout::PathBatch<double> batch = input.source->batch(path, 1);
+        const std::size_t steps = batch.steps.empty() ? input.steps : batch.steps.front();
+        const bool listed = input.features.motion == layout::kMotionRecorded;
+        const std::span<const double> places = listed ? input.source->positions(0, steps) : std::span<const double>{};
+        Stroke& stroke = strokes.all.emplace_back();
+        stroke.id = path;
+        for (std::size_t step = 0; step < steps; ++step) {
+            const auto place =
+                listed ? reference::vector_at(places, step)
+                       : reference::motion_at(input.law, input.features, batch, 0, static_cast<layout::uint>(step));
+            stroke.time.push_back(double(step) / spec->rate);
+            stroke.probe.push_back(world_place(glm::dvec3(place), origin));
+            stroke.lines.push_back(static_cast<std::uint32_t>(step));
+        }
+    }
+    strokes.warnings = paths.warnings();
+    return strokes;
+}
+
 double size_of(const PreparedCase& prepared) {
     const RendererMesh mesh = renderer_mesh(prepared);
     double farthest = 0;
@@ -184,6 +219,11 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
     all.push_back(score_probe<double>("oracle (f64)", prepared, yardstick, options, truths));
     all.back().kind = "oracle";
     all.push_back(score_probe<float>("oracle in f32", prepared, yardstick, options, truths));
+    if (prepared.one.scene.force.shading != Shading::none) { // what a renderer without shading can come to
+        PreparedCase plain = prepared;
+        plain.one.scene.force.shading = Shading::none;
+        all.push_back(score_probe<double>("oracle without shading", plain, yardstick, options, truths));
+    }
     if (prepared.images.mesh) {
         CaseProbe<double> field(prepared);
         layout::uint hint = 0;

@@ -47,6 +47,10 @@ struct Scores {
 /// a stroke that leaves the oracle's reach, Interrupted, IoError.
 Scores score_all(const PreparedCase& prepared, const ScoreOptions& options);
 
+/// The positions that a scene's paths prescribe. \throws UsageError for a scene without paths, or whose hand moves the
+/// probe, so that positions depend on the forces.
+Strokes scene_strokes(const PreparedCase& prepared);
+
 /// m: a scene's size, against which a file's unit is held.
 double size_of(const PreparedCase& prepared);
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -25,15 +26,16 @@ struct Measure {
     double scale; /* that unit in one SI unit */
     double StrokeScore::*value;
     const char* meaning;
-    bool counted = false; /* summed over strokes */
+    enum Over { median, largest, sum } over = median; /* strokes */
 };
+constexpr const char* kOver[] = {"median over strokes", "largest of all strokes", "over all strokes"};
 
 const std::vector<Measure>& measures() {
     using S = StrokeScore;
     static const std::vector<Measure> all{
         {"error_rms_N", "N", 1, &S::error_rms, "size of the difference from the oracle's force, root mean square"},
         {"error_p95_N", "N", 1, &S::error_p95, "the same, 95th percentile"},
-        {"error_largest_N", "N", 1, &S::error_largest, "the same, the largest"},
+        {"error_largest_N", "N", 1, &S::error_largest, "the same, the largest", Measure::largest},
         {"error_percent", "%", 100, &S::error_share, "its root mean square over that of the oracle's force"},
         {"magnitude_rms_N", "N", 1, &S::magnitude_rms, "difference of the forces' sizes, root mean square"},
         {"direction_rms_deg", "deg", 1, &S::direction_rms, "angle from the oracle's force, root mean square"},
@@ -42,11 +44,12 @@ const std::vector<Measure>& measures() {
          "angle from the normal of the shape of [compare], root mean square"},
         {"smooth_magnitude_N", "N", 1, &S::smooth_magnitude,
          "difference from the size of that shape's force, root mean square"},
-        {"phantom_percent", "%", 100, &S::phantom_share, "samples with a force where the oracle has no contact"},
-        {"phantom_largest_N", "N", 1, &S::phantom_largest, "the largest force there"},
-        {"drop_outs", "1", 1, &S::drop_outs, "times that the force is lost in a contact and comes back", true},
+        {"phantom_percent", "%", 100, &S::phantom_share, "samples with a force where the oracle has no contact",
+         Measure::largest},
+        {"phantom_largest_N", "N", 1, &S::phantom_largest, "the largest force there", Measure::largest},
+        {"drop_outs", "1", 1, &S::drop_outs, "times that the force is lost in a contact and comes back", Measure::sum},
         {"pop_throughs", "1", 1, &S::pop_throughs,
-         "times that the force turns to the other side, or is lost for the rest of the contact", true},
+         "times that the force turns to the other side, or is lost for the rest of the contact", Measure::sum},
         {"jumps_per_mm", "1/mm", 1, &S::jumps,
          "steps of the force of more than twice the stiffness times the step of the probe, over the way in contact"},
         {"above_30Hz_mN", "mN", 1e3, &S::buzz_30, "of the force above 30 Hz, root mean square"},
@@ -56,10 +59,12 @@ const std::vector<Measure>& measures() {
         {"work_mJ", "mJ", 1e3, &S::work, "work on the hand"},
         {"excess_work_mJ", "mJ", 1e3, &S::excess_work, "work on the hand beyond the oracle's"},
         {"loop_work_mJ", "mJ", 1e3, &S::loop_work,
-         "work on the hand in strokes that end where they began: above 0 the surface gives energy"},
-        {"proxy_inside_um", "um", 1e6, &S::inside, "how deep the renderer's proxy is below the surface, at most"},
+         "work on the hand in strokes that end where they began: above 0 the surface gives energy", Measure::largest},
+        {"proxy_inside_um", "um", 1e6, &S::inside, "how deep the renderer's proxy is below the surface, at most",
+         Measure::largest},
         {"delay_ms", "ms", 1e3, &S::delay, "by which its forces come after the oracle's"},
-        {"not_finite", "1", 1, &S::not_finite, "samples whose force is NaN or infinite, left out of all others", true},
+        {"not_finite", "1", 1, &S::not_finite, "samples whose force is NaN or infinite, left out of all others",
+         Measure::sum},
     };
     return all;
 }
@@ -79,11 +84,15 @@ double sum_of(const std::vector<double>& values) {
     return sum;
 }
 
-// The median over strokes, or the sum of what is counted; NaN without a stroke that has it.
+// Over all strokes; NaN without one that has it.
 double value_of(const Scored& scored, double StrokeScore::*of) {
     const Measure& measure = *std::ranges::find(measures(), of, &Measure::value);
     const std::vector<double> values = values_of(scored, measure);
-    return values.empty() ? NAN : measure.counted ? sum_of(values) : study::quantile(values, 0.5);
+    if (values.empty())
+        return NAN;
+    return measure.over == Measure::sum       ? sum_of(values)
+           : measure.over == Measure::largest ? *std::ranges::max_element(values)
+                                              : study::quantile(values, 0.5);
 }
 
 struct MeasureRow {
@@ -113,7 +122,7 @@ study::Table measures_table(const std::vector<Scored>& all) {
          {{"high", "", "and below"}, interval(&Interval::high)},
          {{"largest", "", "of a stroke"}, [](const R& r) { return *std::ranges::max_element(r.values); }},
          {{"total", "", "over all strokes, of what is counted"},
-          [](const R& r) { return r.measure->counted ? Cell(sum_of(r.values)) : Cell(); }},
+          [](const R& r) { return r.measure->over == Measure::sum ? Cell(sum_of(r.values)) : Cell(); }},
          {{"strokes", "1", "that have it"}, [](const R& r) { return r.values.size(); }},
          {{"meaning", "", "of the measure"}, [](const R& r) { return r.measure->meaning; }}},
         rows);
@@ -142,10 +151,8 @@ study::Table renderers_table(const std::vector<Scored>& all) {
          [](const R& r) { return r.kind; }},
         {{"status", "", "ok, or what it did wrong"}, [](const R& r) { return r.failed.empty() ? "ok" : r.failed; }}};
     for (const Measure& measure : measures())
-        columns.push_back(
-            {{measure.name, measure.unit,
-              fmt::format("{}{}", measure.meaning, measure.counted ? ", over all strokes" : ", median over strokes")},
-             [of = measure.value](const R& r) { return value_of(r, of); }});
+        columns.push_back({{measure.name, measure.unit, fmt::format("{}, {}", measure.meaning, kOver[measure.over])},
+                           [of = measure.value](const R& r) { return value_of(r, of); }});
     study::append(columns, time_columns());
     return study::table_of<R>("renderers", "Renderers along the strokes", columns, all);
 }
@@ -219,7 +226,8 @@ std::size_t telling_stroke(const std::vector<Scored>& all) {
 
 struct SignalRow {
     const Scored* scored;
-    double time, size;
+    double time;
+    glm::dvec3 force, difference; /* N */
 };
 
 study::Table signals_table(const std::vector<Scored>& all, const Strokes& strokes, std::size_t stroke) {
@@ -228,12 +236,18 @@ study::Table signals_table(const std::vector<Scored>& all, const Strokes& stroke
     std::vector<SignalRow> rows;
     for (const Scored& scored : all)
         for (std::size_t i = 0; !scored.track.empty() && i < one.probe.size(); i += step)
-            rows.push_back({&scored, one.time[i], glm::length(scored.track[stroke][i])});
+            rows.push_back({&scored, one.time[i], scored.track[stroke][i],
+                            scored.track[stroke][i] - all.front().track[stroke][i]});
     using R = SignalRow;
     return study::table_of<R>("signals", fmt::format("Forces along path {}", one.id),
                               {{{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
                                {{"t_s", "s", "of the sample"}, [](const R& r) { return r.time; }},
-                               {{"force_N", "N", "size of the force"}, [](const R& r) { return r.size; }}},
+                               {{"force_N", "N", "size of the force"}, [](const R& r) { return glm::length(r.force); }},
+                               {{"fx_N", "N", "along x"}, [](const R& r) { return r.force.x; }},
+                               {{"fy_N", "N", "along y"}, [](const R& r) { return r.force.y; }},
+                               {{"fz_N", "N", "along z"}, [](const R& r) { return r.force.z; }},
+                               {{"difference_N", "N", "size of the difference from the oracle's force"},
+                                [](const R& r) { return glm::length(r.difference); }}},
                               rows);
 }
 
@@ -330,16 +344,23 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
         {"median", "above 100 Hz / mN"});
     buzz.low = "low";
     buzz.high = "high";
-    if (strokes.period)
+    const auto has_spectrum = [](const Scored& one) { return std::isfinite(value_of(one, &StrokeScore::added_100)); };
+    if (std::ranges::any_of(scored, has_spectrum))
         data.figures.push_back(std::move(buzz));
-    study::Figure signal =
-        study::make_figure("signals", fmt::format("Forces along path {}", strokes.all[shown].id),
-                           "The stroke at which a renderer differs most from the oracle.", FigureKind::scatter,
-                           "signals", {}, {"t_s", "time / s"}, {"force_N", "force / N"}, "renderer");
-    signal.joined = true;
-    data.figures.push_back(std::move(signal));
-    for (std::size_t i = 0; i < scored.size(); ++i)
-        data.findings.push_back(finding_of(scored[i], i));
+    for (const auto& [name, title, column, label] :
+         {std::tuple("differences", "Difference from the oracle", "difference_N", "difference / N"),
+          std::tuple("signals", "Force along z", "fz_N", "force along z / N")}) {
+        study::Figure signal =
+            study::make_figure(name, fmt::format("{}, path {}", title, strokes.all[shown].id),
+                               "The stroke at which a renderer differs most from the oracle.", FigureKind::scatter,
+                               "signals", {}, {"t_s", "time / s"}, {column, label}, "renderer");
+        signal.joined = true;
+        data.figures.push_back(std::move(signal));
+    }
+    for (const bool own : {false, true}) // what is measured comes first
+        for (std::size_t i = 0; i < scored.size(); ++i)
+            if (own == (scored[i].kind == "oracle" || scored[i].kind == "forceshade"))
+                data.findings.push_back(finding_of(scored[i], i));
 }
 
 std::string score_text(const Scores& scores) {
@@ -348,11 +369,11 @@ std::string score_text(const Scores& scores) {
     std::size_t width = 8;
     for (const Scored& one : scored)
         width = std::max(width, one.name.size());
-    constexpr const char* kRow = "{:<{}}  {:>9}  {:>9}  {:>8}  {:>8}  {:>7}  {:>9}  {:>8}  {:>9}  {:>9}\n";
+    constexpr const char* kRow = "{:<{}}  {:>9}  {:>9}  {:>8}  {:>8}  {:>7}  {:>9}  {:>8}  {:>6}  {:>9}  {:>9}\n";
     std::string text = fmt::format(fmt::runtime(kRow), "renderer", width, "error", "direction", "phantom", "pop-",
-                                   "drop-", "jumps", ">100 Hz", "update", "99.9 %");
-    text += fmt::format(fmt::runtime(kRow), "", width, "% RMS", "deg RMS", "N", "throughs", "outs", "1/mm", "mN", "us",
-                        "us");
+                                   "drop-", "jumps", ">100 Hz", "NaN", "update", "99.9 %");
+    text += fmt::format(fmt::runtime(kRow), "", width, "% RMS", "deg RMS", "N", "throughs", "outs", "1/mm", "mN", "",
+                        "us", "us");
     for (const Scored& one : scored) {
         if (!one.failed.empty()) {
             text += fmt::format("{:<{}}  {}\n", one.name, width, one.failed);
@@ -362,9 +383,11 @@ std::string score_text(const Scores& scores) {
         const auto value = [&](double S::*of) { return shown(value_of(one, of)); };
         text += fmt::format(fmt::runtime(kRow), one.name, width, value(&S::error_share), value(&S::direction_rms),
                             value(&S::phantom_largest), value(&S::pop_throughs), value(&S::drop_outs), value(&S::jumps),
-                            value(&S::added_100), shown(one.times ? 1e6 * one.times->warm : NAN),
+                            value(&S::added_100), value(&S::not_finite), shown(one.times ? 1e6 * one.times->warm : NAN),
                             shown(one.times ? 1e6 * one.times->p999 : NAN));
     }
+    text += "error, direction, jumps and vibration: median over strokes; phantom: the largest; faults and NaN: all of "
+            "them; update: warm, and once in a thousand of the first run\n";
     return text;
 }
 

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kRegular = 0.01;      // of the period
 constexpr double kSamePlace = 1e-6;    // m
+constexpr double kSlow = 0.02;         // s: no haptic loop samples so seldom
 constexpr double kFarAway = 30;        // times the scene's size: nobody strokes there
 constexpr std::size_t kMostNamed = 12; // columns in an error
 
@@ -82,9 +83,13 @@ public:
     std::vector<double> of(const char* name) const {
         const Quantity& quantity = *quantity_named(name);
         if (const auto mapped = map_.find(name); mapped != map_.end()) {
-            if (const auto at = std::ranges::find(table_.columns, mapped->second.column); at != table_.columns.end()) {
+            for (auto at = table_.columns.begin(); at != table_.columns.end(); ++at) {
+                const auto [own, unit] = name_and_unit(*at);
+                if (*at != mapped->second.column && own != mapped->second.column)
+                    continue;
                 mapped->second.found = true;
-                return scaled(at, mapped->second.unit * (mapped->second.negative ? -1 : 1));
+                const double named = quantity.dimension && !unit.empty() ? unit_of(quantity, unit, table_.source) : 1;
+                return scaled(at, mapped->second.unit.value_or(named) * (mapped->second.negative ? -1 : 1));
             }
         }
         std::vector<std::string> names{quantity.name};
@@ -120,6 +125,16 @@ public:
         return all;
     }
 
+    // The table's columns, for errors.
+    std::string shown() const {
+        std::vector<std::string> names = table_.columns;
+        if (names.size() > kMostNamed) {
+            names.resize(kMostNamed);
+            names.push_back("...");
+        }
+        return fmt::format("{}", fmt::join(names, ", "));
+    }
+
 private:
     std::vector<double> scaled(std::vector<std::string>::const_iterator column, double factor) const {
         std::vector<double> values = table_.cells[static_cast<std::size_t>(column - table_.columns.begin())];
@@ -129,17 +144,13 @@ private:
     }
 
     [[noreturn]] void refuse(const char* name) const {
-        std::vector<std::string> shown = table_.columns;
-        if (shown.size() > kMostNamed) {
-            shown.resize(kMostNamed);
-            shown.push_back("...");
-        }
         const auto mapped = map_.find(name);
-        throw UsageError("{}: {} {}; the columns are {}. Say which it is, and in which unit: --map \"{}={} mm\"",
+        const std::optional<Dimension> dimension = quantity_named(name)->dimension;
+        throw UsageError("{}: {} {}; the columns are {}. Say which it is, and in which unit: --map \"{}=COLUMN {}\"",
                          table_.source, mapped == map_.end() ? "no column is called" : "--map names a column for",
                          mapped == map_.end() ? name
                                               : fmt::format("{} that is not there ({})", name, mapped->second.column),
-                         fmt::join(shown, ", "), name, table_.columns.front());
+                         shown(), name, dimension == Dimension::force ? "mN" : "mm");
     }
 
     const NumberTable& table_;
@@ -232,7 +243,10 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
     const std::vector<glm::dvec3> places = columns.vectors(kPlace, false);
     std::vector<double> times = columns.of("t");
     if (times.empty() && !rate)
-        throw UsageError("{}: no column is called t; say how often samples were taken: --rate \"1 kHz\"", table.source);
+        throw UsageError(
+            "{}: no column is called t; the columns are {}. Say which it is, --map \"t=COLUMN ms\", or how "
+            "often samples were taken, --rate \"1 kHz\"",
+            table.source, columns.shown());
     for (std::size_t row = 0; row < table.rows(); ++row)
         if (!is_finite(places[row]) || (!times.empty() && !std::isfinite(times[row])))
             throw UsageError("{}:{}: a position or time is missing or not finite; every sample needs x, y, z and t",
@@ -272,6 +286,9 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
     }
     if (regular && period > 0)
         strokes.period = period;
+    if (period > kSlow)
+        strokes.warnings.push_back(fmt::format(
+            "{}: samples are {:.3g} s apart; are times in another unit? --map \"t=COLUMN ms\"", table.source, period));
     return strokes;
 }
 

@@ -37,7 +37,7 @@ NumberTable read_numbers(const std::filesystem::path& file);
 struct ColumnSource {
     std::string column;
     bool negative = false;
-    double unit = 1;            /* SI units in one of the column's */
+    std::optional<double> unit; /* SI units in one of the column's; none: as its name says, else 1 */
     mutable bool found = false; /* some file had the column */
 };
 using ColumnMap = std::map<std::string, ColumnSource, std::less<>>;

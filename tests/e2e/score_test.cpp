@@ -60,7 +60,7 @@ protected:
     Outcome score(std::vector<std::string> more) const {
         std::vector<std::string> all{"score", "scene.toml", "--paths", "strokes.csv", "--out", "out"};
         all.insert(all.end(), more.begin(), more.end());
-        return expect_success(all);
+        return forceshade(all);
     }
     static double number(const Row& row, const char* column) { return std::stod(row.at(column)); }
 };
@@ -68,7 +68,7 @@ protected:
 TEST_F(Score, FindsThatAPenaltyPopsThroughAThinPlateAndAProxyDoesNot) {
     write_plate(2);
     write_strokes(1.5e-3); // the other side is nearer from 1 mm on
-    score({"--renderer", PENALTY, "--renderer", ONE_CONSTRAINT});
+    EXPECT_EQ(score({"--renderer", PENALTY, "--renderer", ONE_CONSTRAINT}).code, 0);
     const auto rows = table();
     EXPECT_EQ(number(rows.at("penalty"), "pop_throughs"), 2) << "one a stroke";
     EXPECT_EQ(number(rows.at("one_constraint"), "pop_throughs"), 0);
@@ -86,7 +86,7 @@ TEST_F(Score, FindsThatAPenaltyPopsThroughAThinPlateAndAProxyDoesNot) {
 TEST_F(Score, HearsTheRippleOfAProxyThatMeetsOnePlaneAnUpdate) {
     write_groove();
     write_strokes(2e-3, -0.010, "y"); // pressed into the bottom, where two planes hold a proxy
-    score({"--renderer", PENALTY, "--renderer", ONE_CONSTRAINT});
+    EXPECT_EQ(score({"--renderer", PENALTY, "--renderer", ONE_CONSTRAINT}).code, 0);
     const auto rows = table();
     const double ripple = number(rows.at("one_constraint"), "added_100Hz_mN");
     EXPECT_GT(ripple, 100) << "of 2 N";
@@ -98,12 +98,14 @@ TEST_F(Score, ALibraryThatDoesWrongCostsItsRowAlone) {
     write_plate(20);
     write_strokes(1e-3);
     const std::string bad = BAD_RENDERER;
-    score({"--patience",        "1 s",           "--renderer",           ONE_CONSTRAINT,       "--renderer",
-           bad + ":crash",      "--renderer",    bad + ":exit",          "--renderer",         bad + ":sleep",
-           "--renderer",        bad + ":beyond", "--renderer",           bad + ":fail",        "--renderer",
-           bad + ":refuse",     "--renderer",    bad + ":crash in open", "--renderer",         bad + ":nan",
-           "--renderer",        bad + ":huge",   "--renderer",           BAD_VERSION_RENDERER, "--renderer",
-           BAD_SYMBOLS_RENDERER});
+    std::vector<std::string> all{"--patience", "1 s", "--renderer", ONE_CONSTRAINT};
+    for (const char* const what :
+         {"crash", "exit", "sleep", "beyond", "fail", "refuse", "crash in open", "nan", "huge"})
+        all.insert(all.end(), {"--renderer", bad + ":" + what});
+    all.insert(all.end(), {"--renderer", BAD_VERSION_RENDERER, "--renderer", BAD_SYMBOLS_RENDERER});
+    const Outcome outcome = score(all);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_TRUE(says(outcome.error, "9 renderers failed and have no score"));
     auto rows = table();
     EXPECT_LT(number(rows.at("one_constraint"), "error_percent"), 1);
     const auto status = [&](const std::string& name) { return rows.at("bad_renderer:" + name).at("status"); };
@@ -137,6 +139,7 @@ TEST_F(Score, TakesAnotherProgramsLogByItsOwnNames) {
     write("log.csv", log);
     const std::string map = "t=sec s, x=-pos.z mm, y=pos.y mm, z=pos.x mm, fx=-F3 mN, fy=F2 mN, fz=F1 mN";
     expect_success({"score", "scene.toml", "--forces", "log.csv", "--map", map, "--out", "out"});
+    expect_failure(2, {"score", "scene.toml", "--forces", "log.csv", "--map", map, "--out", "out"}, {"--overwrite"});
     EXPECT_LT(number(table().at("log"), "error_percent"), 1e-6);
     expect_failure(2, {"score", "scene.toml", "--forces", "log.csv", "--out", "other"},
                    {"no column is called", "--map"});
@@ -182,6 +185,23 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     EXPECT_LT(found["largest_error_N"].get<double>(), 1e-12);
     EXPECT_EQ(found["unexplained_voxels"], 0);
     EXPECT_EQ(forceshade({"validate", "field.toml", "--renderer", bad + ":huge"}).code, 1) << "1 N everywhere";
+}
+
+TEST_F(Score, WithoutAFileTheScenesOwnPathsAreTheStrokes) {
+    write_plate(2);
+    write("scene.toml", read_text(path("scene.toml")) + "[paths]\nkind = \"taps\"\ncount = 2\nsteps = 400\n"
+                                                        "depth = \"1.5 mm\"\n");
+    expect_success({"score", "scene.toml", "--renderer", PENALTY, "--out", "out"});
+    const Row own = table().at("penalty");
+    expect_success({"explore", "scene.toml", "--out", "paths.csv", "--precision", "f64"});
+    expect_success(
+        {"score", "scene.toml", "--paths", "paths.csv", "--renderer", PENALTY, "--out", "out", "--overwrite"});
+    for (const char* const measure : {"error_rms_N", "direction_p95_deg", "pop_throughs", "above_100Hz_mN"})
+        EXPECT_EQ(own.at(measure), table().at("penalty").at(measure)) << measure;
+    EXPECT_GT(number(own, "pop_throughs"), 0);
+    write_scene();
+    write("scene.toml", read_text(path("scene.toml")) + "[paths]\npress = \"1 N\"\n");
+    expect_failure(2, {"score", "scene.toml", "--renderer", PENALTY}, {"of a hand", "--paths"});
 }
 
 // The scene has paths and no grid of its own.

@@ -36,6 +36,7 @@ TEST_F(StrokeFile, IsReadWhateverItsNamesUnitsAndForm) {
     expect_two(strokes("time_ms,x_mm,y_mm,z_mm\n0,0,0,0\n1,2,-5,3\n"));
     expect_two(strokes("t [ms],pos_x (mm),pos_y (mm),pos_z (mm)\n0,0,0,0\n1,2,-5,3\n"));
     expect_two(strokes("clock,a,b,c\n0,0,0,0\n1,2,3,5\n", "t=clock ms, x=a mm, y=-c mm, z=b mm"));
+    expect_two(strokes("t_ms;a_mm;b [mm];c (mm)\n0;0;0;0\n1;2;-5;3\n", "x=a, y=b, z=c mm"));
     expect_two(strokes("# a .traj\n0 0 0\n2\t-5 3\n", "x=#1 mm, y=#2 mm, z=#3 mm", 1000));
     expect_two(strokes("0;0;0\r\n0.002;-0.005;0.003\r\n", "x=#1,y=#2,z=#3", 1000));
     std::string array("\x93NUMPY\x01\x00\x76\x00", 10);
