@@ -148,8 +148,9 @@ double shift_between(std::span<const glm::dvec3> early, std::span<const glm::dve
     double change = 0;
     for (int i = kMostShift; i < size - kMostShift; ++i) {
         for (int shift = -kMostShift; shift <= kMostShift; ++shift) {
-            const glm::dvec3 apart = late[std::size_t(i)] - early[std::size_t(i - shift)];
-            difference[std::size_t(shift + kMostShift)] += glm::dot(apart, apart);
+            const std::ptrdiff_t before = std::ptrdiff_t(i) - shift;
+            const glm::dvec3 apart = late[std::size_t(i)] - early[std::size_t(before)];
+            difference[static_cast<unsigned>(shift + kMostShift)] += glm::dot(apart, apart);
         }
         const glm::dvec3 step = early[std::size_t(i)] - early[std::size_t(i - 1)];
         change += glm::dot(step, step);
@@ -160,8 +161,8 @@ double shift_between(std::span<const glm::dvec3> early, std::span<const glm::dve
         return NAN;
     if (*least == 0 || at == 0 || at == 2 * kMostShift)
         return at - kMostShift;
-    const double before = least[-1], after = least[1], curvature = before - 2 * *least + after;
-    return at - kMostShift + (curvature > 0 ? 0.5 * (before - after) / curvature : 0);
+    const double earlier = least[-1], later = least[1], curvature = earlier - 2 * *least + later;
+    return at - kMostShift + (curvature > 0 ? 0.5 * (earlier - later) / curvature : 0);
 }
 
 StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const Truth& truth,
