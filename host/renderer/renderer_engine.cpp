@@ -48,7 +48,7 @@ public:
 private:
     template <typename T>
     reference::Contact<T> contact_of(const RendererAnswer& answer, const reference::Vector<T>& probe,
-                                     const glm::dvec3& origin, double scale) {
+                                     const glm::dvec3& origin) {
         seconds_ += answer.seconds;
         const double size = reference::length(answer.force), depth = size / prepared_.one.scene.force.stiffness;
         reference::Contact<T> contact{};
@@ -57,9 +57,9 @@ private:
         contact.facet = size > 0 ? 0 : layout::kNoFacet;
         contact.proxy = probe;
         if (answer.has_proxy)
-            contact.proxy = reference::Vector<T>((answer.proxy - origin) / scale);
+            contact.proxy = reference::Vector<T>(answer.proxy - origin);
         else if (size > 0)
-            contact.proxy += reference::Vector<T>(depth / (size * scale) * answer.force);
+            contact.proxy += reference::Vector<T>(depth / size * answer.force);
         return contact;
     }
 
@@ -89,7 +89,8 @@ private:
             samples.resize(input.law.features.channels, places.size());
             const std::vector<RendererAnswer> answers = renderer_.update(probes, {.each_begins = true});
             for (std::size_t i = 0; i < places.size(); ++i) {
-                const reference::Contact<T> contact = contact_of(answers[i], places[i], centre, scale);
+                const reference::Contact<T> contact =
+                    contact_of(answers[i], reference::Vector<T>(probes[i] - origin_), origin_);
                 samples.store(i, contact, contact.force);
                 reference::SampleBuffers<T>::put(samples.unshaded, i, contact.unshaded);
             }
@@ -158,7 +159,7 @@ private:
                     try {
                         const RendererAnswer answer =
                             closed ? renderer_.update(world_place(glm::dvec3(probe), origin_)) : ahead[step - first];
-                        return reference::LawContact<T>{contact_of(answer, probe, origin_, 1)};
+                        return reference::LawContact<T>{contact_of(answer, probe, origin_)};
                     } catch (...) {
                         failed = std::current_exception();
                         return reference::LawContact<T>{};

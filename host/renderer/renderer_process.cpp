@@ -17,6 +17,7 @@
 
 #include "host/clock.h"
 #include "host/program.h"
+#include "host/reference/path_step.h"
 #include "host/renderer/renderer_exchange.h"
 #include "host/scene/schema.h"
 
@@ -104,8 +105,9 @@ RendererProcess::RendererProcess(const RendererSource& source, const PreparedCas
     bytes_ = sizeof(Shared) + mesh.vertices.size() * sizeof(glm::dvec3) +
              mesh.triangles.size() * sizeof(std::array<int, 3>) + surface.size() + prepared.scene.size() +
              source.options.size() + 3;
-    const int descriptor = ::memfd_create("forceshade renderer", MFD_CLOEXEC);
-    if (descriptor < 0 || ::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0)
+    const int descriptor = ::memfd_create("forceshade renderer", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    if (descriptor < 0 || ::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0 ||
+        ::fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
         throw IoError("cannot share memory with a renderer: {}", system_text(errno));
     void* const mapped = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
     if (mapped == MAP_FAILED) {
@@ -254,7 +256,7 @@ std::vector<RendererAnswer> RendererProcess::update(std::span<const glm::dvec3> 
 RendererLaw::RendererLaw(const RendererSource& source, const PreparedCase& prepared, double period,
                          std::shared_ptr<std::string> failure)
     : renderer_(source, prepared, period), stiffness_(prepared.one.scene.force.stiffness),
-      failure_(std::move(failure)) {
+      hand_(prepared.one.scene.hand), failure_(std::move(failure)) {
     scene = scene_id(prepared);
 }
 
@@ -268,9 +270,10 @@ ProbeContact RendererLaw::at(const glm::dvec3& probe) noexcept {
         return contact;
     try {
         const RendererAnswer answer = renderer_.update(probe);
-        contact.force = contact.coupled = answer.force;
+        contact.force = answer.force;
         contact.proxy = answer.proxy;
         contact.depth = glm::length(answer.force) / stiffness_;
+        contact.coupled = reference::through_coupling(coupling_, answer.force, contact.depth, lag_);
         contact.facet = contact.depth > 0 ? 0 : layout::kNoFacet;
     } catch (const std::exception& error) {
         *failure_ = error.what();

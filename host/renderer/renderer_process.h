@@ -98,12 +98,21 @@ public:
                 std::shared_ptr<std::string> failure);
 
     bool reaches(const glm::dvec3& probe) const noexcept override;
-    void begin_path() noexcept override { renderer_.begin_path(); }
+    void begin_path() noexcept override {
+        renderer_.begin_path();
+        lag_ = -1;
+    }
+    void couple(double scale, double period) noexcept override {
+        coupling_ = coupling_of<double>(hand_, scale * stiffness_, period);
+    }
     ProbeContact at(const glm::dvec3& probe) noexcept override;
 
 private:
     RendererProcess renderer_;
     double stiffness_; /* N/m */
+    HandSpec hand_;
+    layout::Coupling<double> coupling_{};
+    double lag_ = -1; /* m: of the coupling */
     std::shared_ptr<std::string> failure_;
 };
 
