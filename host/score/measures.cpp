@@ -76,7 +76,7 @@ void add_faults(std::vector<Fault>& faults, const Contact& contact, const Stroke
         bool reversed = false;
         for (; i < contact.end && state_at(i) != State::holds; ++i)
             reversed = reversed || state_at(i) == State::reversed;
-        // What follows of the contact is too shallow to tell whether it came back.
+        // Where the rest of the contact is too shallow, it did not come back.
         bool comes_back = false;
         for (std::size_t later = i; later < contact.end && !comes_back; ++later)
             comes_back = glm::length(truth.force[later]) >= firm;
@@ -190,10 +190,7 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
         difference.push_back(force - exact);
         sizes.push_back(glm::length(difference.back()));
         errors.add(sizes.back());
-        if (sizes.back() > score.error_largest || std::isnan(score.error_largest)) {
-            score.error_largest = sizes.back();
-            score.worst_sample = i;
-        }
+        score.error_largest = std::fmax(score.error_largest, sizes.back());
         own.add(exact_size);
         magnitudes.add(size - exact_size);
         if (size > kFelt * largest && exact_size > kFelt * largest) {

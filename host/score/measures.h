@@ -60,7 +60,6 @@ struct StrokeScore {
     double delay = NAN;     /* s: by which its forces come after the oracle's */
     double not_finite = 0;  /* 1: samples that are left out above */
     std::vector<Fault> faults;
-    std::size_t worst_sample = 0; /* with error_largest */
 };
 
 /// `proxies`: empty if the renderer gives none.

@@ -211,6 +211,12 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
             "{} of {} strokes begin below the surface, where a renderer with a history has none; begin them "
             "above it",
             begun_inside, truths.size()));
+    std::uint64_t unfinished = 0;
+    for (const Truth& truth : truths)
+        unfinished += truth.unfinished;
+    if (unfinished > 0)
+        scores.warnings.push_back(fmt::format(
+            "at {} samples the oracle's proxy did not come to rest; do not trust the scores there", unfinished));
     if (touched == 0)
         throw UsageError("{}: no sample touches the surface; are its axes and its unit the scene's? --map says which "
                          "column is what: --map \"x=x mm, y=z mm, z=-y mm\"",
