@@ -282,6 +282,8 @@ std::string report_text(const LiveOutcome& outcome) {
     WrappedLines lines;
     lines.add("scene", fmt::format("{} ({}){}", outcome.scene, outcome.precision,
                                    outcome.scenes.empty() ? "" : ", SHA-256 " + outcome.scenes.front().sha256));
+    if (!outcome.law.empty())
+        lines.add("forces", outcome.law);
     lines.add("device", device_text(outcome));
     if (!outcome.manner.empty())
         lines.add("setup", outcome.manner);
@@ -339,6 +341,8 @@ nlohmann::ordered_json report_json(const LiveOutcome& outcome) {
               {"limits", limits_json(outcome)},
               {"stability", text(outcome.stability)},
               {"permissions", permissions_json(outcome.permissions)}};
+    if (!outcome.law.empty())
+        json["law"] = text(outcome.law);
     json["log"] = {{"file", outcome.log.empty() ? Json(nullptr) : text(outcome.log)},
                    {"samples", outcome.logged},
                    {"lost", counts.lost}};
@@ -371,6 +375,7 @@ std::string live_page(const LiveOutcome& outcome, const std::filesystem::path& l
         fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz")),
         {{"Program", "forceshade " + version()},
          {"Device", device},
+         {"Forces", outcome.law.empty() ? "by the scene's law" : outcome.law},
          {"Setup", outcome.manner.empty() ? "the device's space is the scene's" : outcome.manner},
          {"Run", pace_text(outcome, "µ")},
          {"Ended", shortened(outcome.ended)},

@@ -28,6 +28,7 @@ struct LiveOutcome {
     std::string scene;             // name of its file
     std::vector<UsedScene> scenes; // what was in it, at the start and after each change
     std::string precision;         // "f32" or "f64"
+    std::string law;               // whose forces, if not the scene's own: "renderer mine"
     std::string device;            // as asked for: "sim", "haply:ws://..."
     DeviceFacts facts;
     Mapping mapping;

@@ -318,6 +318,7 @@ private:
         outcome.scene = options_.scene.filename().string();
         outcome.scenes = scenes_.used();
         outcome.precision = prepared_.one.scene.precision == Precision::f32 ? "f32" : "f64";
+        outcome.law = options_.law;
         outcome.device = options_.device;
         outcome.rate = opened_.settings.rate;
         outcome.real_time = opened_.settings.real_time;

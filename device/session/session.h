@@ -27,6 +27,7 @@ struct SessionOptions : LoopSettings {
     std::function<PreparedCase()> read; // makes a case of it, in the precision of the run
     /// Another law of the scene than make_probe_law, at the loop's period, s; empty: that one.
     std::function<std::unique_ptr<ProbeLaw>(const PreparedCase&, double period)> make_law{};
+    std::string law{};                      // whose it is, for reports: "renderer mine"; empty: the scene's own
     std::string device = "sim";             // for open_device()
     bool origin_here = false;               // the mapping's origin is where the probe is at the start instead
     std::optional<double> asked_rate;       /* Hz */

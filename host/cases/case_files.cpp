@@ -90,7 +90,7 @@ std::vector<std::string> file_names(const std::string& stem, const Scene& scene,
     std::vector<std::string> names;
     if (scene.field)
         add_field_files(
-            stem, {written_channels(scene), scene.surface.kind == SurfaceKind::mesh, depends_on_y(features_of(scene))},
+            stem, {written_channels(scene), scene.surface.kind == SurfaceKind::mesh, depends_on_y(scene)},
             also, names);
     if (scene.paths)
         add_path_files(stem, written_channels(scene), also, names);

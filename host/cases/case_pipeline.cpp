@@ -36,7 +36,7 @@ public:
           check_(job.prepared, exact_bits) {
         const Scene& scene = output_.scene();
         const GridSpec& grid = scene.grid;
-        const bool repeats = !depends_on_y(features_of(scene)); // one y stands for all
+        const bool repeats = !depends_on_y(scene); // one y stands for all
         repeat_y_ = repeats ? grid.size[1] : 1;
         VolumeHeader header;
         header.size = grid.size;
@@ -127,7 +127,7 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
             chosen.full_scale = output_.scene().force.stiffness * deep;
         return chosen;
     };
-    if (depends_on_y(features_of(output_.scene())))
+    if (depends_on_y(output_.scene()))
         output_.draw(".mosaic", picture::draw_mosaic(look(true), slices_->tiles(), choice.quantity), record);
     output_.draw(".arrows", picture::draw_arrows(look(true), slice, lines, choice.quantity, unshaded), record);
     const std::uint64_t middle = (grid.size[1] - 1) / 2; // sample, rounded down

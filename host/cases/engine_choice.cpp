@@ -80,7 +80,7 @@ Workload field_workload(const Scene& scene) {
     if (scene.surface.kind == SurfaceKind::mesh)
         work.mesh_voxels = voxels;
     else
-        work.voxels = depends_on_y(features_of(scene)) ? voxels : voxels / static_cast<double>(scene.grid.size[1]);
+        work.voxels = depends_on_y(scene) ? voxels : voxels / static_cast<double>(scene.grid.size[1]);
     return work;
 }
 

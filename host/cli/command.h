@@ -70,6 +70,8 @@ public:
     /// Words between commas; of a positional argument also several.
     Options& list(const std::string& name, std::vector<std::string>& values, const std::string& help,
                   bool required = false);
+    /// Of any text, commas too; the option is said once for each value.
+    Options& repeated(const std::string& name, std::vector<std::string>& values, const std::string& help);
     /// `read` gets the text unless it is empty; it may throw UsageError.
     Options& read(const std::string& name, std::function<void(const std::string&)> read, const std::string& help);
 

@@ -159,7 +159,7 @@ void add_values(const Grammar& grammar, const CLI::Option& option, const std::st
 
 void add_options(const CLI::App& command, const Place& place, Answer& answer) {
     for (const CLI::Option* option : accepted_options(command))
-        if (is_list(*option) || std::ranges::find(place.given, option) == place.given.end())
+        if (is_repeated(*option) || std::ranges::find(place.given, option) == place.given.end())
             for (const std::string& name : option->get_lnames())
                 answer.add("--" + name, option->get_description());
 }

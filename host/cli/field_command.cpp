@@ -100,6 +100,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
             "{}: this scene has [paths] and no [grid], so it has no field: add a [grid], or use forceshade explore",
             arguments.scene);
     job.prepared.one.scene.paths.reset(); // they are explore's
+    job.prepared.one.scene.grid.every_y = !arguments.renderer.empty();
     job.volume = std::filesystem::absolute(volume);
     job.also = parse_also(arguments.also);
     if (!may_write(in_folder(job.volume, file_names(volume.stem().string(), job.prepared.one.scene, job.also)), common))

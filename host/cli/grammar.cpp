@@ -193,7 +193,7 @@ void refuse_values(const CLI::App& command, const std::vector<std::string>& word
             if (has(names, value.substr(0, value.find('='))))
                 refuse(fmt::format("{} needs a value before {}: {}", name_of(*option), value, usage_of(*option)),
                        command);
-        if (!is_list(*option) && option->count() > 1)
+        if (!is_repeated(*option) && option->count() > 1)
             refuse(fmt::format("{} is given {} times: once is enough", name_of(*option), option->count()), command);
     }
 }
@@ -286,6 +286,11 @@ Options& Options::list(const std::string& name, std::vector<std::string>& values
     if (!added->get_positional())
         added->allow_extra_args(false); // --also png SCENE: the scene is not a format
     return keep(added, value_name);
+}
+
+Options& Options::repeated(const std::string& name, std::vector<std::string>& values, const std::string& help) {
+    const auto [option, value_name] = parts(name);
+    return keep(app_.add_option(option, values, help)->allow_extra_args(false), value_name);
 }
 
 Options& Options::read(const std::string& name, std::function<void(const std::string&)> read, const std::string& help) {

@@ -32,6 +32,10 @@ inline bool is_flag(const CLI::Option& option) {
 inline bool is_list(const CLI::Option& option) {
     return option.get_delimiter() != '\0';
 }
+/// May be given several times, with a value each.
+inline bool is_repeated(const CLI::Option& option) {
+    return option.get_items_expected_max() > 1;
+}
 
 /// "forceshade experiment run"
 std::string full_name(const CLI::App& command);

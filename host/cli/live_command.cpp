@@ -126,7 +126,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     if (const std::string& device = arguments.device.session.device;
         !arguments.renderer.empty() && !arguments.device.session.unstable && device != "sim" &&
         !device.starts_with("sim:") && !device.starts_with("replay:"))
-        throw UsageError("--renderer on {}: forces of a library that nobody has checked, on a hand; try --device sim "
+        throw UsageError("--renderer on {}: forces of a library that has not been checked, on a hand; try --device sim "
                          "first, and say --unstable to display them within the limits of --max-force and --slew",
                          device);
     const Case one = load_scene(arguments.scene, common);
@@ -155,11 +155,14 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     if (common.no_clobber && !arguments.log.empty() && !may_write({options.log}, common))
         return 0;
     const auto failure = std::make_shared<std::string>();
-    if (!arguments.renderer.empty())
-        options.make_law = [source = parse_renderer(arguments.renderer), failure](const PreparedCase& prepared,
-                                                                                  double period) {
+    if (!arguments.renderer.empty()) {
+        const RendererSource source = parse_renderer(arguments.renderer);
+        options.law = fmt::format("by the renderer {}: {}, SHA-256 {}", source.name, source.library.string(),
+                                  sha256_of_file(source.library));
+        options.make_law = [source, failure](const PreparedCase& prepared, double period) {
             return std::make_unique<RendererLaw>(source, prepared, period, failure);
         };
+    }
     const device::SessionResult result = device::run_session(options);
     note(common, "{}", device::report_text(result.outcome));
     if (common.json)

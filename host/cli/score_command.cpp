@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/report/report.h"
+#include "host/score/course.h"
 #include "host/score/score.h"
 #include "host/study/data/study_data.h"
 #include "host/sweep/sweep.h"
@@ -17,6 +19,8 @@
 
 namespace forceshade {
 namespace {
+
+constexpr double kMostPatience = 1e6; // s
 
 struct ScoreArguments {
     std::string scene, paths, map, out;
@@ -33,11 +37,9 @@ recorded_of(const ScoreArguments& arguments, const score::ColumnMap& map, const 
     return all;
 }
 
-int run(const ScoreArguments& arguments, const CommonOptions& common) {
-    const LongRun long_run(common.quiet);
-    const std::filesystem::path folder = std::filesystem::path(arguments.out) / "score";
-    if (!arguments.out.empty() && !may_write({folder / "study.json"}, common))
-        return 0;
+// A scene, its strokes and the renderers along them.
+score::SceneScores score_scene(const ScoreArguments& arguments, const CommonOptions& common,
+                               std::vector<std::string>& notes, std::string& scene_text) {
     CasePreparation preparation;
     const PreparedCase prepared = prepare_scene(preparation, load_scene(arguments.scene, common), common);
     print_warnings(prepared.warnings, common);
@@ -52,29 +54,92 @@ int run(const ScoreArguments& arguments, const CommonOptions& common) {
     for (const std::string& renderer : arguments.renderers)
         options.renderers.push_back(parse_renderer(renderer));
     if (arguments.patience)
-        options.patience.update = std::chrono::milliseconds(static_cast<long>(std::ceil(1e3 * *arguments.patience)));
+        options.patience.update =
+            std::chrono::milliseconds(static_cast<long>(std::ceil(1e3 * std::min(*arguments.patience, kMostPatience))));
+    score::Scores scores = score::score_all(prepared, options);
+    scene_text = prepared.scene;
+    notes.push_back(fmt::format("Scene: {}. Strokes: {}{}.", arguments.scene, options.strokes.source,
+                                arguments.map.empty() ? "" : fmt::format(", by the map \"{}\"", arguments.map)));
+    for (const std::string& file : arguments.forces)
+        notes.push_back(fmt::format("{}: {}, SHA-256 {}.", std::filesystem::path(file).stem().string(), file,
+                                    sha256_of_file(file)));
+    return {std::filesystem::path(arguments.scene).stem().string(), std::move(scores), std::move(options.strokes)};
+}
+
+// The scenes of a course: each with the strokes of its name, and forces in folders of such files.
+std::vector<score::SceneScores> score_course(const ScoreArguments& arguments, const CommonOptions& common,
+                                             std::vector<std::string>& notes) {
+    const std::filesystem::path folder = arguments.scene;
+    if (!arguments.paths.empty())
+        throw UsageError("score of a course: its strokes are in {}; leave --paths out", (folder / "strokes").string());
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".toml")
+            files.push_back(entry.path());
+    std::ranges::sort(files);
+    if (files.empty())
+        throw UsageError("{}: a folder without scenes; forceshade init course --out DIR makes one", folder.string());
+    std::vector<score::SceneScores> scenes;
+    Stage stage("scenes", files.size(), "scenes");
+    for (const std::filesystem::path& file : files) {
+        stage.update(scenes.size(), file.stem().string());
+        ScoreArguments one = arguments;
+        const std::filesystem::path strokes = file.stem().string() + ".csv";
+        one.scene = file.string();
+        one.paths = (folder / "strokes" / strokes).string();
+        for (std::string& forces : one.forces)
+            forces = (std::filesystem::path(forces) / strokes).string();
+        std::string text;
+        std::vector<std::string> own_notes;
+        scenes.push_back(score_scene(one, common, own_notes, text));
+        for (std::size_t i = 0; i < arguments.forces.size(); ++i) { // they are called by their folders
+            const std::filesystem::path forces = std::filesystem::path(arguments.forces[i]) / "";
+            for (score::Scored& scored : scenes.back().scores.all)
+                if (scored.kind == "recorded" && scored.name == file.stem().string())
+                    scored.name = forces.parent_path().filename().string();
+        }
+    }
+    notes.push_back(score::course_note(folder));
+    return scenes;
+}
+
+int run(const ScoreArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
+    const std::filesystem::path folder = std::filesystem::path(arguments.out) / "score";
+    if (!arguments.out.empty() && !may_write({folder / "study.json"}, common))
+        return 0;
     const Clock::time_point start = Clock::now();
-    const score::Scores scores = score::score_all(prepared, options);
+    study::StudyData data;
+    score::Scores scores;
+    score::Strokes strokes;
+    std::vector<score::SceneScores> scenes;
+    std::vector<std::string> notes;
+    if (std::filesystem::is_directory(arguments.scene)) {
+        scenes = score_course(arguments, common, notes);
+        std::tie(scores, strokes) = score::over_scenes(scenes);
+    } else {
+        score::SceneScores one = score_scene(arguments, common, notes, data.scene);
+        scores = std::move(one.scores);
+        strokes = std::move(one.strokes);
+    }
     print_warnings(scores.warnings, common);
 
-    study::StudyData data;
     data.study = "score";
     data.program = version();
     data.engine = "cpu";
     data.device = data.cpu = cpu_name();
     data.cores = most_threads();
-    data.scene = prepared.scene;
     data.seconds = seconds_since(start);
-    score::add_scores(data, scores, options.strokes);
-    data.notes.push_back(fmt::format("Scene: {}. Strokes: {}{}.", arguments.scene, options.strokes.source,
-                                     arguments.map.empty() ? "" : fmt::format(", by the map \"{}\"", arguments.map)));
-    for (const RendererSource& source : options.renderers)
+    score::add_scores(data, scores, strokes, scenes);
+    study::append(data.notes, std::move(notes));
+    for (const std::string& renderer : arguments.renderers) {
+        const RendererSource source = parse_renderer(renderer);
         data.notes.push_back(
             fmt::format("{}: {}, SHA-256 {}.", source.name, source.library.string(), sha256_of_file(source.library)));
-    for (const std::string& file : arguments.forces)
-        data.notes.push_back(fmt::format("{}: {}, SHA-256 {}.", std::filesystem::path(file).stem().string(), file,
-                                         sha256_of_file(file)));
+    }
     note(common, "{}", score::score_text(scores));
+    if (!scenes.empty())
+        note(common, "{}", score::scenes_text(scenes));
     if (!arguments.out.empty()) {
         make_subfolder(arguments.out, data.study);
         study::write_data(folder, data, study::figure_files(data));
@@ -92,15 +157,18 @@ int run(const ScoreArguments& arguments, const CommonOptions& common) {
 }
 
 void describe(Options& options, ScoreArguments& arguments) {
-    options.required("SCENE", arguments.scene, "scene file (TOML) whose law is the oracle");
+    options.required("SCENE", arguments.scene,
+                     "scene file (TOML) whose law is the oracle, or the folder of a course (forceshade init course)");
     options.optional(
         "--paths STROKES", arguments.paths,
-        "positions: CSV with x, y, z and, if there are any, t and path; rows of numbers without a header "
+        "positions: CSV with x, y, z and perhaps t and path; rows of numbers without a header "
         "and .npy arrays with --map; by default those of the first --forces, else those of the scene's [paths]");
-    options.list("--forces FILE,...", arguments.forces,
-                 "forces of other programs along these positions, a sample a row: fx, fy, fz");
-    options.list("--renderer LIBRARY[:OPTIONS],...", arguments.renderers,
-                 "shared libraries that export the functions of forceshade_renderer.h");
+    options.list(
+        "--forces FILE", arguments.forces,
+        "forces of other programs along these positions, a sample a row: fx, fy, fz; of a course, folders of such "
+        "files by the scenes' names");
+    options.repeated("--renderer LIBRARY[:OPTIONS]", arguments.renderers,
+                     "a shared library that exports the functions of forceshade_renderer.h; once for each");
     options.optional("--map COLUMNS", arguments.map,
                      "which column is what where names differ, and its unit: \"x=px mm, z=-py mm, fx=#4\"");
     read_positive(options, "--rate FREQUENCY", arguments.rate, Dimension::frequency,

@@ -228,7 +228,7 @@ void warn_of_coarse_grid(PreparedCase& prepared) {
     if (!scene.field)
         return;
     const glm::dvec3 from = prepared.images.mesh ? prepared.images.mesh->structure.centre : glm::dvec3(0);
-    const bool by_y = depends_on_y(features_of(scene));
+    const bool by_y = depends_on_y(scene);
     double farthest = 0, spacing = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double own = farthest_of(scene.grid, axis, from[static_cast<int>(axis)]);

@@ -117,6 +117,7 @@ layout::Features features_of(const Scene& scene);
 
 /// True if any channel depends on y, so that a grid must be evaluated at every y.
 bool depends_on_y(const layout::Features& features);
+bool depends_on_y(const Scene& scene); /* also for GridSpec::every_y */
 
 /// The features left out of the kernel and why, one short phrase each, for the manifest and the volume's attributes.
 std::vector<std::string> omissions(const Scene& scene);

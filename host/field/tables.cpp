@@ -235,6 +235,10 @@ bool depends_on_y(const layout::Features& features) {
            (features.channels & layout::kChannelProxy);
 }
 
+bool depends_on_y(const Scene& scene) {
+    return scene.grid.every_y || depends_on_y(features_of(scene));
+}
+
 std::vector<std::string> omissions(const Scene& scene) {
     const layout::Features features = features_of(scene);
     std::vector<std::string> left_out;
@@ -260,7 +264,7 @@ std::vector<std::string> omissions(const Scene& scene) {
     channel(layout::kChannelProxy, "proxy channel");
     if (scene.field) // paths have no such channel
         channel(layout::kChannelUnshaded, "unshaded channel");
-    if (scene.field && !depends_on_y(features) && scene.grid.size[1] > 1)
+    if (scene.field && !depends_on_y(scene) && scene.grid.size[1] > 1)
         left_out.push_back(fmt::format("{} of {} y samples, alike", scene.grid.size[1] - 1, scene.grid.size[1]));
     return left_out;
 }
@@ -304,7 +308,7 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
     }
     if (extent == Extent::nothing)
         return tables;
-    const bool every_y = extent == Extent::everything || depends_on_y(tables.features);
+    const bool every_y = extent == Extent::everything || depends_on_y(scene);
     tables.x = axis<T>(scene.grid, 0, scene.grid.size[0]);
     tables.y = axis<T>(scene.grid, 1, every_y ? scene.grid.size[1] : 1);
     tables.z = axis<T>(scene.grid, 2, scene.grid.size[2]);

@@ -23,7 +23,7 @@ std::vector<glm::dvec3> vectors_of(const Points& points, const char* what, std::
 
 ScoredStrokes::ScoredStrokes(const PreparedScene& scene, const std::vector<Points>& strokes, double rate)
     : yardstick_(scene.prepared()), period_(1 / rate) {
-    if (!(rate > 0 && std::isfinite(period_)))
+    if (!(rate > 0 && std::isfinite(rate) && std::isfinite(period_)))
         throw UsageError("rate: {} Hz; expected samples a second, such as 1000", rate);
     for (const Points& points : strokes) {
         score::Stroke& stroke = strokes_.emplace_back();

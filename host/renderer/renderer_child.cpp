@@ -68,6 +68,7 @@ public:
             if (!update())
                 return refuse();
         }
+        exchange_.stage = kRendererClosing;
         functions_.close(renderer_);
         return 0;
     }
@@ -167,16 +168,6 @@ private:
         return true;
     }
 
-    // s: that reading the clock twice takes.
-    static double clock_seconds() {
-        double least = 1;
-        for (int i = 0; i < 32; ++i) {
-            const Clock::time_point start = Clock::now();
-            least = std::min(least, seconds_since(start));
-        }
-        return least;
-    }
-
     void fill_caches() {
         other_.resize(kOtherMemory);
         for (std::size_t i = 0; i < other_.size(); i += 64)
@@ -207,7 +198,10 @@ int serve_renderer(const std::string& library) {
                                 kRendererDescriptor, 0);
     if (mapped == MAP_FAILED)
         return 2;
-    return Child(*static_cast<RendererExchange*>(mapped)).run(library);
+    auto& exchange = *static_cast<RendererExchange*>(mapped);
+    if (::getppid() != exchange.program) // it ended before PR_SET_PDEATHSIG
+        return 2;
+    return Child(exchange).run(library);
 }
 
 } // namespace forceshade

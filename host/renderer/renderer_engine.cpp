@@ -28,6 +28,7 @@ public:
 
     EngineTimes run(const EngineWork& work) override {
         seconds_ = 0;
+        voxels_ = 0;
         try {
             std::visit(
                 [&]<typename Work>(const Work& one) {
@@ -42,6 +43,7 @@ public:
         }
         EngineTimes times;
         times.kernel = seconds_;
+        times.voxels_evaluated = voxels_;
         return times;
     }
 
@@ -96,6 +98,7 @@ private:
             }
             samples.set_spans(chunk);
             chunk.unshaded = samples.unshaded;
+            voxels_ += places.size();
             work.take(chunk);
         }
     }
@@ -184,6 +187,7 @@ private:
     glm::dvec3 origin_; /* m: from which places of paths are measured */
     RendererProcess renderer_;
     double seconds_ = 0; /* s: in the renderer */
+    std::uint64_t voxels_ = 0;
 };
 
 } // namespace

@@ -19,7 +19,13 @@ enum RendererRequest : std::uint32_t { kRendererUpdate, kRendererEnd };
 enum RendererBegins : std::uint32_t { kRendererGoesOn, kRendererBegins, kRendererEachBegins };
 
 /// What the process is at when something goes wrong.
-enum RendererStage : std::uint32_t { kRendererLoading, kRendererOpening, kRendererReady, kRendererUpdating };
+enum RendererStage : std::uint32_t {
+    kRendererLoading,
+    kRendererOpening,
+    kRendererReady,
+    kRendererUpdating,
+    kRendererClosing
+};
 
 struct RendererItem {
     double probe[3];
@@ -29,6 +35,7 @@ struct RendererItem {
 
 struct RendererExchange {
     sem_t request, reply;
+    std::int64_t program; // the process that asks: without it this one ends
     std::uint32_t what;   // RendererRequest
     std::uint32_t count;  // of items
     std::uint32_t begins; // RendererBegins

@@ -20,6 +20,7 @@
 #include "host/reference/path_step.h"
 #include "host/renderer/renderer_exchange.h"
 #include "host/scene/schema.h"
+#include "host/spelling.h"
 
 extern char** environ;
 
@@ -29,11 +30,24 @@ struct RendererProcess::Shared : RendererExchange {};
 
 namespace {
 
-constexpr std::chrono::milliseconds kLook{20}; // from one look at the process to the next
+constexpr std::chrono::milliseconds kLook{20};         // from one look at the process to the next
+constexpr std::chrono::milliseconds kLongestEnd{2000}; // of fsr_close
 
 std::string system_text(int number) {
     return std::generic_category().message(number);
 }
+
+// A file descriptor that its owner closes.
+struct Descriptor {
+    explicit Descriptor(int opened) : number(opened) {}
+    ~Descriptor() {
+        if (number >= 0)
+            ::close(number);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    int number;
+};
 
 // The scene behind the exchange; `at` is where it begins.
 void put_scene(RendererExchange& exchange, std::byte* at, const RendererMesh& mesh, const std::string& surface,
@@ -64,7 +78,8 @@ pid_t spawn(const std::string& library, int descriptor) {
     sigset_t none;
     sigemptyset(&none);
     posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    posix_spawnattr_setpgroup(&attributes, 0); // a group of its own, which ends with it
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
     std::string name = "forceshade", command = kRendererCommand, file = library;
     char* arguments[] = {name.data(), command.data(), file.data(), nullptr};
     pid_t child = -1;
@@ -94,6 +109,7 @@ RendererSource parse_renderer(const std::string& text) {
         source.name.erase(0, 3);
     if (!source.options.empty())
         source.name += ":" + source.options;
+    source.name = printable(source.name);
     return source;
 }
 
@@ -105,16 +121,15 @@ RendererProcess::RendererProcess(const RendererSource& source, const PreparedCas
     bytes_ = sizeof(Shared) + mesh.vertices.size() * sizeof(glm::dvec3) +
              mesh.triangles.size() * sizeof(std::array<int, 3>) + surface.size() + prepared.scene.size() +
              source.options.size() + 3;
-    const int descriptor = ::memfd_create("forceshade renderer", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    if (descriptor < 0 || ::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0 ||
-        ::fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
+    const Descriptor memory(::memfd_create("forceshade renderer", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    if (memory.number < 0 || ::ftruncate(memory.number, static_cast<off_t>(bytes_)) != 0 ||
+        ::fcntl(memory.number, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
         throw IoError("cannot share memory with a renderer: {}", system_text(errno));
-    void* const mapped = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
-    if (mapped == MAP_FAILED) {
-        ::close(descriptor);
+    void* const mapped = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, memory.number, 0);
+    if (mapped == MAP_FAILED)
         throw IoError("cannot share memory with a renderer: {}", system_text(errno));
-    }
     shared_ = new (mapped) Shared{};
+    shared_->program = ::getpid();
     ::sem_init(&shared_->request, 1, 0);
     ::sem_init(&shared_->reply, 1, 0);
     shared_->extent = mesh.extent;
@@ -122,37 +137,59 @@ RendererProcess::RendererProcess(const RendererSource& source, const PreparedCas
     shared_->period = period;
     put_scene(*shared_, reinterpret_cast<std::byte*>(shared_ + 1), mesh, surface, prepared.scene, source.options);
     try {
-        child_ = spawn(source.library.string(), descriptor);
-        ::close(descriptor);
-        ask(kRendererUpdate, patience_.open); // of nothing: it is ready then
+        child_ = spawn(source.library.string(), memory.number);
         open_ = true;
+        ask(kRendererUpdate, patience_.open); // of nothing: it is ready then
     } catch (...) {
-        end();
+        kill();
+        ::munmap(shared_, bytes_);
         throw;
     }
 }
 
 RendererProcess::~RendererProcess() {
-    end();
+    close();
+    ::munmap(shared_, bytes_);
 }
 
-// Closes a renderer that works; one that does not close in time is killed.
-void RendererProcess::end() noexcept {
+// "crashed (Aborted)", or nothing while it runs. It is not reaped yet, so that its number remains its own.
+std::string RendererProcess::how_it_ended() const {
+    siginfo_t info{};
+    if (::waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
+        return "ended its process"; // where SIGCHLD is ignored
+    if (info.si_pid == 0)
+        return "";
+    if (info.si_code == CLD_EXITED)
+        return fmt::format("ended its process (exit {})", info.si_status);
+    return fmt::format("crashed ({})", ::strsignal(info.si_status));
+}
+
+// With all processes that it has begun.
+void RendererProcess::kill() noexcept {
     if (child_ > 0) {
-        if (open_) {
-            shared_->what = kRendererEnd;
-            ::sem_post(&shared_->request);
-            const Clock::time_point until = Clock::now() + patience_.update;
-            while (Clock::now() < until && ::waitpid(child_, nullptr, WNOHANG) == 0)
-                ::usleep(1000);
-        }
-        ::kill(child_, SIGKILL); // none is there under this number if it has ended
+        ::kill(-child_, SIGKILL);
         ::waitpid(child_, nullptr, 0);
-        child_ = -1;
     }
-    if (shared_ != nullptr)
-        ::munmap(shared_, bytes_);
-    shared_ = nullptr;
+    child_ = -1;
+    open_ = false;
+}
+
+std::string RendererProcess::close() noexcept {
+    std::string wrong;
+    if (open_) {
+        shared_->what = kRendererEnd;
+        ::sem_post(&shared_->request);
+        const Clock::time_point until = Clock::now() + std::min(patience_.update, kLongestEnd);
+        std::string ended;
+        while ((ended = how_it_ended()).empty() && Clock::now() < until)
+            ::usleep(1000);
+        if (ended.empty())
+            wrong = "did not return from fsr_close";
+        else if (shared_->stage == kRendererClosing && ended != "ended its process (exit 0)")
+            wrong = ended + where();
+    }
+    kill();
+    return wrong;
 }
 
 std::string RendererProcess::where() const {
@@ -163,19 +200,23 @@ std::string RendererProcess::where() const {
         return " in fsr_open";
     case kRendererReady:
         return " between updates";
+    case kRendererClosing:
+        return " in fsr_close";
     default:
         return fmt::format(" in update {}", updates_ + shared_->done + 1);
     }
 }
 
 void RendererProcess::fail(const std::string& what) {
-    open_ = false;
+    kill();
     const bool updating = shared_->stage == kRendererUpdating;
-    throw RendererError(what + where(), updating ? std::optional(updates_ + shared_->done) : std::nullopt);
+    throw RendererError(printable(what) + where(), updating ? std::optional(updates_ + shared_->done) : std::nullopt);
 }
 
 // Has the process do something, and waits until it is done.
 void RendererProcess::ask(std::uint32_t what, std::chrono::milliseconds patience) {
+    if (!open_)
+        throw RendererError("has ended", std::nullopt);
     shared_->what = what;
     shared_->done = 0;
     ::sem_post(&shared_->request);
@@ -191,14 +232,11 @@ void RendererProcess::ask(std::uint32_t what, std::chrono::milliseconds patience
         }
         if (::sem_clockwait(&shared_->reply, CLOCK_MONOTONIC, &until) == 0)
             break;
+        if (is_interrupted())
+            kill();
         check_interrupt();
-        int status = 0;
-        if (::waitpid(child_, &status, WNOHANG) == child_) {
-            child_ = -1;
-            if (WIFSIGNALED(status))
-                fail(fmt::format("crashed ({})", ::strsignal(WTERMSIG(status))));
-            fail(fmt::format("ended its process (exit {})", WEXITSTATUS(status)));
-        }
+        if (const std::string ended = how_it_ended(); !ended.empty())
+            fail(ended);
         if (shared_->done != done) {
             done = shared_->done;
             moved = Clock::now();
@@ -237,6 +275,7 @@ std::vector<RendererAnswer> RendererProcess::update(std::span<const glm::dvec3> 
     std::vector<RendererAnswer> answers;
     answers.reserve(probes.size());
     while (!probes.empty()) {
+        check_interrupt();
         const std::span<const glm::dvec3> batch = probes.first(std::min(probes.size(), kRendererBatch));
         for (std::size_t i = 0; i < batch.size(); ++i)
             put(i, batch[i]);
@@ -266,7 +305,7 @@ bool RendererLaw::reaches(const glm::dvec3& probe) const noexcept {
 
 ProbeContact RendererLaw::at(const glm::dvec3& probe) noexcept {
     ProbeContact contact{probe, glm::dvec3(NAN), glm::dvec3(NAN), 0, layout::kNoFacet, true};
-    if (!failure_->empty())
+    if (interrupted_ || !failure_->empty())
         return contact;
     try {
         const RendererAnswer answer = renderer_.update(probe);
@@ -275,6 +314,8 @@ ProbeContact RendererLaw::at(const glm::dvec3& probe) noexcept {
         contact.depth = glm::length(answer.force) / stiffness_;
         contact.coupled = reference::through_coupling(coupling_, answer.force, contact.depth, lag_);
         contact.facet = contact.depth > 0 ? 0 : layout::kNoFacet;
+    } catch (const Interrupted&) {
+        interrupted_ = true; // which ends the loop
     } catch (const std::exception& error) {
         *failure_ = error.what();
     }

@@ -72,6 +72,10 @@ public:
     /// One update; allocates nothing unless it throws, as above.
     RendererAnswer update(const glm::dvec3& probe);
 
+    /// Ends it, by fsr_close if it still answers. What went wrong in that: "crashed (Aborted) in fsr_close", or
+    /// nothing.
+    std::string close() noexcept;
+
 private:
     struct Shared;
     void put(std::size_t item, const glm::dvec3& probe) noexcept;
@@ -79,13 +83,15 @@ private:
     void ask(std::uint32_t what, std::chrono::milliseconds patience);
     [[noreturn]] void fail(const std::string& what);
     std::string where() const;
-    void end() noexcept;
+    std::string how_it_ended() const;
+    void kill() noexcept;
 
     std::size_t bytes_ = 0;
     Shared* shared_ = nullptr;
     pid_t child_ = -1;
     RendererPatience patience_;
-    bool begins_ = true, open_ = false;
+    bool begins_ = true;
+    bool open_ = false; /* it answers */
     std::uint64_t updates_ = 0;
 };
 
@@ -114,6 +120,7 @@ private:
     layout::Coupling<double> coupling_{};
     double lag_ = -1; /* m: of the coupling */
     std::shared_ptr<std::string> failure_;
+    bool interrupted_ = false;
 };
 
 /// The child's part: serves the library until it is ended. The exchange is the file descriptor kRendererDescriptor.

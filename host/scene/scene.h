@@ -143,6 +143,7 @@ struct GridSpec {
     std::array<double, 3> spacing{0.0002, 0.0002, 0.0002}; /* m */
     std::uint64_t samples = 0; /* along the longest side of a mesh's box and 5 %: size, origin and spacing are made from
                                   them when the mesh is read; 0: they are given */
+    bool every_y = false; /* computed at each y, although the scene's own force may not depend on it: of a renderer */
     friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
 

@@ -59,29 +59,33 @@ std::vector<Contact> contacts_of(const Truth& truth) {
 // other way.
 void add_faults(std::vector<Fault>& faults, const Contact& contact, const Stroke& stroke, const Truth& truth,
                 std::span<const glm::dvec3> forces, double firm) {
-    enum class State { holds, lost, reversed };
+    enum class State { unknown, holds, lost, reversed };
     const auto state_at = [&](std::size_t i) {
-        if (glm::length(truth.force[i]) < firm || !is_finite(forces[i]))
-            return State::holds;
+        if (glm::length(truth.force[i]) < firm || !truth.certain[i] || !is_force(forces[i]))
+            return State::unknown;
         if (glm::length(forces[i]) < kTouch * glm::length(truth.force[i]))
             return State::lost;
         return glm::dot(forces[i], truth.force[i]) < 0 ? State::reversed : State::holds;
     };
-    for (std::size_t i = contact.begin; i < contact.end;) {
-        if (state_at(i) == State::holds) {
-            ++i;
-            continue;
+    bool lasts = false, reversed = false;
+    std::size_t begin = 0, last = 0; // of a fault that lasts
+    const auto add = [&](bool comes_back) {
+        if (lasts)
+            faults.push_back({begin, stroke.time[last] - stroke.time[begin], reversed || !comes_back});
+        lasts = reversed = false;
+    };
+    for (std::size_t i = contact.begin; i < contact.end; ++i) {
+        const State state = state_at(i);
+        if (state == State::holds)
+            add(true);
+        else if (state != State::unknown) {
+            begin = lasts ? begin : i;
+            lasts = true;
+            last = i;
+            reversed = reversed || state == State::reversed;
         }
-        const std::size_t begin = i;
-        bool reversed = false;
-        for (; i < contact.end && state_at(i) != State::holds; ++i)
-            reversed = reversed || state_at(i) == State::reversed;
-        // Where the rest of the contact is too shallow, it did not come back.
-        bool comes_back = false;
-        for (std::size_t later = i; later < contact.end && !comes_back; ++later)
-            comes_back = glm::length(truth.force[later]) >= firm;
-        faults.push_back({begin, stroke.time[i - 1] - stroke.time[begin], reversed || !comes_back});
     }
+    add(false);
 }
 
 } // namespace
@@ -101,7 +105,7 @@ Truth Yardstick::along(const Stroke& stroke) {
         truth.force.emplace_back(found.contact.force);
         truth.proxy.push_back(probe.law().in_world(found.contact.proxy));
         truth.touching.push_back(found.contact.facet != layout::kNoFacet);
-        truth.unfinished += found.finished ? 0 : 1;
+        truth.certain.push_back(found.finished);
     }
     return truth;
 }
@@ -145,19 +149,23 @@ double shift_between(std::span<const glm::dvec3> early, std::span<const glm::dve
     if (size < 4 * kMostShift)
         return NAN;
     std::array<double, 2 * kMostShift + 1> difference{};
-    double change = 0;
+    double early_change = 0, late_change = 0;
     for (int i = kMostShift; i < size - kMostShift; ++i) {
         for (int shift = -kMostShift; shift <= kMostShift; ++shift) {
             const std::ptrdiff_t before = std::ptrdiff_t(i) - shift;
             const glm::dvec3 apart = late[std::size_t(i)] - early[std::size_t(before)];
             difference[static_cast<unsigned>(shift + kMostShift)] += glm::dot(apart, apart);
         }
-        const glm::dvec3 step = early[std::size_t(i)] - early[std::size_t(i - 1)];
-        change += glm::dot(step, step);
+        early_change += glm::length(early[std::size_t(i)] - early[std::size_t(i - 1)]);
+        late_change += glm::length(late[std::size_t(i)] - late[std::size_t(i - 1)]);
     }
-    const auto least = std::ranges::min_element(difference);
-    const auto at = static_cast<int>(least - difference.begin());
-    if (!(change > 0))
+    int at = kMostShift;
+    for (int shift = 1; shift <= kMostShift; ++shift)
+        for (const int other : {kMostShift + shift, kMostShift - shift})
+            if (difference[std::size_t(other)] < difference[std::size_t(at)])
+                at = other;
+    const double* const least = &difference[std::size_t(at)];
+    if (!(early_change > 0 && late_change > 0) || !std::isfinite(*least))
         return NAN;
     if (*least == 0 || at == 0 || at == 2 * kMostShift)
         return at - kMostShift;
@@ -175,12 +183,12 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
     Squares errors, own, magnitudes, directions, smooth_angles, smooth_magnitudes;
     std::vector<double> sizes, angles;
     std::size_t free = 0, phantoms = 0, jumps = 0;
-    double phantom = 0, way = 0, work = 0, excess = 0, inside = 0;
+    double phantom = 0, way = 0, work = 0, excess = 0;
     layout::uint hint = 0, smooth_hint = 0;
     std::vector<glm::dvec3> finite(forces.begin(), forces.end()), difference;
     for (std::size_t i = 0; i < forces.size(); ++i) {
         const glm::dvec3 &force = forces[i], &exact = truth.force[i];
-        if (!is_finite(force)) {
+        if (!is_force(force)) {
             ++score.not_finite;
             finite[i] = i > 0 ? finite[i - 1] : exact; // for what needs a signal without gaps
             difference.push_back(finite[i] - exact);
@@ -210,7 +218,7 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
                 smooth_magnitudes.add(apart.magnitude_error);
         }
         if (!proxies.empty() && is_finite(proxies[i]) && yardstick.law.reaches(proxies[i]))
-            inside = std::max(inside, yardstick.law.at(proxies[i], hint).depth);
+            score.inside = std::fmax(score.inside, yardstick.law.at(proxies[i], hint).depth);
         if (i == 0)
             continue;
         const glm::dvec3 step = stroke.probe[i] - stroke.probe[i - 1];
@@ -243,8 +251,6 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
         length += glm::length(stroke.probe[i] - stroke.probe[i - 1]);
     if (length > 0 && glm::length(apart) <= kBackHome * length)
         score.loop_work = work;
-    if (!proxies.empty())
-        score.inside = inside;
     if (period) {
         score.buzz_30 = rms_above(finite, *period, 30);
         score.buzz_100 = rms_above(finite, *period, 100);

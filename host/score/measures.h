@@ -20,7 +20,7 @@ struct Truth {
     std::vector<glm::dvec3> force; /* N */
     std::vector<glm::dvec3> proxy; /* m */
     std::vector<bool> touching;
-    std::uint64_t unfinished = 0; /* samples at which its proxy did not come to rest */
+    std::vector<bool> certain; /* its contact has a certificate: the proxy came to rest */
 };
 
 /// What the measures need of a scene.
@@ -35,7 +35,7 @@ struct Yardstick {
     CaseProbe<double> probe;
 };
 
-/// Where a renderer loses a contact that the oracle has.
+/// Where a renderer loses a contact that the oracle has, and has a certificate of.
 struct Fault {
     std::size_t sample; /* of the stroke: where it begins */
     double seconds;     /* s: how long it lasts */
@@ -58,11 +58,11 @@ struct StrokeScore {
     double loop_work = NAN; /* J: on the hand, of a stroke that ends where it began */
     double inside = NAN;    /* m: how deep its proxy is below the surface, at most */
     double delay = NAN;     /* s: by which its forces come after the oracle's */
-    double not_finite = 0;  /* 1: samples that are left out above */
+    double not_finite = 0;  /* 1: samples that are left out above: !is_force() */
     std::vector<Fault> faults;
 };
 
-/// `proxies`: empty if the renderer gives none.
+/// `proxies`: empty if the renderer gives none; NaN where it gives none.
 StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const Truth& truth,
                          std::span<const glm::dvec3> forces, std::span<const glm::dvec3> proxies,
                          std::optional<double> period);
@@ -72,7 +72,7 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
 double rms_above(std::span<const glm::dvec3> signal, double period, double frequency);
 
 /// Samples by which `late` comes after `early`, at most 20: the shift with the least mean square difference, to a part
-/// of a sample by a parabola. NaN where neither changes.
+/// of a sample by a parabola; the smaller of shifts that are alike. NaN where either does not change.
 double shift_between(std::span<const glm::dvec3> early, std::span<const glm::dvec3> late);
 
 } // namespace forceshade::score

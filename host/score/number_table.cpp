@@ -11,11 +11,31 @@
 #include "host/paths/path_reader.h"
 #include "host/scene/toml.h"
 #include "host/score/strokes.h"
+#include "host/spelling.h"
 
 namespace forceshade::score {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t(1) << 16; // bytes
+
+// "#1": a column's number, with which no comment begins.
+bool is_counted(std::string_view text) {
+    return text.size() > 1 && std::all_of(text.begin() + 1, text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// By the first line that is no comment.
+char separator_of(std::string_view text) {
+    std::string_view line;
+    do {
+        text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+        line = text.substr(0, text.find('\n'));
+        text.remove_prefix(line.size());
+    } while (line.starts_with('#') && !text.empty());
+    for (const char one : {';', '\t', ','})
+        if (trimmed(line).find(one) != line.npos)
+            return one;
+    return ' ';
+}
 
 // NaN where a text is no number.
 double number_of(std::string_view text) {
@@ -26,71 +46,108 @@ double number_of(std::string_view text) {
     return error == std::errc() && end == text.data() + text.size() ? value : NAN;
 }
 
+// "0,5" as 0.5.
+double number_with_comma(std::string_view text) {
+    std::string point(text);
+    std::ranges::replace(point, ',', '.');
+    return number_of(point);
+}
+
 bool is_word(std::string_view text) {
-    const std::string lower = [&] {
-        std::string all(text);
-        std::ranges::transform(all, all.begin(), [](unsigned char c) { return std::tolower(c); });
-        return all;
-    }();
-    return !text.empty() && std::isnan(number_of(text)) && lower != "nan" && lower != "-nan";
+    const std::string lower = lower_case(text);
+    return !text.empty() && std::isnan(number_with_comma(text)) && lower != "nan" && lower != "-nan";
 }
 
-void add_row(NumberTable& table, const std::vector<std::string_view>& cells, std::uint32_t line) {
-    if (cells.size() != table.columns.size())
-        throw UsageError("{}:{}: {} numbers in this row, {} in the first; every row has a number a column",
-                         table.source, line, cells.size(), table.columns.size());
-    for (std::size_t i = 0; i < cells.size(); ++i)
-        table.cells[i].push_back(number_of(cells[i]));
-    table.lines.push_back(line);
-}
+using Cells = std::vector<std::string_view>;
 
-// The first row, which a header may be.
-void begin(NumberTable& table, const std::vector<std::string_view>& cells, std::uint32_t line) {
-    table.named = std::ranges::any_of(cells, is_word);
-    for (std::size_t i = 0; i < cells.size(); ++i)
-        table.columns.push_back(table.named ? std::string(cells[i]) : fmt::format("#{}", i + 1));
-    table.cells.resize(cells.size());
-    if (!table.named)
-        add_row(table, cells, line);
-}
+// Takes rows one after the other. The first one, or a comment before it, may be a header.
+class TableBuilder {
+public:
+    explicit TableBuilder(NumberTable& table, bool decimal_commas = false)
+        : table_(table), number_(decimal_commas ? number_with_comma : number_of) {}
+
+    // Of a line that begins with #, its cells without it.
+    void comment(const Cells& cells) {
+        if (!table_.columns.empty())
+            return;
+        comment_.clear();
+        if (std::ranges::all_of(cells, is_word))
+            comment_.assign(cells.begin(), cells.end());
+    }
+
+    void row(const Cells& cells, std::uint32_t line) {
+        if (table_.columns.empty() && begin(cells))
+            return;
+        if (cells.size() != table_.columns.size())
+            throw UsageError("{}:{}: {} numbers in this row, {} in the first; every row has a number a column",
+                             table_.source, line, cells.size(), table_.columns.size());
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            table_.cells[i].push_back(number_(cells[i]));
+        table_.lines.push_back(line);
+    }
+
+private:
+    // Whether this row is a header.
+    bool begin(const Cells& cells) {
+        const bool is_header = std::ranges::any_of(cells, is_word);
+        table_.cells.resize(cells.size());
+        table_.named = is_header || comment_.size() == cells.size();
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            table_.columns.push_back(is_header      ? std::string(cells[i])
+                                     : table_.named ? comment_[i]
+                                                    : fmt::format("#{}", i + 1));
+        return is_header;
+    }
+
+    NumberTable& table_;
+    double (*number_)(std::string_view);
+    std::vector<std::string> comment_; // the last one that may be a header
+};
 
 void read_csv(NumberTable& table, const std::filesystem::path& file) {
     CsvReader reader(file);
-    std::vector<std::string_view> cells;
+    TableBuilder builder(table);
+    Cells cells;
     while (reader.next()) {
         cells.clear();
         for (std::size_t i = 0; i < reader.size(); ++i)
             cells.push_back(reader.text(i));
-        if (cells.front().starts_with('#') && table.columns.empty() && cells.size() == 1)
-            continue;
-        const std::uint32_t line = reader.where(0).line;
-        table.columns.empty() ? begin(table, cells, line) : add_row(table, cells, line);
+        if (cells.front().starts_with('#') && !is_counted(cells.front())) {
+            cells.front() = trimmed(cells.front().substr(1));
+            builder.comment(cells);
+        } else {
+            builder.row(cells, reader.where(0).line);
+        }
     }
 }
 
-void read_rows(NumberTable& table, const std::string& text) {
-    std::vector<std::string_view> cells;
+// Rows between semicolons, tabs or blanks.
+void read_rows(NumberTable& table, std::string_view text, char between) {
+    TableBuilder builder(table, between == ';');
+    Cells cells;
     std::uint32_t line = 0;
-    for (std::string_view rest = text; !rest.empty();) {
-        std::string_view row = rest.substr(0, rest.find('\n'));
-        rest.remove_prefix(std::min(row.size() + 1, rest.size()));
+    while (!text.empty()) {
+        std::string_view row = text.substr(0, text.find('\n'));
+        text.remove_prefix(std::min(row.size() + 1, text.size()));
         ++line;
         if (row.size() > kLongestLine)
             throw UsageError("{}:{}: a line of {} bytes; is this a file of strokes?", table.source, line, row.size());
-        cells.clear();
-        const std::string_view between = row.find(';') != row.npos ? ";\r" : " \t\r";
-        for (row.remove_prefix(std::min(row.find_first_not_of(between), row.size())); !row.empty();
-             row.remove_prefix(std::min(row.find_first_not_of(between), row.size()))) {
-            cells.push_back(row.substr(0, row.find_first_of(between)));
-            row.remove_prefix(cells.back().size());
-            while (cells.back().ends_with(' '))
-                cells.back().remove_suffix(1);
-            while (cells.back().starts_with(' '))
-                cells.back().remove_prefix(1);
-        }
-        if (cells.empty() || cells.front().starts_with('#'))
+        row = trimmed(row);
+        const bool comment = row.starts_with('#');
+        if (comment)
+            row = trimmed(row.substr(1));
+        if (row.empty())
             continue;
-        table.columns.empty() ? begin(table, cells, line) : add_row(table, cells, line);
+        cells.clear();
+        for (std::size_t end = 0; end != row.npos; row.remove_prefix(std::min(end + 1, row.size()))) {
+            end = row.find_first_of(between == ' ' ? " \t" : std::string_view(&between, 1));
+            cells.push_back(trimmed(row.substr(0, end)));
+            if (between == ' ' && cells.back().empty())
+                cells.pop_back();
+        }
+        if (cells.back().empty()) // a separator at the end
+            cells.pop_back();
+        comment ? builder.comment(cells) : builder.row(cells, line);
     }
 }
 
@@ -160,6 +217,11 @@ void read_array(NumberTable& table, std::string_view text) {
 
 } // namespace
 
+std::string_view trimmed(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
+    return begin == std::string_view::npos ? "" : text.substr(begin, end - begin + 1);
+}
+
 NumberTable read_numbers(const std::filesystem::path& file) {
     NumberTable table;
     table.source = file.string();
@@ -167,12 +229,13 @@ NumberTable read_numbers(const std::filesystem::path& file) {
     if (file.extension() == ".npy") {
         read_array(table, text);
     } else {
-        const std::size_t first = text.find_first_not_of("\r\n");
-        std::string_view line = first == std::string::npos ? "" : std::string_view(text).substr(first);
-        while (line.starts_with('#') && line.find('\n') != std::string_view::npos)
-            line.remove_prefix(line.find('\n') + 1);
-        line = line.substr(0, line.find('\n'));
-        line.find(',') != line.npos&& line.find(';') == line.npos ? read_csv(table, file) : read_rows(table, text);
+        std::string_view rows = text;
+        if (rows.starts_with("\xEF\xBB\xBF"))
+            rows.remove_prefix(3);
+        if (rows.starts_with("\xFF\xFE") || rows.starts_with("\xFE\xFF"))
+            throw UsageError("{}: the text is UTF-16; save it as UTF-8 or ASCII", table.source);
+        const char between = separator_of(rows);
+        between == ',' ? read_csv(table, file) : read_rows(table, rows, between);
     }
     if (table.rows() == 0)
         throw UsageError("{}: there is no row of numbers", table.source);

@@ -15,8 +15,9 @@
 namespace forceshade::score {
 namespace {
 
-constexpr std::size_t kCold = 200;       // updates with caches full of other memory
-constexpr std::size_t kRoundTrips = 500; // updates one at a time
+constexpr std::size_t kCold = 60;               // updates with caches full of other memory
+constexpr std::size_t kRoundTrips = 500;         // updates one at a time
+constexpr std::uint64_t kMostSamples = 10000000; // of a scene's own paths: some 3 GB
 
 UpdateTimes times_of(std::vector<double> first, const std::vector<double>& again, const std::vector<double>& cold) {
     UpdateTimes times;
@@ -35,7 +36,7 @@ UpdateTimes times_of(std::vector<double> first, const std::vector<double>& again
 struct Walked {
     Track forces, proxies;
     std::vector<double> seconds;
-    bool has_proxies = true;
+    bool has_proxies = false; // some
 };
 
 Walked walk(RendererProcess& renderer, const Strokes& strokes) {
@@ -46,23 +47,28 @@ Walked walk(RendererProcess& renderer, const Strokes& strokes) {
         std::vector<glm::dvec3>&forces = walked.forces.emplace_back(), &proxies = walked.proxies.emplace_back();
         for (const RendererAnswer& answer : renderer.update(stroke.probe)) {
             forces.push_back(answer.force);
-            proxies.push_back(answer.proxy);
+            proxies.push_back(answer.has_proxy ? answer.proxy : glm::dvec3(NAN));
             walked.seconds.push_back(answer.seconds);
-            walked.has_proxies = walked.has_proxies && answer.has_proxy;
+            walked.has_proxies = walked.has_proxies || answer.has_proxy;
         }
         stage.update(walked.forces.size());
     }
     return walked;
 }
 
-// The stroke and sample of an update, counted over all strokes from 0.
+// The stroke and sample of an update, counted over all strokes from 0, twice.
 std::string place_of(const Strokes& strokes, std::uint64_t update) {
+    const std::uint64_t samples = strokes.samples();
+    if (update >= 2 * samples)
+        return "in a run for its times";
+    if (update >= samples)
+        return "in a second run, " + place_of(strokes, update - samples);
     for (const Stroke& stroke : strokes.all) {
         if (update < stroke.probe.size())
             return fmt::format("path {}, t = {:.6g} s", stroke.id, stroke.time[update]);
         update -= stroke.probe.size();
     }
-    return "after the strokes";
+    return "";
 }
 
 std::vector<StrokeScore> score_track(const Yardstick& yardstick, const Strokes& strokes,
@@ -75,7 +81,8 @@ std::vector<StrokeScore> score_track(const Yardstick& yardstick, const Strokes& 
 }
 
 Scored score_renderer(const RendererSource& source, const PreparedCase& prepared, const ScoreOptions& options,
-                      const Yardstick& yardstick, const std::vector<Truth>& truths) {
+                      const Yardstick& yardstick, const std::vector<Truth>& truths,
+                      std::vector<std::string>& warnings) {
     Scored scored{source.name, "renderer", {}, {}, std::nullopt, ""};
     const Strokes& strokes = options.strokes;
     try {
@@ -99,6 +106,8 @@ Scored score_renderer(const RendererSource& source, const PreparedCase& prepared
         scored.strokes =
             score_track(yardstick, strokes, truths, first.forces, first.has_proxies ? first.proxies : Track{});
         scored.track = std::move(first.forces);
+        if (const std::string wrong = renderer.close(); !wrong.empty())
+            warnings.push_back(fmt::format("{} {}; its scores stand", source.name, wrong));
     } catch (const RendererError& error) {
         scored.failed = error.what();
         if (error.update)
@@ -114,6 +123,7 @@ Scored score_law(const char* name, CaseProbe<T>& probe, const At& at, const Yard
     Scored scored{name, "forceshade", {}, {}, std::nullopt, ""};
     Track proxies;
     std::vector<double> first, again;
+    const double clock = clock_seconds();
     for (std::vector<double>* const seconds : {&first, &again}) {
         scored.track.clear();
         proxies.clear();
@@ -124,7 +134,7 @@ Scored score_law(const char* name, CaseProbe<T>& probe, const At& at, const Yard
             for (const glm::dvec3& place : stroke.probe) {
                 const Clock::time_point start = Clock::now();
                 const reference::Contact<T> contact = at(place);
-                seconds->push_back(seconds_since(start));
+                seconds->push_back(std::max(seconds_since(start) - clock, 0.0));
                 forces.emplace_back(contact.force);
                 own.push_back(contact.facet == layout::kNoFacet ? place : probe.law().in_world(contact.proxy));
             }
@@ -158,10 +168,15 @@ Strokes scene_strokes(const PreparedCase& prepared) {
     ScenePaths<double> paths(prepared);
     const layout::PathInput<double> input = paths.input();
     const glm::dvec3 origin = scene_origin(prepared);
+    std::uint64_t samples = 0;
     for (std::size_t path = 0; path < input.paths; ++path) {
         check_interrupt();
         const layout::PathBatch<double> batch = input.source->batch(path, 1);
         const std::size_t steps = batch.steps.empty() ? input.steps : batch.steps.front();
+        if ((samples += steps) > kMostSamples)
+            throw UsageError("the scene's [paths] have more than {} samples, which a score holds in memory; make "
+                             "paths.count or paths.steps smaller",
+                             kMostSamples);
         const bool listed = input.features.motion == layout::kMotionRecorded;
         const std::span<const double> places = listed ? input.source->positions(0, steps) : std::span<const double>{};
         Stroke& stroke = strokes.all.emplace_back();
@@ -173,6 +188,7 @@ Strokes scene_strokes(const PreparedCase& prepared) {
             stroke.time.push_back(double(step) / spec->rate);
             stroke.probe.push_back(world_place(glm::dvec3(place), origin));
             stroke.lines.push_back(static_cast<std::uint32_t>(step));
+            stroke.rows.push_back(static_cast<std::uint32_t>(samples - steps + step));
         }
     }
     strokes.warnings = paths.warnings();
@@ -180,6 +196,9 @@ Strokes scene_strokes(const PreparedCase& prepared) {
 }
 
 double size_of(const PreparedCase& prepared) {
+    if (const SurfaceSpec& surface = prepared.one.scene.surface;
+        surface.kind == SurfaceKind::bump || surface.kind == SurfaceKind::cylinder_bump)
+        return surface.width / 2;
     const RendererMesh mesh = renderer_mesh(prepared);
     double farthest = 0;
     for (const glm::dvec3& vertex : mesh.vertices)
@@ -213,10 +232,12 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
             begun_inside, truths.size()));
     std::uint64_t unfinished = 0;
     for (const Truth& truth : truths)
-        unfinished += truth.unfinished;
+        unfinished += static_cast<std::uint64_t>(std::ranges::count(truth.certain, false));
     if (unfinished > 0)
-        scores.warnings.push_back(fmt::format(
-            "at {} samples the oracle's proxy did not come to rest; do not trust the scores there", unfinished));
+        scores.warnings.push_back(fmt::format("at {} samples the oracle's contact has no certificate (its proxy did "
+                                              "not come to rest): do not trust errors "
+                                              "there; faults are not counted there",
+                                              unfinished));
     if (touched == 0)
         throw UsageError("{}: no sample touches the surface; are its axes and its unit the scene's? --map says which "
                          "column is what: --map \"x=x mm, y=z mm, z=-y mm\"",
@@ -243,7 +264,13 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
         all.push_back(std::move(scored));
     }
     for (const RendererSource& source : options.renderers)
-        all.push_back(score_renderer(source, prepared, options, yardstick, truths));
+        all.push_back(score_renderer(source, prepared, options, yardstick, truths, scores.warnings));
+    for (std::size_t i = 0; i < all.size(); ++i) { // rows are known by their names
+        const auto before =
+            std::ranges::count(all.begin(), all.begin() + std::ptrdiff_t(i), all[i].name, &Scored::name);
+        if (before > 0)
+            all[i].name += fmt::format(" ({})", before + 1);
+    }
     return scores;
 }
 

@@ -57,8 +57,29 @@ double size_of(const PreparedCase& prepared);
 /// A stroke's measures by name, in their readers' units; NaN where there is nothing to measure.
 std::vector<std::pair<std::string, double>> named_measures(const StrokeScore& score);
 
-/// Tables, figures and findings of scores.
-void add_scores(study::StudyData& data, const Scores& scores, const Strokes& strokes);
+/// Scores of one scene of a course.
+struct SceneScores {
+    std::string name;
+    Scores scores;
+    Strokes strokes;
+};
+
+/// All scenes as one: the strokes of a renderer are those of all scenes; it has failed if it failed in one. Of times
+/// the median over scenes, of p99.9 and worst the largest. Renderers that are not in every scene are left out.
+std::pair<Scores, Strokes> over_scenes(const std::vector<SceneScores>& scenes);
+
+/// Over the strokes of a renderer, in the measure's unit for readers: its median, largest or sum; NaN without one.
+double over_strokes(const Scored& scored, double StrokeScore::*measure);
+
+/// The errors of every renderer in every scene, for the terminal.
+std::string scenes_text(const std::vector<SceneScores>& scenes);
+
+/// Whether a folder is the standard course, unchanged, as a sentence.
+std::string course_note(const std::filesystem::path& folder);
+
+/// Tables, figures and findings of scores; of a course with those of each of its scenes.
+void add_scores(study::StudyData& data, const Scores& scores, const Strokes& strokes,
+                const std::vector<SceneScores>& scenes = {});
 
 /// The scores as a table for the terminal.
 std::string score_text(const Scores& scores);

@@ -84,21 +84,11 @@ double sum_of(const std::vector<double>& values) {
     return sum;
 }
 
-// Over all strokes; NaN without one that has it.
-double value_of(const Scored& scored, double StrokeScore::*of) {
-    const Measure& measure = *std::ranges::find(measures(), of, &Measure::value);
-    const std::vector<double> values = values_of(scored, measure);
-    if (values.empty())
-        return NAN;
-    return measure.over == Measure::sum       ? sum_of(values)
-           : measure.over == Measure::largest ? *std::ranges::max_element(values)
-                                              : study::quantile(values, 0.5);
-}
-
 struct MeasureRow {
     const Scored* scored;
     const Measure* measure;
     std::vector<double> values;
+    Interval interval; /* of the median over strokes */
 };
 
 study::Table measures_table(const std::vector<Scored>& all) {
@@ -106,11 +96,10 @@ study::Table measures_table(const std::vector<Scored>& all) {
     for (const Scored& scored : all)
         for (const Measure& measure : measures())
             if (std::vector<double> values = values_of(scored, measure); !values.empty())
-                rows.push_back({&scored, &measure, std::move(values)});
+                rows.push_back({&scored, &measure, values, study::bootstrap_median(values)});
     using R = MeasureRow;
     const auto interval = [](double Interval::*end) {
-        return
-            [end](const R& r) { return r.values.size() > 1 ? Cell(study::bootstrap_median(r.values).*end) : Cell(); };
+        return [end](const R& r) { return r.values.size() > 1 ? Cell(r.interval.*end) : Cell(); };
     };
     return study::table_of<R>(
         "measures", "Every measure of every renderer, over strokes",
@@ -143,7 +132,7 @@ std::vector<study::ColumnOf<Scored>> time_columns() {
              nano(&UpdateTimes::boundary)}};
 }
 
-study::Table renderers_table(const std::vector<Scored>& all) {
+std::vector<study::ColumnOf<Scored>> score_columns() {
     using R = Scored;
     std::vector<study::ColumnOf<R>> columns{
         {{"renderer", "", "whose forces"}, [](const R& r) { return r.name; }},
@@ -152,9 +141,33 @@ study::Table renderers_table(const std::vector<Scored>& all) {
         {{"status", "", "ok, or what it did wrong"}, [](const R& r) { return r.failed.empty() ? "ok" : r.failed; }}};
     for (const Measure& measure : measures())
         columns.push_back({{measure.name, measure.unit, fmt::format("{}, {}", measure.meaning, kOver[measure.over])},
-                           [of = measure.value](const R& r) { return value_of(r, of); }});
+                           [of = measure.value](const R& r) { return over_strokes(r, of); }});
     study::append(columns, time_columns());
-    return study::table_of<R>("renderers", "Renderers along the strokes", columns, all);
+    return columns;
+}
+
+study::Table renderers_table(const std::vector<Scored>& all) {
+    return study::table_of<Scored>("renderers", "Renderers along the strokes", score_columns(), all);
+}
+
+// The same for each scene of a course.
+study::Table scenes_table(const std::vector<SceneScores>& scenes) {
+    study::Table table{"scenes", "Renderers in each scene", {{"scene", "", "of the course"}}, {}};
+    for (const study::ColumnOf<Scored>& one : score_columns())
+        table.columns.push_back(one.column);
+    for (const SceneScores& scene : scenes)
+        for (const Scored& scored : scene.scores.all) {
+            std::vector<Cell>& cells = table.rows.emplace_back();
+            cells.push_back(scene.name);
+            for (const study::ColumnOf<Scored>& one : score_columns())
+                cells.push_back(one.value(scored));
+        }
+    return table;
+}
+
+// "needle, " of a course's stroke.
+std::string scene_of(const Stroke& stroke) {
+    return stroke.scene.empty() ? "" : stroke.scene + ", ";
 }
 
 struct StrokeRow {
@@ -171,7 +184,9 @@ study::Table strokes_table(const std::vector<Scored>& all, const Strokes& stroke
     using R = StrokeRow;
     std::vector<study::ColumnOf<R>> columns{
         {{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
-        {{"path", "1", "the stroke, as its file numbers it"}, [](const R& r) { return r.stroke->id; }},
+        {{"scene", "", "of a course"}, [](const R& r) { return r.stroke->scene; }},
+        {{"path", "1", "the stroke, as its file numbers it; of a course 1000 more in each scene after the first"},
+         [](const R& r) { return r.stroke->id; }},
         {{"samples", "1", "of the stroke"}, [](const R& r) { return r.stroke->probe.size(); }}};
     for (const Measure& measure : measures())
         columns.push_back({{measure.name, measure.unit, measure.meaning},
@@ -201,6 +216,7 @@ study::Table faults_table(const std::vector<Scored>& all, const Strokes& strokes
          {{"fault", "",
            "pop-through: the force turns to the other side or does not come back; drop-out: it comes back"},
           [](const R& r) { return r.fault.through ? "pop-through" : "drop-out"; }},
+         {{"scene", "", "of a course"}, [](const R& r) { return r.stroke->scene; }},
          {{"path", "1", "the stroke"}, [](const R& r) { return r.stroke->id; }},
          {{"t_s", "s", "when it begins"}, [](const R& r) { return r.stroke->time[r.fault.sample]; }},
          {{"duration_ms", "ms", "from its first to its last sample"}, [](const R& r) { return 1e3 * r.fault.seconds; }},
@@ -239,7 +255,7 @@ study::Table signals_table(const std::vector<Scored>& all, const Strokes& stroke
             rows.push_back({&scored, one.time[i], scored.track[stroke][i],
                             scored.track[stroke][i] - all.front().track[stroke][i]});
     using R = SignalRow;
-    return study::table_of<R>("signals", fmt::format("Forces along path {}", one.id),
+    return study::table_of<R>("signals", fmt::format("Forces along {}path {}", scene_of(one), one.id),
                               {{{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
                                {{"t_s", "s", "of the sample"}, [](const R& r) { return r.time; }},
                                {{"force_N", "N", "size of the force"}, [](const R& r) { return glm::length(r.force); }},
@@ -257,12 +273,16 @@ std::string nanoseconds(double seconds) {
 
 study::Finding finding_of(const Scored& scored, std::size_t index) {
     using S = StrokeScore;
-    const auto value = [&](double S::*of) { return value_of(scored, of); };
+    const auto value = [&](double S::*of) { return over_strokes(scored, of); };
     study::Finding finding;
     finding.name = fmt::format("renderer_{}", index);
     finding.figure = "errors";
     if (!scored.failed.empty()) {
         finding.text = fmt::format("{} {}; it has no score.", scored.name, scored.failed);
+        return finding;
+    }
+    if (!std::isfinite(value(&S::error_rms))) {
+        finding.text = fmt::format("{}: no sample has a finite force; it has no score.", scored.name);
         return finding;
     }
     finding.text = fmt::format("{}: its forces differ from the oracle's by {:.3g} % of their root mean square",
@@ -293,6 +313,16 @@ study::Finding finding_of(const Scored& scored, std::size_t index) {
 
 } // namespace
 
+double over_strokes(const Scored& scored, double StrokeScore::*of) {
+    const Measure& measure = *std::ranges::find(measures(), of, &Measure::value);
+    const std::vector<double> values = values_of(scored, measure);
+    if (values.empty())
+        return NAN;
+    return measure.over == Measure::sum       ? sum_of(values)
+           : measure.over == Measure::largest ? *std::ranges::max_element(values)
+                                              : study::quantile(values, 0.5);
+}
+
 std::vector<std::pair<std::string, double>> named_measures(const StrokeScore& score) {
     std::vector<std::pair<std::string, double>> named;
     for (const Measure& measure : measures())
@@ -300,7 +330,8 @@ std::vector<std::pair<std::string, double>> named_measures(const StrokeScore& sc
     return named;
 }
 
-void add_scores(study::StudyData& data, const Scores& scores, const Strokes& strokes) {
+void add_scores(study::StudyData& data, const Scores& scores, const Strokes& strokes,
+                const std::vector<SceneScores>& scenes) {
     const std::vector<Scored>& scored = scores.all;
     const std::size_t shown = telling_stroke(scored);
     for (const std::string& warning : scores.warnings)
@@ -315,6 +346,8 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
     data.notes.push_back("A library runs in a process of its own; its times are taken there, around each update, and "
                          "hold no way between processes. Intervals are of bootstrap samples over strokes.");
     data.tables.push_back(renderers_table(scored));
+    if (!scenes.empty())
+        data.tables.push_back(scenes_table(scenes));
     data.tables.push_back(measures_table(scored));
     data.tables.push_back(strokes_table(scored, strokes));
     if (study::Table faults = faults_table(scored, strokes); !faults.rows.empty())
@@ -337,6 +370,11 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
     errors.low = "low";
     errors.high = "high";
     data.figures.push_back(std::move(errors));
+    if (!scenes.empty())
+        data.figures.push_back(study::make_figure(
+            "scenes", "Difference from the oracle's force, scene by scene", "The same for the strokes of each scene.",
+            FigureKind::bars, "scenes", {}, {"scene", "scene"},
+            {"error_percent", "RMS error / % of the RMS force", true}, "renderer"));
     study::Figure buzz = study::make_figure(
         "buzz", "Vibration that the oracle does not have",
         "Root mean square of the difference from the oracle's force above 100 Hz, where skin feels best.",
@@ -344,16 +382,18 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
         {"median", "above 100 Hz / mN"});
     buzz.low = "low";
     buzz.high = "high";
-    const auto has_spectrum = [](const Scored& one) { return std::isfinite(value_of(one, &StrokeScore::added_100)); };
+    const auto has_spectrum = [](const Scored& one) {
+        return std::isfinite(over_strokes(one, &StrokeScore::added_100));
+    };
     if (std::ranges::any_of(scored, has_spectrum))
         data.figures.push_back(std::move(buzz));
     for (const auto& [name, title, column, label] :
          {std::tuple("differences", "Difference from the oracle", "difference_N", "difference / N"),
           std::tuple("signals", "Force along z", "fz_N", "force along z / N")}) {
-        study::Figure signal =
-            study::make_figure(name, fmt::format("{}, path {}", title, strokes.all[shown].id),
-                               "The stroke at which a renderer differs most from the oracle.", FigureKind::scatter,
-                               "signals", {}, {"t_s", "time / s"}, {column, label}, "renderer");
+        study::Figure signal = study::make_figure(
+            name, fmt::format("{}, {}path {}", title, scene_of(strokes.all[shown]), strokes.all[shown].id),
+            "The stroke at which a renderer differs most from the oracle.", FigureKind::scatter, "signals", {},
+            {"t_s", "time / s"}, {column, label}, "renderer");
         signal.joined = true;
         data.figures.push_back(std::move(signal));
     }
@@ -380,7 +420,7 @@ std::string score_text(const Scores& scores) {
             continue;
         }
         const auto shown = [](double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-"; };
-        const auto value = [&](double S::*of) { return shown(value_of(one, of)); };
+        const auto value = [&](double S::*of) { return shown(over_strokes(one, of)); };
         text += fmt::format(fmt::runtime(kRow), one.name, width, value(&S::error_share), value(&S::direction_rms),
                             value(&S::phantom_largest), value(&S::pop_throughs), value(&S::drop_outs), value(&S::jumps),
                             value(&S::added_100), value(&S::not_finite), shown(one.times ? 1e6 * one.times->warm : NAN),

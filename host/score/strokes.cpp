@@ -19,7 +19,7 @@ namespace {
 constexpr double kRegular = 0.01;      // of the period
 constexpr double kSamePlace = 1e-6;    // m
 constexpr double kSlow = 0.02;         // s: no haptic loop samples so seldom
-constexpr double kFarAway = 30;        // times the scene's size: nobody strokes there
+constexpr double kFarAway = 30;        // times the scene's size: beyond, the unit is another
 constexpr std::size_t kMostNamed = 12; // columns in an error
 
 struct Quantity {
@@ -49,11 +49,6 @@ const Quantity* quantity_named(std::string_view name) {
     return nullptr;
 }
 
-std::string trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
-    return begin == std::string_view::npos ? "" : std::string(text.substr(begin, end - begin + 1));
-}
-
 double unit_of(const Quantity& quantity, const std::string& unit, const std::string& where) {
     if (!quantity.dimension)
         throw UsageError("{}: {} has no unit", where, quantity.name);
@@ -68,7 +63,8 @@ double unit_of(const Quantity& quantity, const std::string& unit, const std::str
 std::pair<std::string, std::string> name_and_unit(const std::string& column) {
     for (const char* const marks : {"[]", "()"})
         if (const std::size_t at = column.find(marks[0]); at != std::string::npos && column.back() == marks[1])
-            return {trimmed(column.substr(0, at)), column.substr(at + 1, column.size() - at - 2)};
+            return {std::string(trimmed(std::string_view(column).substr(0, at))),
+                    column.substr(at + 1, column.size() - at - 2)};
     for (const char* const unit : {"mm", "cm", "um", "m", "ms", "us", "s", "mN", "N"})
         if (const std::string end = std::string("_") + unit; column.size() > end.size() && column.ends_with(end))
             return {column.substr(0, column.size() - end.size()), unit};
@@ -194,10 +190,10 @@ ColumnMap parse_map(const std::string& text) {
     ColumnMap map;
     std::string_view rest = text;
     while (!rest.empty()) {
-        const std::string one = trimmed(rest.substr(0, rest.find(',')));
+        const std::string one(trimmed(rest.substr(0, rest.find(','))));
         rest.remove_prefix(std::min(rest.find(','), rest.size() - 1) + 1);
         const std::size_t equals = one.find('=');
-        const std::string name = trimmed(std::string_view(one).substr(0, equals));
+        const std::string name(trimmed(std::string_view(one).substr(0, equals)));
         const Quantity* const quantity = quantity_named(name);
         if (equals == std::string::npos || quantity == nullptr) {
             std::vector<std::string> names;
@@ -207,13 +203,17 @@ ColumnMap parse_map(const std::string& text) {
                              "{}",
                              one, fmt::join(names, ", "));
         }
-        std::string column = trimmed(std::string_view(one).substr(equals + 1));
+        std::string column(trimmed(std::string_view(one).substr(equals + 1)));
         ColumnSource source;
         if (source.negative = column.starts_with('-'); source.negative)
-            column = trimmed(std::string_view(column).substr(1));
-        if (const std::size_t blank = column.find_last_of(' '); blank != std::string::npos) {
+            column = std::string(trimmed(std::string_view(column).substr(1)));
+        if (const std::size_t quote = column.rfind('\''); column.starts_with('\'') && quote > 0) {
+            if (const std::string unit(trimmed(std::string_view(column).substr(quote + 1))); !unit.empty())
+                source.unit = unit_of(*quantity, unit, "--map");
+            column = column.substr(1, quote - 1);
+        } else if (const std::size_t blank = column.find_last_of(' '); blank != std::string::npos) {
             source.unit = unit_of(*quantity, column.substr(blank + 1), "--map");
-            column = trimmed(std::string_view(column).substr(0, blank));
+            column = std::string(trimmed(std::string_view(column).substr(0, blank)));
         }
         if (column.empty())
             throw UsageError("--map: \"{}\" names no column", one);
@@ -282,6 +282,7 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
             stroke.time.push_back(time);
             stroke.probe.push_back(places[row]);
             stroke.lines.push_back(table.lines[row]);
+            stroke.rows.push_back(static_cast<std::uint32_t>(row));
         }
     }
     if (regular && period > 0)
@@ -300,28 +301,24 @@ Track read_forces(const std::filesystem::path& file, const ColumnMap& map, const
     if (table.rows() != strokes.samples())
         throw UsageError("{}: {} samples, {} has {}; a renderer's forces belong to the same samples, in the same order",
                          table.source, table.rows(), strokes.source, strokes.samples());
-    std::vector<std::uint64_t> ids;
-    std::vector<std::vector<std::size_t>> rows;
-    if (path.empty()) { // the strokes' own order, one after the other
-        std::size_t row = 0;
-        for (const Stroke& stroke : strokes.all) {
-            ids.push_back(stroke.id);
-            std::vector<std::size_t>& own = rows.emplace_back();
-            for (std::size_t i = 0; i < stroke.probe.size(); ++i)
-                own.push_back(row++);
-        }
+    std::unordered_map<std::uint64_t, std::vector<std::size_t>> rows; // of each path
+    if (path.empty()) {                                               // in the strokes' own order
+        for (const Stroke& stroke : strokes.all)
+            rows[stroke.id].assign(stroke.rows.begin(), stroke.rows.end());
     } else {
-        rows = rows_by_path(table, path, ids);
+        std::vector<std::uint64_t> ids;
+        std::vector<std::vector<std::size_t>> found = rows_by_path(table, path, ids);
+        for (std::size_t i = 0; i < ids.size(); ++i)
+            rows[ids[i]] = std::move(found[i]);
     }
     Track track;
     for (const Stroke& stroke : strokes.all) {
-        const auto at = std::ranges::find(ids, stroke.id);
-        if (at == ids.end() || rows[std::size_t(at - ids.begin())].size() != stroke.probe.size())
-            throw UsageError("{}: path {} has {} samples there and {} in {}", table.source, stroke.id,
-                             at == ids.end() ? 0 : rows[std::size_t(at - ids.begin())].size(), stroke.probe.size(),
-                             strokes.source);
+        const std::vector<std::size_t>& of_path = rows[stroke.id];
+        if (of_path.size() != stroke.probe.size())
+            throw UsageError("{}: path {} has {} samples there and {} in {}", table.source, stroke.id, of_path.size(),
+                             stroke.probe.size(), strokes.source);
         std::vector<glm::dvec3>& own = track.emplace_back();
-        for (const std::size_t row : rows[std::size_t(at - ids.begin())]) {
+        for (const std::size_t row : of_path) {
             const glm::dvec3& probe = stroke.probe[own.size()];
             if (!places.empty() && !(glm::length(places[row] - probe) <= kSamePlace))
                 throw UsageError("{}:{}: the probe is at ({:.6g}, {:.6g}, {:.6g}) m, in {} at ({:.6g}, {:.6g}, {:.6g}) "

@@ -26,9 +26,13 @@ struct NumberTable {
     std::size_t rows() const { return lines.size(); }
 };
 
-/// A file that ends in .npy is an array of f4 or f8 of one or two dimensions. Another is text: CSV if its first line
-/// has a comma, else numbers between blanks, tabs or semicolons; lines that begin with # are comments. \throws IoError,
-/// UsageError `file:line:column: ...` for rows of different lengths, or no row at all.
+/// Without the blanks and the carriage return at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// A file that ends in .npy is an array of f4 or f8, of rows of columns. Another is text: numbers between commas; with
+/// tabs or semicolons in its first row between those, and between semicolons decimal commas are read, too; else between
+/// blanks. Lines that begin with # are comments; the last one before the first row is the header if it names as many
+/// columns. \throws IoError, UsageError `file:line: ...` for rows of different lengths, or no row at all.
 NumberTable read_numbers(const std::filesystem::path& file);
 
 // Which column is what.
@@ -42,7 +46,8 @@ struct ColumnSource {
 };
 using ColumnMap = std::map<std::string, ColumnSource, std::less<>>;
 
-/// "x=px mm, y=-pz mm, fx=force.x, t=#1 ms": QUANTITY=[-]COLUMN[ UNIT], separated by commas. \throws UsageError.
+/// "x=px mm, y=-pz mm, fx='force x', t=#1 ms": QUANTITY=[-]COLUMN[ UNIT], separated by commas; a name with blanks
+/// stands in quotes. \throws UsageError.
 ColumnMap parse_map(const std::string& text);
 
 /// \throws UsageError for a column that none of the files read so far has.
@@ -52,9 +57,11 @@ void require_found(const ColumnMap& map);
 
 struct Stroke {
     std::uint64_t id = 0;
-    std::vector<double> time;      /* s */
-    std::vector<glm::dvec3> probe; /* m */
-    std::vector<std::uint32_t> lines;
+    std::string scene{};              // of a course; else empty
+    std::vector<double> time;         /* s */
+    std::vector<glm::dvec3> probe;    /* m */
+    std::vector<std::uint32_t> lines; /* of its source, for errors */
+    std::vector<std::uint32_t> rows;  /* the same without headers and comments, from 0 */
 };
 
 struct Strokes {
@@ -70,10 +77,16 @@ inline bool is_finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// A force whose square is still a number; others are scored as not finite.
+inline bool is_force(const glm::dvec3& v) {
+    constexpr double kMost = 1e100; /* N */
+    return std::abs(v.x) < kMost && std::abs(v.y) < kMost && std::abs(v.z) < kMost;
+}
+
 /// Forces along strokes: one a sample, N, perhaps not finite.
 using Track = std::vector<std::vector<glm::dvec3>>;
 
-/// Columns by the map, else by their own names: x, y, z, and path and t if there are any; a unit in the name counts
+/// Columns by the map, else by their own names: x, y, z, and perhaps path and t; a unit in the name counts
 /// ("x_mm", "t [ms]"). Without times, `rate`, Hz, gives them. `size`, m: of the scene, against which positions are
 /// held: a file in another unit is refused, not taken. \throws IoError, UsageError.
 Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, std::optional<double> rate, double size);

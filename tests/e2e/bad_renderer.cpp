@@ -37,9 +37,11 @@ int fsr_reset(void*) {
     return 0;
 }
 
-int fsr_update(void* renderer, const double*, fsr_touch* touch) {
+int fsr_update(void* renderer, const double probe[3], fsr_touch* touch) {
     auto& self = *static_cast<Bad*>(renderer);
     touch->force[2] = 1;
+    if (self.what == "y")
+        touch->force[0] = 1e3 * probe[1];
     if (++self.update < 1000)
         return 0;
     if (self.what == "crash")
@@ -52,6 +54,8 @@ int fsr_update(void* renderer, const double*, fsr_touch* touch) {
         std::memset(static_cast<void*>(touch), 0, sizeof *touch + 40);
     if (self.what == "fail")
         return 4;
+    if (self.what == "latin")
+        return 5;
     if (self.what == "nan")
         touch->force[1] = NAN;
     if (self.what == "huge")
@@ -61,10 +65,12 @@ int fsr_update(void* renderer, const double*, fsr_touch* touch) {
 
 #ifndef BAD_SYMBOLS
 const char* fsr_error(void*, int error) {
-    return error == 7 ? "this scene has no mesh that I like" : "";
+    return error == 7 ? "this scene has no mesh that I like" : error == 5 ? "zu gro\xDF" : "";
 }
 #endif
 
 void fsr_close(void* renderer) {
+    if (static_cast<Bad*>(renderer)->what == "crash in close")
+        std::abort();
     delete static_cast<Bad*>(renderer);
 }

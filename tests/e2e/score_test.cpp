@@ -99,13 +99,13 @@ TEST_F(Score, ALibraryThatDoesWrongCostsItsRowAlone) {
     write_strokes(1e-3);
     const std::string bad = BAD_RENDERER;
     std::vector<std::string> all{"--patience", "1 s", "--renderer", ONE_CONSTRAINT};
-    for (const char* const what :
-         {"crash", "exit", "sleep", "beyond", "fail", "refuse", "crash in open", "nan", "huge"})
+    for (const char* const what : {"crash", "exit", "sleep", "beyond", "fail", "refuse", "crash in open", "nan", "huge",
+                                   "latin", "crash in close"})
         all.insert(all.end(), {"--renderer", bad + ":" + what});
     all.insert(all.end(), {"--renderer", BAD_VERSION_RENDERER, "--renderer", BAD_SYMBOLS_RENDERER});
     const Outcome outcome = score(all);
     EXPECT_EQ(outcome.code, 1);
-    EXPECT_TRUE(says(outcome.error, "9 renderers failed and have no score"));
+    EXPECT_TRUE(says(outcome.error, "10 renderers failed and have no score"));
     auto rows = table();
     EXPECT_LT(number(rows.at("one_constraint"), "error_percent"), 1);
     const auto status = [&](const std::string& name) { return rows.at("bad_renderer:" + name).at("status"); };
@@ -116,6 +116,9 @@ TEST_F(Score, ALibraryThatDoesWrongCostsItsRowAlone) {
     EXPECT_EQ(status("fail"), "returned error 4 in update 1000 (path 0, t = 0.999 s)");
     EXPECT_EQ(status("refuse"), "returned error 7: this scene has no mesh that I like in fsr_open");
     EXPECT_EQ(status("crash in open"), "crashed (Aborted) in fsr_open");
+    EXPECT_TRUE(says(status("latin"), "returned error 5: zu gro\xEF\xBF\xBD in update 1000"));
+    EXPECT_EQ(status("crash in close"), "ok");
+    EXPECT_TRUE(says(outcome.error, "bad_renderer:crash in close crashed (Aborted) in fsr_close; its scores stand"));
     EXPECT_EQ(status("nan"), "ok");
     EXPECT_EQ(number(rows.at("bad_renderer:nan"), "not_finite"), 1001) << "from the 1000th on";
     EXPECT_EQ(status("huge"), "ok");
@@ -185,6 +188,14 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     EXPECT_LT(found["largest_error_N"].get<double>(), 1e-12);
     EXPECT_EQ(found["unexplained_voxels"], 0);
     EXPECT_EQ(forceshade({"validate", "field.toml", "--renderer", bad + ":huge"}).code, 1) << "1 N everywhere";
+    // A renderer of a bump may give forces that depend on y, which the bump's own do not.
+    write("bump.toml",
+          "[surface]\nkind = \"bump\"\n[grid]\nsize = [4, 5, 3]\norigin = [\"-1 mm\", \"-2 mm\", \"-1 mm\"]\n"
+          "spacing = [\"0.7 mm\", \"1 mm\", \"0.7 mm\"]\n");
+    const auto by_y = nlohmann::json::parse(
+        expect_success({"field", "bump.toml", "--out", "by_y.exr", "--renderer", bad + ":y", "--json"}).out);
+    EXPECT_EQ(by_y["voxels_evaluated"], 4 * 5 * 3);
+    EXPECT_NEAR(by_y["largest_force_N"].get<double>(), std::sqrt(5), 1e-6) << "2 N along x at y = 2 mm, 1 N along z";
 }
 
 TEST_F(Score, WithoutAFileTheScenesOwnPathsAreTheStrokes) {
@@ -217,7 +228,7 @@ TEST_F(Score, AStudyPutsARendererOnItsFrontOfErrorAgainstTime) {
             errors[cells[column("family")]] = std::stod(cells[column("typical_rms_1")]);
     ASSERT_TRUE(errors.contains("renderer, penalty")) << lines.front();
     EXPECT_GT(errors["renderer, penalty"], 0);
-    expect_failure(2, {"study", "energy", "scene.toml", "--out", "out", "--renderer", PENALTY}, {"error-time SCENE"});
+    expect_failure(2, {"study", "omission", "scene.toml", "--out", "out", "--renderer", PENALTY}, {"--renderer"});
 }
 
 TEST_F(Score, ALiveLoopTakesARendererForASimulatedHandAlone) {

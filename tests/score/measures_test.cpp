@@ -44,6 +44,7 @@ TEST(Shift, IsThatOfASignalThatComesLate) {
         EXPECT_NEAR(shift_between(early, shifted), late, 1e-6) << late;
     }
     EXPECT_TRUE(std::isnan(shift_between(std::vector<glm::dvec3>(500), early)));
+    EXPECT_TRUE(std::isnan(shift_between(early, std::vector<glm::dvec3>(early.size()))));
 }
 
 // Down 2 mm into the plane far from the bump and out again, at 1000 N/m, in steps of 10 um.
@@ -111,6 +112,22 @@ TEST_F(OnAPlane, LostAndReversedForcesAreFaults) {
     EXPECT_EQ(score(turned).drop_outs, 0);
 }
 
+TEST_F(OnAPlane, AContactThatIsShallowForAWhileIsLostOnce) {
+    for (std::size_t i = 255; i < 260; ++i) {
+        truth_.force[i] *= 0.01;
+        truth_.certain[i + 5] = false;
+    }
+    std::vector<glm::dvec3> lost = truth_.force;
+    for (std::size_t i = 250; i < 270; ++i)
+        lost[i] = {};
+    EXPECT_EQ(score(lost).drop_outs, 1);
+    EXPECT_NEAR(score(lost).faults.at(0).seconds, 0.019, 1e-9);
+    std::vector<glm::dvec3> doubtful = truth_.force;
+    for (std::size_t i = 260; i < 265; ++i)
+        doubtful[i] = {};
+    EXPECT_EQ(score(doubtful).drop_outs, 0) << "no certificate there";
+}
+
 TEST_F(OnAPlane, AForceWithoutContactIsAPhantomAndOneThatLeavesGivesWork) {
     std::vector<glm::dvec3> forces = truth_.force;
     for (std::size_t i = 0; i < 20; ++i)
@@ -128,7 +145,7 @@ TEST_F(OnAPlane, AForceWithoutContactIsAPhantomAndOneThatLeavesGivesWork) {
 TEST_F(OnAPlane, ForcesThatAreNotFiniteAreCountedAndLeftOut) {
     std::vector<glm::dvec3> forces = truth_.force;
     forces[200].x = NAN;
-    forces[301].z = INFINITY;
+    forces[301].z = 1e200; // whose square is no number
     const StrokeScore some = score(forces);
     EXPECT_EQ(some.not_finite, 2);
     EXPECT_EQ(some.error_rms, 0);

@@ -38,6 +38,10 @@ TEST_F(StrokeFile, IsReadWhateverItsNamesUnitsAndForm) {
     expect_two(strokes("clock,a,b,c\n0,0,0,0\n1,2,3,5\n", "t=clock ms, x=a mm, y=-c mm, z=b mm"));
     expect_two(strokes("t_ms;a_mm;b [mm];c (mm)\n0;0;0;0\n1;2;-5;3\n", "x=a, y=b, z=c mm"));
     expect_two(strokes("# a .traj\n0 0 0\n2\t-5 3\n", "x=#1 mm, y=#2 mm, z=#3 mm", 1000));
+    expect_two(strokes("# by numpy.savetxt\n# t_ms x_mm y_mm z_mm\n0 0 0 0\n1 2 -5 3\n"));
+    expect_two(strokes("# t,x,y,z\n0,0,0,0\n# later\n0.001,0.002,-0.005,0.003\n"));
+    expect_two(strokes("\xEF\xBB\xBFt\tpos x [mm]\ty\tz\n0\t0\t0\t0\n0.001\t2\t-0.005\t0.003\n", "x='pos x'"));
+    expect_two(strokes("t;x;y;z\n0;0;0;0\n0,001;0,002;-0,005;0,003\n"));
     expect_two(strokes("0;0;0\r\n0.002;-0.005;0.003\r\n", "x=#1,y=#2,z=#3", 1000));
     std::string array("\x93NUMPY\x01\x00\x76\x00", 10);
     std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
@@ -59,6 +63,7 @@ TEST_F(StrokeFile, ThatIsWrongIsRefusedWithWhatWouldBeRight) {
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,nan\n"), ":2: a position or time is missing or not finite"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0\n"), ":2: 3 numbers in this row, 4 in the first"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n"), "no row of numbers"));
+    EXPECT_TRUE(testing::says(refusal(std::string("\xFF\xFEt\0", 4)), "UTF-16"));
     EXPECT_TRUE(
         testing::says(refusal("t,a,y,z\n0,0,0,0\n", "x=q mm"), "--map names a column for x that is not there (q)"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n", "x=x furlong"), "--map: the unit of x"));
@@ -87,6 +92,9 @@ TEST_F(StrokeFile, ForcesBelongToTheSameSamples) {
     EXPECT_NEAR(track[0][1].z, 0.002, 1e-12);
     EXPECT_NEAR(track[1][0].z, 0.003, 1e-12);
     EXPECT_TRUE(std::isnan(track[1][0].x));
+    const Track in_order = forces("fx,fy,fz\n0,0,1\n0,0,2\n0,0,3\n");
+    EXPECT_EQ(in_order[0][1].z, 3) << "rows as the strokes' file has them";
+    EXPECT_EQ(in_order[1][0].z, 2);
     EXPECT_THROW(forces("fx,fy,fz\n0,0,0\n"), UsageError) << "too few";
     EXPECT_THROW(forces("path,fx,fy,fz\n1,0,0,0\n1,0,0,0\n3,0,0,0\n"), UsageError) << "another path";
     EXPECT_NO_THROW(forces("path,x,y,z,fx,fy,fz\n1,0,0,0,0,0,0\n2,0.001,0,0,0,0,0\n1,0,0,0.001,0,0,0\n"));

@@ -324,6 +324,8 @@ def score(scene: Scene, strokes: Sequence[ArrayLike], renderers: Mapping[str, Re
     native = _native.ScoredStrokes(scene._native, places, rate)
     scores = {"oracle": Table(native.score(native.oracle()))}
     for name, renderer in renderers.items():
+        if name == "oracle":
+            raise ValueError('a renderer is called "oracle", as the oracle itself; give it another name')
         times = None
         forces: list[Array] = []
         if not isinstance(renderer, Renderer):
@@ -335,8 +337,12 @@ def score(scene: Scene, strokes: Sequence[ArrayLike], renderers: Mapping[str, Re
                 own, seconds = np.empty_like(stroke), np.empty(len(stroke))
                 for i, probe in enumerate(stroke):
                     start = time.perf_counter()
-                    own[i] = renderer.update(probe.copy())
+                    force = np.asarray(renderer.update(probe.copy()), dtype=float)
                     seconds[i] = time.perf_counter() - start
+                    if force.shape != (3,):
+                        raise ValueError(f"{name}.update returned an array of shape {force.shape}; expected a force "
+                                         "(3,), N")
+                    own[i] = force
                 forces.append(own)
                 times.append(1e6 * np.median(seconds))
         columns = native.score(forces)
