@@ -51,8 +51,7 @@ score::SceneScores score_scene(const ScoreArguments& arguments, const CommonOpti
                                         : score::read_strokes(positions, map, arguments.rate, score::size_of(prepared));
     options.recorded = recorded_of(arguments, map, options.strokes);
     score::require_found(map);
-    for (const std::string& renderer : arguments.renderers)
-        options.renderers.push_back(parse_renderer(renderer));
+    options.renderers = parse_renderers(arguments.renderers);
     if (arguments.patience)
         options.patience.update =
             std::chrono::milliseconds(static_cast<long>(std::ceil(1e3 * std::min(*arguments.patience, kMostPatience))));
@@ -132,11 +131,9 @@ int run(const ScoreArguments& arguments, const CommonOptions& common) {
     data.seconds = seconds_since(start);
     score::add_scores(data, scores, strokes, scenes);
     study::append(data.notes, std::move(notes));
-    for (const std::string& renderer : arguments.renderers) {
-        const RendererSource source = parse_renderer(renderer);
+    for (const RendererSource& source : parse_renderers(arguments.renderers))
         data.notes.push_back(
             fmt::format("{}: {}, SHA-256 {}.", source.name, source.library.string(), sha256_of_file(source.library)));
-    }
     note(common, "{}", score::score_text(scores));
     if (!scenes.empty())
         note(common, "{}", score::scenes_text(scenes));

@@ -28,14 +28,15 @@ struct KnownStudy {
     study::StudyData (*run)(study::StudyRun&);
     const char* precision = ""; /* what it uses in place of the scene's; empty: the scene's */
     bool many = false;          /* of a study's scenes, not of one */
+    bool renderers = false;     /* measures those of the user's own on a scene */
 };
 
 constexpr std::array<KnownStudy, 5> kStudies{{
     {"error-time", "force error against run time: facets, shadings, precision, look-up volumes",
-     study::study_error_time},
-    {"stability", "where the sampled loop and the numbers stop being stable", study::study_stability},
+     study::study_error_time, "", false, true},
+    {"stability", "where the sampled loop and the numbers stop being stable", study::study_stability, "", false, true},
     {"energy", "work round closed loops and curl, for each shading", study::study_energy,
-     "quadrature and oracle are in double precision, the engine in double where the device has it"},
+     "quadrature and oracle are in double precision, the engine in double where the device has it", false, true},
     {"omission", "what leaving out what a scene does not need saves", study::study_omission},
     {"perception", "what a model observer expects people to feel", experiment::study_perception,
      "strokes and oracle are in double precision", true},
@@ -44,7 +45,8 @@ constexpr std::array<KnownStudy, 5> kStudies{{
 constexpr const char* kAll = "all";
 
 struct StudyArguments {
-    std::string name, scene, out, renderer;
+    std::string name, scene, out;
+    std::vector<std::string> renderers;
     bool quick = false, fresh = false;
 };
 
@@ -62,6 +64,13 @@ const KnownStudy& known_study(const std::string& name) {
         if (name == one.name)
             return one;
     refuse_unknown("study", name, study_names());
+}
+
+// \throws UsageError for renderers that no study measures.
+void check_renderers(const StudyArguments& arguments, bool measured) {
+    if (!arguments.renderers.empty() && !(measured && !arguments.scene.empty()))
+        throw UsageError("--renderer is of study error-time SCENE, stability SCENE and energy SCENE: a renderer is "
+                         "measured on a scene of yours");
 }
 
 // The user's scene.
@@ -103,10 +112,8 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
     options.scene = scene_of(known, arguments, common);
     if (known.many && !arguments.scene.empty())
         options.cases = load_study(arguments.scene, common).cases;
-    if (!arguments.renderer.empty() && (std::string_view(known.name) != "error-time" || arguments.scene.empty()))
-        throw UsageError("--renderer is of study error-time SCENE: a renderer is measured on a scene of yours");
-    if (!arguments.renderer.empty())
-        options.renderer = parse_renderer(arguments.renderer);
+    check_renderers(arguments, known.renderers);
+    options.renderers = parse_renderers(arguments.renderers);
     options.quick = arguments.quick;
     options.engine = device_options(common, true);
     const auto show = [&](const study::StudyData& data, const std::string& how) {
@@ -138,10 +145,9 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
 // One study after the other; a later run goes on with those that are not there yet.
 int run(const StudyArguments& arguments, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
-    if (arguments.name == kAll && !arguments.renderer.empty())
-        throw UsageError("--renderer is of study error-time SCENE: a renderer is measured on a scene of yours");
     if (arguments.name != kAll)
         return run_one(known_study(arguments.name), arguments, common);
+    check_renderers(arguments, false);
     if (common.json)
         throw UsageError("--json is of one study: name it, or read study.json in each one's folder");
     if (!common.precision.empty())
@@ -161,13 +167,16 @@ void describe(Options& options, StudyArguments& arguments) {
     options.optional("SCENE", arguments.scene,
                      "scene file (TOML) to study, for perception also one of many scenes; without it the study's own");
     options.required("--out DIR", arguments.out, "folder of the results; each study has a folder of its name in it");
-    options.optional("--renderer LIBRARY[:OPTIONS]", arguments.renderer,
-                     "error-time of a scene: a shared library of your own among the methods (forceshade_renderer.h)");
+    options.repeated("--renderer LIBRARY[:OPTIONS]", arguments.renderers,
+                     "error-time, stability and energy of a scene: a shared library of your own, measured too "
+                     "(forceshade_renderer.h); once for each");
     options.flag("--quick", arguments.quick, "coarse, within a minute each");
     options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
     options.example("study all --quick --out results", "which shading? in some two minutes")
         .example("study error-time --quick --out results", "within a minute")
-        .example("study energy bump.toml --quick -o results", "of a scene of your own");
+        .example("study energy bump.toml --quick -o results", "of a scene of your own")
+        .example("study stability bump.toml --renderer ./libmine.so -o results",
+                 "up to which stiffness yours is stable");
 }
 
 struct ReportArguments {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -13,15 +15,36 @@
 namespace forceshade {
 namespace {
 
-constexpr double kSmall = 1e-6; // of the depth: a disturbance by which the loop is still linear
+TouchPlace touched_at(const RestPlace& place) {
+    return {place.at, place.normal, place.below};
+}
+
+// The disturbance of a loop, and what counts as far and as gone.
+struct Disturbance {
+    double size; // of the depth
+    double far;  // of the disturbance: the loop grows
+    double gone; // of its energy: the loop has come to rest
+};
+constexpr Disturbance kLinear{1e-6, 1e4, 1e-6}; // by which a loop is still linear
 
 // How a disturbance of a loop grows: the logarithm of its energy late over early.
 class Simulation {
 public:
+    /// Over the stiffness, m: of the law at a distance, m, from the place.
+    using Force = std::function<glm::dvec3(const glm::dvec3& aside)>;
+
     Simulation(const LoopSurface& surface, const LeastLimit& least)
-        : force_(surface.prepared, surface.scale()),
-          least_(least), place_{least.place.at, least.place.normal, least.place.below}, axes_(axes_of(least.hold)),
-          steps_(settling_steps(least.cell, surface.is_mesh() ? 100 : 400)) {
+        : Simulation(
+              least, settling_steps(least.cell, surface.is_mesh() ? 100 : 400), kLinear,
+              [force = std::make_shared<ContactForce>(surface.prepared, surface.scale()),
+               place = touched_at(least.place)](const glm::dvec3& aside) { return (*force)(place, aside); },
+              least.place.force) {}
+
+    /// `rest` is the force at the place, which the hand balances.
+    Simulation(const LeastLimit& least, std::size_t steps, const Disturbance& disturbance, Force force,
+               const glm::dvec3& rest)
+        : force_(std::move(force)), rest_(rest), least_(least), axes_(axes_of(least.hold)), disturbance_(disturbance),
+          steps_(steps) {
         const std::array<Axis, 3> held = axes_of(least.hold, least.cell.hand);
         for (std::size_t i = 0; i < 3; ++i) {
             maps_[i] = axis_map(held[i], 1 / least.cell.rate);
@@ -31,22 +54,22 @@ public:
 
     // `disturbance`, m, in the hand's axes.
     double growth(double stiffness, const glm::dvec3& disturbance) {
-        constexpr double kFar = 1e4, kFarthest = 3; // of the disturbance; depths
+        constexpr double kFarthest = 3; // depths
         const double begins = reference::length(disturbance);
-        const double far = std::min(kFar * begins, kFarthest * least_.place.depth);
+        const double far = std::min(disturbance_.far * begins, kFarthest * least_.place.depth);
         glm::dvec3 at = disturbance, speed(0), shown(0);
         std::vector<glm::dvec3> late(least_.cell.hand.delay_samples + 1, glm::dvec3(0));
         const double quick = stiffness / least_.cell.hand.mass; // 1 / s^2
         const HandSpec& hand = least_.cell.hand;
         const auto coupling = coupling_of<double>(hand, stiffness, 1 / least_.cell.rate);
         const double share = coupled_share(hand, stiffness);
-        double lag = (1 - share) * reference::length(least_.place.force); /* m */
+        double lag = (1 - share) * reference::length(rest_); /* m */
         double early = 0, last = 0;
         for (std::size_t step = 0; step < steps_; ++step) {
-            const glm::dvec3 force = force_(place_, axes_ * at); /* m: for each N/m */
+            const glm::dvec3 force = force_(axes_ * at); /* m: for each N/m */
             const glm::dvec3 coupled_force =
                 reference::through_coupling(coupling, force, reference::length(force), lag);
-            late[step % late.size()] = stiffness * glm::transpose(axes_) * (coupled_force - share * least_.place.force);
+            late[step % late.size()] = stiffness * glm::transpose(axes_) * (coupled_force - share * rest_);
             const glm::dvec3 given = late[(step + 1) % late.size()], excess = shown - given;
             for (int i = 0; i < 3; ++i) {
                 const auto& map = maps_[static_cast<std::size_t>(i)];
@@ -66,16 +89,19 @@ public:
             if (step >= steps_ - steps_ / 4)
                 last = std::max(last, energy);
         }
-        const bool gone = last < 1e-6 * quick * begins * begins;
+        const bool gone = last < disturbance_.gone * quick * begins * begins;
         return gone ? -1 : std::log(last / early);
     }
-    double growth(double stiffness) { return growth(stiffness, kSmall * place_.depth * glm::dvec3(0.5, 0.3, -1)); }
+    double growth(double stiffness) {
+        return growth(stiffness, disturbance_.size * least_.place.below * glm::dvec3(0.5, 0.3, -1));
+    }
 
 private:
-    ContactForce force_;
+    Force force_;
+    glm::dvec3 rest_; /* m */
     const LeastLimit& least_;
-    TouchPlace place_;
     glm::dmat3 axes_;
+    Disturbance disturbance_;
     std::array<layout::AxisMap<double>, 3> maps_{};
     std::array<LagMap, 3> lags_{};
     std::size_t steps_;
@@ -172,6 +198,46 @@ std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLim
 
 bool decays(const LoopSurface& surface, const LeastLimit& there) {
     return Simulation(surface, there).growth(there.cell.stiffness) < 0;
+}
+
+SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make) {
+    constexpr double kLow = 10, kHigh = 1e6, kClose = 1.01; /* N/m; of a stiffness */
+    constexpr Disturbance kKick{1e-3, 30, 1e-4};            // beyond the rounding errors of single precision
+    constexpr double kTimes = 10, kMostSteps = 1e5;         // of the time in which the grip brings the probe back
+    constexpr double kDecays = -0.05; // moves a limit by a thousandth; less is a steady vibration, rounded
+    const TouchPlace place = touched_at(there.place);
+    const HandSpec& hand = there.cell.hand;
+    glm::dvec3 kick(0.5, 0.3, -1); // in the hand's axes
+    double slowest = 0;            /* s */
+    if (hand.grip_stiffness > 0)
+        slowest = damping_of(hand) / hand.grip_stiffness;
+    else // into the surface alone: nothing brings it back from aside
+        kick = -glm::normalize(glm::transpose(axes_of(there.hold)) * there.place.force);
+    kick *= kKick.size * place.depth;
+    const auto steps = std::max(settling_steps(there.cell, 100),
+                                static_cast<std::size_t>(std::min(kTimes * slowest * there.cell.rate, kMostSteps)));
+    bool touches = true;
+    const auto rests = [&](double stiffness) {
+        const PathForce force = make(stiffness);
+        glm::dvec3 rest(0);
+        for (const glm::dvec3& probe : descent(place, surface.scale()))
+            rest = force(probe) / stiffness;
+        touches = touches && rest != glm::dvec3(0);
+        Simulation simulation(
+            there, steps, kKick, [&](const glm::dvec3& from) { return force(place.at + from) / stiffness; }, rest);
+        return touches && simulation.growth(stiffness, kick) < kDecays;
+    };
+    double below = kLow, above = kHigh;
+    if (rests(kHigh))
+        return {kHigh, LimitEnd::above};
+    const bool within = touches && rests(kLow);
+    while (within && above > kClose * below) {
+        const double middle = std::sqrt(below * above);
+        (rests(middle) ? below : above) = middle;
+    }
+    if (!touches)
+        return {NAN, LimitEnd::no_force};
+    return within ? SteppedLimit{std::sqrt(below * above), LimitEnd::within} : SteppedLimit{kLow, LimitEnd::below};
 }
 
 std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least) {

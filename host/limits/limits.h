@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,23 @@ std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLim
 /// Whether a disturbance of a millionth of the depth decays there when the loop of its cell is stepped through the
 /// surface's own force.
 bool decays(const LoopSurface& surface, const LeastLimit& there);
+
+/// N: the force of a law on a path, given its probes, m, one after the other, each a sample after the last.
+using PathForce = std::function<glm::dvec3(const glm::dvec3& probe)>;
+/// A law with a stiffness, N/m, at the begin of a path.
+using MakePathForce = std::function<PathForce(double stiffness)>;
+
+/// Whether a limit was found within the range that was searched.
+enum class LimitEnd { within, below, above, no_force };
+struct SteppedLimit {
+    double limit = 0; /* N/m; the end of the range where it is below or above that; NaN without a force */
+    LimitEnd end = LimitEnd::within;
+};
+
+/// The stiffness up to which a kick of a thousandth of the depth decays when the loop of `there` is stepped through a
+/// law's forces, by bisection from 10 to 1e6 N/m to 1 %. The probe comes down to the place first, where the hand
+/// balances the law's own force; a law without a force there has no limit. \throws what the law throws.
+SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make);
 
 /// m: of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that decays at half the linearised limit, as all smaller
 /// ones do; 0 if none does.

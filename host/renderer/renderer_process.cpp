@@ -1,5 +1,6 @@
 #include "host/renderer/renderer_process.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -111,6 +112,18 @@ RendererSource parse_renderer(const std::string& text) {
         source.name += ":" + source.options;
     source.name = printable(source.name);
     return source;
+}
+
+std::vector<RendererSource> parse_renderers(const std::vector<std::string>& texts) {
+    std::vector<RendererSource> all;
+    for (const std::string& text : texts) {
+        RendererSource source = parse_renderer(text);
+        const std::string name = source.name;
+        for (int number = 2; std::ranges::count(all, source.name, &RendererSource::name) > 0; ++number)
+            source.name = fmt::format("{} ({})", name, number);
+        all.push_back(std::move(source));
+    }
+    return all;
 }
 
 RendererProcess::RendererProcess(const RendererSource& source, const PreparedCase& prepared, double period,

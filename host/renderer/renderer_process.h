@@ -29,6 +29,8 @@ struct RendererSource {
 
 /// "LIBRARY[:OPTIONS]". \throws UsageError for an empty name, IoError for a file that is not there.
 RendererSource parse_renderer(const std::string& text);
+/// Several, whose names differ: the second "mine" is "mine (2)".
+std::vector<RendererSource> parse_renderers(const std::vector<std::string>& texts);
 
 struct RendererAnswer {
     glm::dvec3 force; /* N: as the renderer gave it, perhaps not finite */

@@ -45,6 +45,11 @@ std::string entry(const std::string& id, const std::string& text) {
     return fmt::format("<li><a href=\"#{}\">{}</a></li>\n", id, escaped(text));
 }
 
+// Of renderers of the user's own, and nothing else.
+bool is_score(const Contents& contents) {
+    return contents.sweeps.empty() && contents.studies.size() == 1 && contents.studies.front().data.study == "score";
+}
+
 std::string contents_list(const Contents& contents, bool viewer) {
     std::string html;
     if (!contents.troubles.empty())
@@ -55,7 +60,7 @@ std::string contents_list(const Contents& contents, bool viewer) {
         html += entry(anchor(sweep), title(sweep));
     if (viewer)
         html += entry("viewer", "Viewer");
-    if (!contents.studies.empty() || !contents.sweeps.empty())
+    if ((!contents.studies.empty() || !contents.sweeps.empty()) && !is_score(contents))
         html += entry("device", "My device");
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
 }
@@ -69,8 +74,13 @@ std::string sentence_of(const Contents& contents, const char* study, const char*
     return otherwise;
 }
 
-// The benefit and the cost of shading.
+// The benefit and the cost of shading; of a score what is measured.
 std::string opening(const Contents& contents) {
+    if (is_score(contents))
+        return "<p id=\"opening\">Forces of renderers along the same strokes, held against the oracle: how far they "
+               "are "
+               "from its forces, which contacts they lose, what they add in vibration, and how long an update "
+               "takes.</p>\n";
     const std::string buys =
         sentence_of(contents, "error-time", "shading", "Edges are felt less, at some more time for each evaluation.");
     const std::string costs = sentence_of(contents, "stability", "loop_shading",
@@ -82,24 +92,36 @@ std::string opening(const Contents& contents) {
 }
 
 // The terms that the page assumes.
-std::string words_section() {
+std::string words_section(bool of_score) {
+    using Words = std::vector<std::pair<const char*, const char*>>;
+    static const Words of_scores{
+        {"oracle", "the scene's own law in double precision: on a mesh a god-object"},
+        {"god-object",
+         "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed "
+         "in, and the force pulls the probe to it"},
+        {"RMS", "root mean square: the square root of the mean of the squares"},
+        {"pop-through", "the probe comes out on the other side: the force does not come back in this contact, or is "
+                        "turned round"},
+        {"drop-out", "a contact of the oracle in which the force is lost for a while"},
+        {"phantom", "a force in the air: where the oracle has no contact"}};
+    static const Words of_studies{
+        {"rim", "where the smooth shape itself has an edge: the foot of the bump"},
+        {"RMS", "root mean square: the square root of the mean of the squares"},
+        {"god-object",
+         "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed in, and "
+         "the force pulls the probe to it"},
+        {"look-up volume", "forces computed beforehand on a grid, between which a loop interpolates"},
+        {"kernel", "a program that a Vulkan device runs for many voxels or paths at a time"},
+        {"reference", "shading of the bump: the direction of the cylinder that its facets stand for"},
+        {"none", "no shading: the direction is the facet's normal"},
+        {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
+                       "of corners; the size of the force stays"},
+        {"two_pass",
+         "shading of a mesh by Ruspini 1997: the force grows with the angle by which it is turned, without a bound"},
+        {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
+        {"gain, effort", "the energy that a round gives the hand, and the integral of |F dl| along it"}};
     std::string words;
-    for (const auto& [word, meaning] :
-         {std::pair("rim", "where the smooth shape itself has an edge: the foot of the bump"),
-          {"RMS", "root mean square: the square root of the mean of the squares"},
-          {"god-object",
-           "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed in, and "
-           "the force pulls the probe to it"},
-          {"look-up volume", "forces computed beforehand on a grid, between which a loop interpolates"},
-          {"kernel", "a program that a Vulkan device runs for many voxels or paths at a time"},
-          {"reference", "shading of the bump: the direction of the cylinder that its facets stand for"},
-          {"none", "no shading: the direction is the facet's normal"},
-          {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
-                         "of corners; the size of the force stays"},
-          {"two_pass",
-           "shading of a mesh by Ruspini 1997: the force grows with the angle by which it is turned, without a bound"},
-          {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
-          {"gain, effort", "the energy that a round gives the hand, and the integral of |F dl| along it"}})
+    for (const auto& [word, meaning] : of_score ? of_scores : of_studies)
         words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);
     return "<section id=\"words\">\n" + folded("Words", "<dl class=\"meanings\">\n" + words + "</dl>\n", true) +
            "</section>\n";
@@ -139,15 +161,17 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
                                        ? "<p>This folder has no sweep and no study that this program can read.</p>\n"
                                        : "";
     // The page fills it in.
-    const std::string device = no_results.empty() ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
+    const std::string device =
+        no_results.empty() && !is_score(contents) ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
     const std::string body =
         fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
         (no_results.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
         troubles_section(contents.troubles) + no_results + verdict_section(contents) +
-        (contents.studies.empty() ? "" : words_section()) + glance(contents.studies) + studies + sweeps +
-        (contents.studies.empty() && no_results.empty() ? words_section() : "") + viewer + device + "</main>\n";
+        (contents.studies.empty() ? "" : words_section(is_score(contents))) + glance(contents.studies) + studies +
+        sweeps + (contents.studies.empty() && no_results.empty() ? words_section(false) : "") + viewer + device +
+        "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 

@@ -267,10 +267,6 @@ study::Table signals_table(const std::vector<Scored>& all, const Strokes& stroke
                               rows);
 }
 
-std::string nanoseconds(double seconds) {
-    return std::isfinite(seconds) ? fmt::format("{:.3g} us", 1e6 * seconds) : "-";
-}
-
 study::Finding finding_of(const Scored& scored, std::size_t index) {
     using S = StrokeScore;
     const auto value = [&](double S::*of) { return over_strokes(scored, of); };
@@ -298,8 +294,9 @@ study::Finding finding_of(const Scored& scored, std::size_t index) {
     if (const double count = value(&S::not_finite); count > 0)
         finding.text += fmt::format("; {} without a finite force", numbers::counted(std::uint64_t(count), "sample"));
     if (scored.times)
-        finding.text += fmt::format("; an update takes {} ({} once in a thousand)", nanoseconds(scored.times->warm),
-                                    nanoseconds(scored.times->p999));
+        finding.text +=
+            fmt::format("; an update takes {} ({} once in a thousand)", numbers::quantity_text(scored.times->warm, "s"),
+                        numbers::quantity_text(scored.times->p999, "s"));
     finding.text += ".";
     const std::vector<double> shares =
         values_of(scored, *std::ranges::find(measures(), &S::error_share, &Measure::value));

@@ -218,7 +218,8 @@ TEST_F(Score, WithoutAFileTheScenesOwnPathsAreTheStrokes) {
 // The scene has paths and no grid of its own.
 TEST_F(Score, AStudyPutsARendererOnItsFrontOfErrorAgainstTime) {
     write("scene.toml", "[surface]\nkind = \"bump\"\nfacets = 6\n[paths]\ncount = 2\nsteps = 200\n");
-    expect_success({"study", "error-time", "scene.toml", "--quick", "--out", "out", "--renderer", PENALTY});
+    expect_success({"study", "error-time", "scene.toml", "--quick", "--out", "out", "--renderer", PENALTY, "--renderer",
+                    std::string(BAD_RENDERER) + ":crash"});
     std::map<std::string, double> errors; // by family
     const std::vector<std::string> lines = lines_of(read_text(path("out/error-time/ways.csv")));
     const std::vector<std::string> header = cells_of(lines.front());
@@ -228,6 +229,8 @@ TEST_F(Score, AStudyPutsARendererOnItsFrontOfErrorAgainstTime) {
             errors[cells[column("family")]] = std::stod(cells[column("typical_rms_1")]);
     ASSERT_TRUE(errors.contains("renderer, penalty")) << lines.front();
     EXPECT_GT(errors["renderer, penalty"], 0);
+    EXPECT_FALSE(errors.contains("renderer, bad_renderer:crash"));
+    EXPECT_TRUE(says(read_text(path("out/report.html")), "crashed (Segmentation fault) in update 1000; it has no row"));
     expect_failure(2, {"study", "omission", "scene.toml", "--out", "out", "--renderer", PENALTY}, {"--renderer"});
 }
 

@@ -1,6 +1,8 @@
 // The limit over mass, grip, damping, rate and delay, and kicks without damping, against other code.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -44,6 +46,40 @@ TEST(StabilityAtlas, IsTheClosedFormOnAPlane) {
             << point.quantity << " " << point.value;
     }
     EXPECT_EQ(atlas("plane").points.size(), 5U * 13 + 7);
+}
+
+MakePathForce law_of(const LoopSurface& surface) {
+    return [&surface](double stiffness) {
+        return [probe = std::make_shared<CaseProbe<double>>(surface.prepared), stiffness](const glm::dvec3& at) {
+            return stiffness * glm::dvec3(probe->at(at).contact.force);
+        };
+    };
+}
+
+TEST(SteppedLimits, AreThoseOfTheLinearLoop) {
+    for (const char* name : {"plane", "textured plane", "shaded bump", "mesh"}) {
+        const Atlas& one = atlas(name);
+        const LeastLimit& worst = *worst_of(one.limits);
+        const SteppedLimit found = stepped_limit(one.surface, worst, law_of(one.surface));
+        EXPECT_EQ(found.end, LimitEnd::within);
+        EXPECT_NEAR(found.limit / *worst.limit, 1, 0.01) << name;
+    }
+}
+
+TEST(SteppedLimits, SayWhereThereIsNone) {
+    const LoopSurface& plane = atlas("plane").surface;
+    LeastLimit there = *worst_of(atlas("plane").limits);
+    const auto end_of = [&](const MakePathForce& make) { return stepped_limit(plane, there, make).end; };
+    EXPECT_EQ(end_of([](double) { return [](const glm::dvec3&) { return glm::dvec3(0); }; }), LimitEnd::no_force);
+    const MakePathForce twitches = [](double stiffness) { // a tenth of a millimetre aside, every other sample
+        return [=, updates = 0](const glm::dvec3& at) mutable {
+            return stiffness * glm::dvec3(++updates % 2 * 1e-4, 0, -at.z);
+        };
+    };
+    EXPECT_EQ(end_of(twitches), LimitEnd::below);
+    there.cell.rate = 1e6; // K_crit is 6e6 N/m
+    there.cell.hand.grip_stiffness = 3000;
+    EXPECT_EQ(end_of(law_of(plane)), LimitEnd::above);
 }
 
 // On a shaded slope it is where the force turns away faster than the grip holds: as stiff as the grip times what the

@@ -201,6 +201,22 @@ TEST(EnergyLoops, ThatLeaveTheSurfaceCountForNothing) {
     EXPECT_FALSE(work_by_place(bump, places_of_loop(bump, {{0, 0}, {0.01, 0}, 0.002, -0.001}, 64).value()));
 }
 
+TEST(EnergyLoops, AsPathsComeDownAndGoRoundTwice) {
+    for (const EnergyLaw& law :
+         {mesh_law(bump_mesh({0.0127, 0.0254, 4, 4}), Shading::none), bump_law("600 mil", 2, "none")}) {
+        const auto places = places_of_loop(law, {{0.002, 0}, {0.005, 0}, 0.002, 0.001}, 64).value();
+        const auto path = path_of_loop(law, places);
+        const std::size_t round = places.size() - 1;
+        EXPECT_EQ(CaseProbe<double>(*law.prepared).at(path.front()).contact.facet, layout::kNoFacet) << "above";
+        EXPECT_EQ(path.back(), places.front());
+        EXPECT_EQ(path[path.size() - 1 - round], places.front());
+        std::vector<glm::dvec3> turning; // curl_y F = 2 N/m: twice the area
+        for (const glm::dvec3& at : path)
+            turning.emplace_back(at.z, 0, -at.x);
+        EXPECT_NEAR(std::abs(work_of_last(path, turning, round).work), 2 * 0.003 * 0.001, 1e-12);
+    }
+}
+
 TEST(EnergyStrokes, AreDrawnAnywhereInTheRegion) {
     const StrokeRegion region{{-0.01, -0.002}, {0.03, 0.002}, 1e-3};
     const std::vector<Stroke> strokes = drawn_strokes(region, 500);

@@ -156,6 +156,9 @@ StudyData study_energy(StudyRun& run) {
                                  }});
         }
     }
+    if (run.scene() && !run.options().renderers.empty())
+        append(parts, renderer_parts(run, results.surfaces.front(), extents.loops_of_history, extents.steps,
+                                     results.renderers));
     run.run(parts);
     for (const std::vector<LoopRow>& rows : loops)
         append(results.loops, rows);

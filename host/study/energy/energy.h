@@ -67,7 +67,14 @@ struct LoopWork {
 /// jumps down to rounding error. Empty if the loop leaves contact.
 std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
 
-/// Of a mesh, followed by the god-object from place to place; the second loop, when it knows its side.
+/// A loop as a path, m: from above the surface down to its begin, then twice round; the second round has as many steps
+/// as the loop.
+std::vector<glm::dvec3> path_of_loop(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
+
+/// Of the last `steps` steps of a path, by the mean of both ends' forces, N.
+LoopWork work_of_last(const std::vector<glm::dvec3>& path, const std::vector<glm::dvec3>& forces, std::size_t steps);
+
+/// Of a law that is followed along path_of_loop, a mesh's by its god-object; the second round, when it knows its side.
 std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
 
 /// A field over a section of x and z at one y, in contact where depth is above 0.
@@ -122,14 +129,39 @@ struct LawRow {
 
 std::vector<LawRow> summarise_by_law(const std::vector<LoopRow>& loops);
 
+/// A renderer of the user's own on the loops of a scene, or the scene's own law: each loop is walked as path_of_loop.
+struct RendererLoops {
+    struct Loop {
+        std::size_t number = 0; /* of the stroke */
+        double gain = 0;        /* J: to the hand, in the worse direction of travel */
+        double effort = 0;      /* J */
+        double rule = NAN;      /* J: by which the gain changes with half the steps; of the scene's own law */
+    };
+    std::string name;          /* "mine:fast"; of the scene's own law "own law" */
+    std::vector<Loop> loops{}; /* in which the scene's own law stays in contact */
+    std::string status = "ok"; /* else what the renderer did wrong */
+};
+
+/// A part that finds the loops of the scene's own law on some strokes, then a part that walks them for each renderer;
+/// `found` must outlive them, and has the law's first.
+std::vector<Part> renderer_parts(const StudyRun& run, const EnergySurface& surface, std::size_t strokes,
+                                 std::size_t steps, std::vector<RendererLoops>& found);
+
+/// Adds tables, a figure, a note and a finding a renderer; nothing without one.
+void add_renderers(StudyData& data, const std::vector<RendererLoops>& found);
+
+/// "0.10 mJ"; rounding errors as a bound.
+std::string milli(double joules);
+
 struct EnergyResults {
     std::vector<EnergySurface> surfaces;
     std::vector<LoopRow> loops;
     std::vector<LawRow> laws;
     std::vector<CurlCell> curl;
+    std::vector<RendererLoops> renderers;
 };
 
-/// Adds tables, figures, notes and findings: at most four.
+/// Adds tables, figures, notes and findings: at most four, and one a renderer.
 void add_energy(StudyData& data, const EnergyResults& results);
 
 /// \throws what StudyRun::run throws, UsageError for a scene that the study cannot use.

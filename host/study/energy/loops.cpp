@@ -144,30 +144,44 @@ std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<gl
     return touches ? std::optional(sum) : std::nullopt;
 }
 
-std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<glm::dvec3>& places) {
+std::vector<glm::dvec3> path_of_loop(const EnergyLaw& law, const std::vector<glm::dvec3>& places) {
     constexpr std::size_t kDescent = 16;
-    CaseProbe<double> probe(*law.prepared);
-    const auto box = bounding_box(law.prepared->images.mesh->mesh.polygons);
-    const glm::dvec3 above(places.front().x, places.front().y, box.high[2] + (box.high[2] - box.low[2]) / 100);
-    std::vector<glm::dvec3> way;
-    for (std::size_t i = 0; i < kDescent; ++i)
-        way.push_back(glm::mix(above, places.front(), double(i) / kDescent));
-    for (int round = 0; round < 2; ++round)
-        way.insert(way.end(), places.begin() + (round > 0), places.end());
-    LoopWork sum;
-    bool touches = true;
-    const std::size_t second = kDescent + places.size(); // the step after which the loop begins again
-    glm::dvec3 before(0);
-    for (std::size_t i = 0; i < way.size(); ++i) {
-        const auto contact = probe.at(way[i]).contact;
-        const glm::dvec3 now(contact.force);
-        if (i >= second) {
-            sum.add(glm::dot(0.5 * (before + now), way[i] - way[i - 1]));
-            touches = touches && contact.facet != layout::kNoFacet;
-        }
-        before = now;
+    constexpr double kClear = 1e-3; // m: above an analytic surface
+    const glm::dvec3& first = places.front();
+    glm::dvec3 above = first;
+    if (law.prepared->images.mesh) {
+        const auto box = bounding_box(law.prepared->images.mesh->mesh.polygons);
+        above.z = box.high[2] + (box.high[2] - box.low[2]) / 100;
+    } else {
+        above.z = reference::nominal_height(CaseLaw<double>(*law.prepared).law(), first.x) + kClear;
     }
-    return touches ? std::optional(sum) : std::nullopt;
+    std::vector<glm::dvec3> path;
+    for (std::size_t i = 0; i < kDescent; ++i)
+        path.push_back(glm::mix(above, first, double(i) / kDescent));
+    for (int round = 0; round < 2; ++round)
+        path.insert(path.end(), places.begin() + (round > 0), places.end());
+    return path;
+}
+
+LoopWork work_of_last(const std::vector<glm::dvec3>& path, const std::vector<glm::dvec3>& forces, std::size_t steps) {
+    LoopWork sum;
+    for (std::size_t i = path.size() - steps; i < path.size(); ++i)
+        sum.add(glm::dot(0.5 * (forces[i - 1] + forces[i]), path[i] - path[i - 1]));
+    return sum;
+}
+
+std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<glm::dvec3>& places) {
+    CaseProbe<double> probe(*law.prepared);
+    const std::vector<glm::dvec3> path = path_of_loop(law, places);
+    const std::size_t steps = places.size() - 1;
+    std::vector<glm::dvec3> forces;
+    bool touches = true;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+        const auto contact = probe.at(path[i]).contact;
+        forces.emplace_back(contact.force);
+        touches = touches && (i + steps < path.size() || contact.facet != layout::kNoFacet);
+    }
+    return touches ? std::optional(work_of_last(path, forces, steps)) : std::nullopt;
 }
 
 // Curl of a force field in a section, from the volume that an engine evaluates.

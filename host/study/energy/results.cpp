@@ -172,12 +172,6 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
     return figures;
 }
 
-// "0.10 mJ"; rounding errors as a bound.
-std::string milli(double joules) {
-    constexpr double kRounding = 1e-9; // J
-    return std::abs(joules) < kRounding ? "less than 1e-6 mJ" : fmt::format("{:.2g} mJ", 1e3 * joules);
-}
-
 std::string interval_of(const LawRow& row) {
     return fmt::format(
         "{} loops; 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; 5 to 95 % of loops: {:.2g} to {:.2g} mJ", row.loops,
@@ -334,6 +328,11 @@ void add_history_finding(std::vector<Finding>& findings, const EnergyResults& re
 
 } // namespace
 
+std::string milli(double joules) {
+    constexpr double kRounding = 1e-9; // J
+    return std::abs(joules) < kRounding ? "less than 1e-6 mJ" : fmt::format("{:.2g} mJ", 1e3 * joules);
+}
+
 std::vector<LawRow> summarise_by_law(const std::vector<LoopRow>& loops) {
     std::vector<LawRow> laws;
     for (const LoopRow& first : loops) {
@@ -374,6 +373,7 @@ void add_energy(StudyData& data, const EnergyResults& results) {
     else
         add_scene_findings(data.findings, results);
     add_history_finding(data.findings, results);
+    add_renderers(data, results.renderers);
 }
 
 } // namespace forceshade::study

@@ -1,6 +1,7 @@
 #include "host/study/error_time/error_time.h"
 
 #include <algorithm>
+#include <deque>
 #include <iterator>
 #include <mutex>
 #include <numeric>
@@ -222,7 +223,8 @@ StudyData study_error_time(StudyRun& run) {
     one_thread.cpu = true;
     one_thread.threads = 1;
     const std::unique_ptr<Engine> single_thread = shared_engine(make_engine(one_thread));
-    std::optional<RendererProcess> renderer;
+    std::deque<RendererProcess> renderers;
+    std::vector<Finding> failures; // of renderers
     std::vector<Method> methods;
     const Engines engines{run.engine(), *single_thread};
     KnownPlaces known;
@@ -231,10 +233,17 @@ StudyData study_error_time(StudyRun& run) {
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants) {
             add_methods(methods, subject, variant, 0, engines);
-            if (const auto& source = run.options().renderer; source && !renderer && is_scenes(variant, run.scene())) {
-                renderer.emplace(*source, *variant.prepared, 1 / kLoopRate);
-                add_renderer(methods, subject, variant, *renderer, source->name);
-            }
+            if (renderers.empty() && failures.empty() && is_scenes(variant, run.scene()))
+                for (const RendererSource& source : run.options().renderers)
+                    try {
+                        renderers.emplace_back(source, *variant.prepared, 1 / kLoopRate);
+                        add_renderer(methods, subject, variant, renderers.back(), source.name);
+                    } catch (const RendererError& error) {
+                        const std::string what = error.what();
+                        failures.push_back({fmt::format("renderer_{}", failures.size() + 1),
+                                            fmt::format("{}{}; it has no row.",
+                                                        what.starts_with(source.name) ? "" : source.name + " ", what)});
+                    }
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
                              [&] { add_errors(methods, subject, variant, extents, engines, known); }});
         }
@@ -270,6 +279,7 @@ StudyData study_error_time(StudyRun& run) {
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);
     add_other_times(data, measured, others);
+    append(data.findings, std::move(failures));
     return data;
 }
 

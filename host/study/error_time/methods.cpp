@@ -263,9 +263,13 @@ public:
     void add_renderer(RendererProcess& renderer, const std::string& name) {
         Method& method = add(Use::live, "renderer, " + name, kPrecision<double>);
         const auto descent_to = [&scale = subject_.scale](const TouchPlace& place) { return descent(place, scale); };
-        const auto force_at = [&renderer, descent_to](const TouchPlace& place) {
+        const auto force_at = [&renderer, descent_to, name](const TouchPlace& place) {
             renderer.begin_path();
-            return renderer.update(descent_to(place));
+            try {
+                return renderer.update(descent_to(place));
+            } catch (const RendererError& error) {
+                throw RendererError(name + " " + error.what(), error.update);
+            }
         };
         method.forces = [force_at](std::span<const TouchPlace> at) {
             std::vector<glm::dvec3> forces;
@@ -437,6 +441,15 @@ const char* name_of(Use use) {
 void add_renderer(std::vector<Method>& methods, const Subject& subject, const Variant& variant,
                   RendererProcess& renderer, const std::string& name) {
     MethodBuilder(methods, subject, variant, 0).add_renderer(renderer, name);
+    try {
+        for (const glm::dvec3& force : methods.back().forces(subject.places))
+            for (int axis = 0; axis < 3; ++axis)
+                if (!std::isfinite(force[axis]))
+                    throw RendererError(name + " gave a force that is not finite", std::nullopt);
+    } catch (const RendererError&) {
+        methods.pop_back();
+        throw;
+    }
 }
 
 void add_methods(std::vector<Method>& methods, const Subject& subject, const Variant& variant, std::size_t draw,

@@ -158,7 +158,8 @@ struct Engines {
 };
 
 /// A renderer of the user's own as a method of a thorough law: it approaches each place as the god-object does, and its
-/// updates are timed in its process. `renderer`, `subject` and `variant` must outlive it.
+/// updates are timed in its process. `renderer`, `subject` and `variant` must outlive it. \throws RendererError, with
+/// its name, where it fails at the subject's places; then it is no method.
 void add_renderer(std::vector<Method>& methods, const Subject& subject, const Variant& variant,
                   RendererProcess& renderer, const std::string& name);
 

@@ -64,6 +64,13 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
         std::rethrow_exception(failed);
 }
 
+glm::dvec3 finite_force(const RendererAnswer& answer) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (!std::isfinite(answer.force[axis]))
+            throw RendererError("gave a force that is not finite", std::nullopt);
+    return answer.force;
+}
+
 StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
     if (options_.scene)
         scene_ = CasePreparation().prepare(*options_.scene);
@@ -74,11 +81,12 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
     make_subfolder(options_.folder.parent_path(), options_.folder.filename().string());
     clear_stale_temporaries(options_.folder);
     const EngineReport report = engine_->report();
-    const std::string renderer =
-        options_.renderer ? options_.renderer->name + sha256_of_file(options_.renderer->library) : "";
+    std::string renderers;
+    for (const RendererSource& one : options_.renderers)
+        renderers += one.name + sha256_of_file(one.library);
     fingerprint_ = sha256_of(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}{}", study_, version(), report.engine,
                                          report.device, report.uuid, report.driver, cpu_name(),
-                                         options_.engine.validation, options_.quick, scene_text_, renderer));
+                                         options_.engine.validation, options_.quick, scene_text_, renderers));
 }
 
 void StudyRun::run(const std::vector<Part>& parts) {

@@ -17,13 +17,16 @@
 namespace forceshade::study {
 
 struct StudyOptions {
-    std::filesystem::path folder;             /* of this study: OUT/error-time */
-    std::optional<Case> scene;                /* the user's; none: the study's own */
-    std::vector<Case> cases;                  /* the user's, of a study of many scenes */
-    bool quick = false;                       /* coarse, within a minute */
-    std::optional<RendererSource> renderer{}; /* of the user's own, among the methods of error-time */
+    std::filesystem::path folder;            /* of this study: OUT/error-time */
+    std::optional<Case> scene;               /* the user's; none: the study's own */
+    std::vector<Case> cases;                 /* the user's, of a study of many scenes */
+    bool quick = false;                      /* coarse, within a minute */
+    std::vector<RendererSource> renderers{}; /* of the user's own, on the user's scene */
     EngineOptions engine;
 };
+
+/// N: the force of a renderer's answer. \throws RendererError for one that is not finite.
+glm::dvec3 finite_force(const RendererAnswer& answer);
 
 /// A part of a study that is computed in one go, some seconds at most.
 struct Part {

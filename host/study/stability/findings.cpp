@@ -11,10 +11,6 @@
 namespace forceshade::study {
 namespace {
 
-std::string newtons(double stiffness) {
-    return stiffness >= 100 ? fmt::format("{:.0f} N/m", stiffness) : fmt::format("{:.3g} N/m", stiffness);
-}
-
 std::string place_of(const LeastLimit& least) {
     const std::string from_jump =
         least.place.edge_distance ? fmt::format(" ({:.2g} um from a jump)", 1e6 * *least.place.edge_distance) : "";
@@ -364,6 +360,10 @@ void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
 }
 
 } // namespace
+
+std::string newtons(double stiffness) {
+    return stiffness >= 100 ? fmt::format("{:.0f} N/m", stiffness) : fmt::format("{:.3g} N/m", stiffness);
+}
 
 std::vector<Finding> loop_findings(const LoopResults& results) {
     std::vector<Finding> findings;

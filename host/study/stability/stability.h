@@ -187,6 +187,25 @@ void add_loops(StudyData& data, const LoopResults& results);
 /// Their findings: at most six.
 std::vector<Finding> loop_findings(const LoopResults& results);
 
+/// Up to which stiffness a loop with a renderer's force is stable, next to the scene's own law, both stepped alike.
+struct RendererLimit {
+    std::string renderer;      /* "mine:fast" */
+    LeastLimit there;          /* place, hold and hand; its limit is of the linearised loop */
+    SteppedLimit limit, own;   /* of the renderer; of the scene's own law */
+    std::string status = "ok"; /* or what the renderer did wrong, which ended its process */
+};
+
+/// At the worst place of each kind with the scene's own hand, and at the worst of all over the hand's damping. \throws
+/// as StudyRun::run.
+std::vector<RendererLimit> renderer_limits(StudyRun& run, const LoopSurface& surface,
+                                           const std::vector<LeastLimit>& limits);
+
+/// Adds a table, a figure, a note and a finding a renderer; nothing without one.
+void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std::vector<RendererLimit>& limits);
+
+/// "1166 N/m"
+std::string newtons(double stiffness);
+
 // Differences between single and double precision: of forces over sizes, stiffnesses and distances, one parameter of a
 // plain scene after the other, to the limits of the numbers; and the worst that a search finds.
 

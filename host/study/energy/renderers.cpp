@@ -1,0 +1,201 @@
+// Renderers of the user's own round the loops of a scene.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/study/energy/energy.h"
+
+namespace forceshade::study {
+namespace {
+
+constexpr const char* kOwnLaw = "own law";
+
+// The scene's own law, as loops take it.
+EnergyLaw own_law(const PreparedCase& scene) {
+    return {"scene", kOwnLaw, std::nullopt, false, std::make_shared<PreparedCase>(scene)};
+}
+
+std::vector<glm::dvec3> turned(std::vector<glm::dvec3> places) {
+    std::ranges::reverse(places);
+    return places;
+}
+
+RendererLoops::Loop loop_of(std::size_t number, const LoopWork& forth, const LoopWork& back) {
+    return {number, std::max(forth.work, back.work), 0.5 * (forth.effort + back.effort)};
+}
+
+// Of the scene's own law; empty where it leaves contact.
+std::optional<RendererLoops::Loop> own_loop(const EnergyLaw& law, const Stroke& stroke, std::size_t number,
+                                            std::size_t steps) {
+    const auto places = places_of_loop(law, stroke, steps);
+    const auto forth = places ? work_by_history(law, *places) : std::nullopt;
+    const auto back = forth ? work_by_history(law, turned(*places)) : std::nullopt;
+    return back ? std::optional(loop_of(number, *forth, *back)) : std::nullopt;
+}
+
+void add_own_loops(RendererLoops& own, const EnergyLaw& law, const std::vector<Stroke>& strokes, std::size_t steps) {
+    for (std::size_t i = 0; i < strokes.size(); ++i) {
+        auto loop = own_loop(law, strokes[i], i, steps);
+        const auto coarse = loop ? own_loop(law, strokes[i], i, steps / 2) : std::nullopt;
+        if (!coarse)
+            continue;
+        loop->rule = std::abs(loop->gain - coarse->gain);
+        own.loops.push_back(*loop);
+    }
+}
+
+// In a process of its own, which one error ends.
+void add_renderer_loops(const RendererSource& source, RendererLoops& found, const RendererLoops& own,
+                        const EnergyLaw& law, const std::vector<Stroke>& strokes, std::size_t steps) {
+    const double period = 1 / law.prepared->one.scene.paths.value_or(PathsSpec{}).rate;
+    std::string where;
+    try {
+        RendererProcess renderer(source, *law.prepared, period);
+        const auto work = [&](const std::vector<glm::dvec3>& places) {
+            const std::vector<glm::dvec3> path = path_of_loop(law, places);
+            renderer.begin_path();
+            std::vector<glm::dvec3> forces;
+            for (const RendererAnswer& answer : renderer.update(path))
+                forces.push_back(finite_force(answer));
+            return work_of_last(path, forces, places.size() - 1);
+        };
+        for (const RendererLoops::Loop& loop : own.loops) {
+            where = fmt::format(" (loop {})", loop.number);
+            const std::vector<glm::dvec3> places = places_of_loop(law, strokes[loop.number], steps).value();
+            const LoopWork forth = work(places), back = work(turned(places));
+            found.loops.push_back(loop_of(loop.number, forth, back));
+        }
+    } catch (const RendererError& error) {
+        found.status = error.what() + where;
+        found.loops.clear();
+    }
+}
+
+std::vector<double> values_of(const RendererLoops& one, double RendererLoops::Loop::*value) {
+    std::vector<double> values;
+    for (const RendererLoops::Loop& loop : one.loops)
+        values.push_back(loop.*value);
+    return values;
+}
+
+// NaN without a loop.
+double largest(const RendererLoops& one, double RendererLoops::Loop::*value) {
+    return one.loops.empty() ? NAN : std::ranges::max(values_of(one, value));
+}
+
+Table renderer_table(const std::vector<RendererLoops>& found) {
+    using R = RendererLoops;
+    const auto median = [](double R::Loop::*value, double Interval::*end) {
+        return [=](const R& r) { return r.loops.empty() ? NAN : 1e3 * bootstrap_median(values_of(r, value)).*end; };
+    };
+    const auto most = [](double R::Loop::*value) { return [=](const R& r) { return 1e3 * largest(r, value); }; };
+    return table_of<R>(
+        "energy_renderers", "Energy gained per loop by renderers, each loop walked as a sampled path",
+        {{"renderer", "", "the library and its options; own law: the scene's, by the same samples", &R::name},
+         {"status", "", "ok, or what the renderer did wrong", &R::status},
+         {"loops", "1", "in which the scene's own law stays in contact", [](const R& r) { return r.loops.size(); }},
+         {"gain_mJ", "mJ", "energy gained per loop in the worse direction of travel: median of the loops",
+          median(&R::Loop::gain, &Interval::median)},
+         {"gain_from_mJ", "mJ", "95 % interval of the median (bootstrap)", median(&R::Loop::gain, &Interval::low)},
+         {"gain_to_mJ", "mJ", "the other end", median(&R::Loop::gain, &Interval::high)},
+         {"largest_mJ", "mJ", "the loop that gives most", most(&R::Loop::gain)},
+         {"effort_mJ", "mJ", "the integral of |F dl|: median of the loops",
+          median(&R::Loop::effort, &Interval::median)},
+         {"rule_mJ", "mJ", "the largest change of the own law's gain with half the steps: the error of the sum",
+          most(&R::Loop::rule)}},
+        found);
+}
+
+Table renderer_loop_table(const std::vector<RendererLoops>& found) {
+    struct R {
+        const std::string* renderer;
+        RendererLoops::Loop loop, own;
+    };
+    std::vector<R> rows;
+    for (const RendererLoops& one : found)
+        for (std::size_t i = 0; i < one.loops.size() && &one != &found.front(); ++i)
+            rows.push_back({&one.name, one.loops[i], found.front().loops[i]});
+    return table_of<R>("renderer_loops", "Every loop of the renderers",
+                       {{"renderer", "", "the library and its options", [](const R& r) { return *r.renderer; }},
+                        {"loop", "1", "which stroke", [](const R& r) { return r.loop.number; }},
+                        {"gain_mJ", "mJ", "energy gained in the worse direction of travel",
+                         [](const R& r) { return 1e3 * r.loop.gain; }},
+                        {"effort_mJ", "mJ", "the integral of |F dl|", [](const R& r) { return 1e3 * r.loop.effort; }},
+                        {"own_law_mJ", "mJ", "gain of the scene's own law on the same samples",
+                         [](const R& r) { return 1e3 * r.own.gain; }}},
+                       rows);
+}
+
+// "gives up to 0.1 mJ a loop"; `error`, J, is that of the sum.
+std::string gives(double most, double error) {
+    constexpr double kRounding = 1e-9; // J
+    if (std::abs(most) > std::max(kRounding, error))
+        return most > 0 ? fmt::format("gives up to {} a loop", milli(most))
+                        : fmt::format("takes at least {} a loop", milli(-most));
+    return error > kRounding ? fmt::format("gives no more than the error of the sum, {} a loop", milli(error))
+                             : "gives no energy";
+}
+
+Finding finding_of(const RendererLoops& one, const RendererLoops& own, std::size_t number) {
+    Finding finding{fmt::format("energy_renderer_{}", number), {}, "", "strokes anywhere in the scene's region", ""};
+    if (one.loops.empty()) {
+        finding.text = one.status == "ok"
+                           ? fmt::format("{}: the scene's own law stays in contact in no loop.", one.name)
+                           : fmt::format("{} {}: its energy is not known.", one.name, one.status);
+        return finding;
+    }
+    const double error = largest(own, &RendererLoops::Loop::rule);
+    finding.text =
+        fmt::format("{} {} (the scene's own law {}).", one.name, gives(largest(one, &RendererLoops::Loop::gain), error),
+                    gives(largest(own, &RendererLoops::Loop::gain), error));
+    finding.figure = "energy-renderers";
+    finding.condition = "the second round of a sampled path, worse direction of travel";
+    const Interval gain = bootstrap_median(values_of(one, &RendererLoops::Loop::gain));
+    finding.interval = fmt::format("{} loops; median {:.2g} mJ, 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; half "
+                                   "the steps change the own law's gain by up to {}",
+                                   one.loops.size(), 1e3 * gain.median, 1e3 * gain.low, 1e3 * gain.high, milli(error));
+    return finding;
+}
+
+} // namespace
+
+std::vector<Part> renderer_parts(const StudyRun& run, const EnergySurface& surface, std::size_t strokes,
+                                 std::size_t steps, std::vector<RendererLoops>& found) {
+    const EnergyLaw law = own_law(run.scene().value());
+    const std::vector<Stroke> some(surface.strokes.begin(),
+                                   surface.strokes.begin() + std::ptrdiff_t(std::min(strokes, surface.strokes.size())));
+    found = {{kOwnLaw}};
+    for (const RendererSource& source : run.options().renderers)
+        found.push_back({source.name});
+    std::vector<Part> parts{
+        {"loops of the scene's own law", [=, &found] { add_own_loops(found[0], law, some, steps); }}};
+    for (std::size_t i = 1; i < found.size(); ++i)
+        parts.push_back({"loops of " + found[i].name,
+                         [=, &found, source = run.options().renderers[i - 1]] {
+                             add_renderer_loops(source, found[i], found[0], law, some, steps);
+                         },
+                         true});
+    return parts;
+}
+
+void add_renderers(StudyData& data, const std::vector<RendererLoops>& found) {
+    if (found.empty())
+        return;
+    data.tables.push_back(renderer_table(found));
+    data.tables.push_back(renderer_loop_table(found));
+    if (!data.tables.back().rows.empty())
+        data.figures.push_back(
+            make_figure("energy-renderers", "Renderers against the scene's own law, loop by loop",
+                        "Each point is a loop; on the diagonal the renderer gives what the law gives.",
+                        FigureKind::scatter, "renderer_loops", {}, {"own_law_mJ", "gain of the own law / mJ"},
+                        {"gain_mJ", "gain of the renderer / mJ"}, "renderer"));
+    data.notes.push_back(
+        "A renderer comes down from above the surface to the begin of a loop and goes round twice; the work of the "
+        "second round counts, by the mean of neighbouring forces times the step. The scene's own law goes the same "
+        "way: rule_mJ is the change of its gain with half the steps.");
+    for (std::size_t i = 1; i < found.size(); ++i)
+        data.findings.push_back(finding_of(found[i], found.front(), i));
+}
+
+} // namespace forceshade::study

@@ -1,0 +1,237 @@
+// Loops with the forces of a user's own renderers.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/study/stability/stability.h"
+
+namespace forceshade::study {
+namespace {
+
+// The scene's own law, with the history that a path has.
+MakePathForce own_law(const LoopSurface& surface) {
+    return [&surface](double stiffness) {
+        return [probe = std::make_shared<CaseProbe<double>>(surface.prepared), stiffness](const glm::dvec3& at) {
+            return stiffness * glm::dvec3(probe->at(at).contact.force);
+        };
+    };
+}
+
+// A process for each stiffness.
+MakePathForce renderer_law(const LoopSurface& surface, const RendererSource& source) {
+    return [&surface, &source](double stiffness) {
+        PreparedCase prepared = surface.prepared; // of 1 N/m
+        prepared.one.scene.force.stiffness *= stiffness;
+        if (prepared.one.scene.texture)
+            prepared.one.scene.texture->stiffness *= stiffness;
+        prepared.scene = resolved_toml(prepared.one);
+        return [renderer = std::make_shared<RendererProcess>(source, prepared, 1 / surface.rate)](
+                   const glm::dvec3& at) { return finite_force(renderer->update(at)); };
+    };
+}
+
+// The worst place of each kind with the scene's own hand; the worst of all, the last, over damping.
+std::vector<LeastLimit> settings_over(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick) {
+    const LeastLimit* const worst = worst_of(limits, surface.name);
+    std::vector<LeastLimit> settings;
+    if (!worst)
+        return settings;
+    for (const PlaceKind kind : kPlaceKinds)
+        if (const LeastLimit* one = worst_of(limits, surface.name, {}, kind); one && one != worst)
+            settings.push_back(*one);
+    for (const double times : quick ? std::vector{0.5, 1.0, 2.0} : std::vector{0.25, 0.5, 1.0, 2.0, 4.0}) {
+        LeastLimit& one = settings.emplace_back(*worst);
+        one.own = times == 1;
+        if (one.own)
+            continue;
+        one.cell = damped(worst->cell, times * damping_of(worst->cell.hand));
+        one.limit = linear_limit(one.cell.hand, one.cell.rate, one.hold, one.place.force_around(), one.cell.lag);
+        one.wall = wall_limit(one.cell.hand, one.cell.rate, one.cell.lag);
+    }
+    return settings;
+}
+
+// Until an error ends it.
+void add_limits_of(const RendererSource& source, const LoopSurface& surface, const std::vector<LeastLimit>& settings,
+                   std::vector<RendererLimit>& rows) {
+    if (settings.empty())
+        rows.push_back({source.name, {}, {NAN, {}}, {NAN, {}}, "was not asked: the scene's own loop has no limit"});
+    for (const LeastLimit& there : settings) {
+        RendererLimit& row = rows.emplace_back();
+        row.renderer = source.name;
+        row.there = there;
+        row.limit.limit = NAN;
+        try {
+            row.limit = stepped_limit(surface, there, renderer_law(surface, source));
+            if (row.limit.end == LimitEnd::no_force)
+                row.status = "gives no force";
+        } catch (const RendererError& error) {
+            row.status = error.what();
+            return;
+        }
+    }
+}
+
+std::string place_text(const LeastLimit& there) {
+    if (there.hold.name.empty())
+        return "";
+    return fmt::format("{}, {:.2g} mm deep, held {}", name_of(there.place.kind), 1e3 * there.place.depth,
+                       there.hold.name);
+}
+
+// Over damping, at the worst place of all.
+Figure limit_figure(const RendererLimit& varied) {
+    const std::string place = place_text(varied.there);
+    Figure figure = make_figure(
+        "loop-renderers", "Z-width of renderers: largest stable stiffness over damping",
+        fmt::format("At the worst place of the scene's own law ({}), the hand's damping varied. Line: the scene's own "
+                    "law in the same loop.",
+                    place),
+        FigureKind::scatter, "loop_renderers", {{"place", place}}, {"damping_N_s_per_m", "damping / (N s/m)", true},
+        {"limit_N_per_m", "largest stable stiffness / (N/m)", true}, "renderer", "", {.joined = true});
+    figure.curves.push_back({"loop_renderers",
+                             {{"place", place}, {"renderer", varied.renderer}},
+                             "damping_N_s_per_m",
+                             "own_law_N_per_m",
+                             "own law",
+                             true});
+    return figure;
+}
+
+const char* range_of(const SteppedLimit& limit) {
+    if (std::isnan(limit.limit))
+        return "";
+    return limit.end == LimitEnd::below ? "below" : limit.end == LimitEnd::above ? "above" : "within";
+}
+
+double ratio_of(const RendererLimit& row) {
+    const bool both = row.limit.end == LimitEnd::within && row.own.end == LimitEnd::within;
+    return both ? row.limit.limit / row.own.limit : NAN;
+}
+
+Table renderer_limit_table(const std::vector<RendererLimit>& limits) {
+    using R = RendererLimit;
+    return table_of<R>(
+        "loop_renderers", "Largest stable stiffness of renderers, next to the scene's own law",
+        {{"renderer", "", "the library and its options", &R::renderer},
+         {"status", "", "ok, or what the renderer did wrong, after which it has no rows", &R::status},
+         {"place", "", "kind, depth and hold: the worst of its kind by the scene's own law",
+          [](const R& r) { return place_text(r.there); }},
+         {"x_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.at.x; }},
+         {"y_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.at.y; }},
+         {"z_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.at.z; }},
+         {"hand", "", "own: the scene's; varied: with other damping",
+          [](const R& r) { return r.there.own ? "own" : "varied"; }},
+         {"damping_N_s_per_m", "N s/m", "b of device and hand together",
+          [](const R& r) { return damping_of(r.there.cell.hand); }},
+         {"limit_N_per_m", "N/m", "the largest stiffness at which a kick decays, to 1 %",
+          [](const R& r) { return r.limit.limit; }},
+         {"range", "",
+          "within: the limit was found; above: stable at the end of the range, too; below: unstable at its begin",
+          [](const R& r) { return range_of(r.limit); }},
+         {"own_law_N_per_m", "N/m", "the same of the scene's own law", [](const R& r) { return r.own.limit; }},
+         {"own_law_range", "", "where that lies", [](const R& r) { return range_of(r.own); }},
+         {"ratio_1", "1", "of both limits, where both were found", ratio_of},
+         {"linear_N_per_m", "N/m", "of the linearised loop with the scene's own law; 0: none is stable",
+          [](const R& r) { return r.there.limit; }},
+         {"wall_N_per_m", "N/m", "K_crit of a wall with this hand", [](const R& r) { return r.there.wall; }}},
+        limits);
+}
+
+// "is stable up to 1166 N/m"
+std::string stable_text(const SteppedLimit& limit) {
+    switch (limit.end) {
+    case LimitEnd::above:
+        return fmt::format("is stable beyond {:.3g} N/m", limit.limit);
+    case LimitEnd::below:
+        return fmt::format("is not stable even at {}", newtons(limit.limit));
+    case LimitEnd::no_force:
+        return "gives no force";
+    default:
+        return "is stable up to " + newtons(limit.limit);
+    }
+}
+
+// At the place with the renderer's lowest limit with the hand's own damping.
+Finding finding_of(const LoopSurface& surface, const std::vector<RendererLimit>& limits, const std::string& renderer,
+                   std::size_t number) {
+    Finding finding{fmt::format("loop_renderer_{}", number), {}, "", {}, hand_text(surface)};
+    const RendererLimit* least = nullptr;
+    double low = INFINITY, high = 0; // of the ratios
+    for (const RendererLimit& row : limits) {
+        if (row.renderer != renderer)
+            continue;
+        if (row.status != "ok") {
+            finding.place = place_text(row.there);
+            finding.text = fmt::format("{} {}{}.", renderer, row.status,
+                                       finding.place.empty() ? "" : fmt::format(" ({})", finding.place));
+            return finding;
+        }
+        if (row.there.own && (!least || row.limit.limit < least->limit.limit))
+            least = &row;
+        if (const double ratio = ratio_of(row); !std::isnan(ratio)) {
+            low = std::min(low, ratio);
+            high = std::max(high, ratio);
+        }
+    }
+    finding.text =
+        fmt::format("{} {} (the scene's own law {}).", renderer, stable_text(least->limit), stable_text(least->own));
+    finding.figure = "loop-renderers";
+    finding.place = place_text(least->there);
+    if (high > 0)
+        finding.interval =
+            fmt::format("where both have a limit, the renderer's is {:.3g} to {:.3g} of the own law's; each to "
+                        "1 %",
+                        low, high);
+    return finding;
+}
+
+} // namespace
+
+std::vector<RendererLimit> renderer_limits(StudyRun& run, const LoopSurface& surface,
+                                           const std::vector<LeastLimit>& limits) {
+    const std::vector<RendererSource>& sources = run.options().renderers;
+    const std::vector<LeastLimit> settings = settings_over(surface, limits, run.options().quick);
+    std::vector<SteppedLimit> own(settings.size());
+    std::vector<std::vector<RendererLimit>> found(sources.size());
+    std::vector<Part> parts{{"limits of the scene's own law",
+                             [&] {
+                                 for (std::size_t i = 0; i < settings.size(); ++i)
+                                     own[i] = stepped_limit(surface, settings[i], own_law(surface));
+                             },
+                             true}};
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        parts.push_back(
+            {"limits of " + sources[i].name, [&, i] { add_limits_of(sources[i], surface, settings, found[i]); }, true});
+    run.run(parts);
+    std::vector<RendererLimit> all;
+    for (std::vector<RendererLimit>& rows : found) {
+        for (std::size_t i = 0; i < std::min(rows.size(), own.size()); ++i)
+            rows[i].own = own[i];
+        append(all, std::move(rows));
+    }
+    return all;
+}
+
+void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std::vector<RendererLimit>& limits) {
+    if (limits.empty())
+        return;
+    data.tables.push_back(renderer_limit_table(limits));
+    const auto varied = std::ranges::find_if(limits, [](const RendererLimit& row) { // of a renderer with all rows
+        return !row.there.own && row.status == "ok";
+    });
+    if (varied != limits.end())
+        data.figures.push_back(limit_figure(*varied));
+    std::size_t number = 0;
+    for (auto row = limits.begin(); row != limits.end(); ++row)
+        if (row == limits.begin() || row->renderer != std::prev(row)->renderer)
+            data.findings.push_back(finding_of(surface, limits, row->renderer, ++number));
+    data.notes.push_back(
+        "Limits of renderers: the probe comes down to a place, where the hand balances the renderer's own force, and "
+        "is displaced by a thousandth of its depth. The least stiffness from 10 to 1e6 N/m at which that does not "
+        "decay is found by bisection, each in a process of its own; the scene's own law takes the place of the "
+        "renderer in the same loop.");
+}
+
+} // namespace forceshade::study
