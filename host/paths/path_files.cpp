@@ -108,6 +108,7 @@ void PathSummary::add(std::uint64_t path, const PathFigures& figures) {
         } else
             row_.add(value);
     });
+    row_.end_row();
     row_.write(file_);
 }
 
@@ -121,30 +122,35 @@ PathWriter::PathWriter(const std::filesystem::path& path, const glm::dvec3& orig
         fmt::format("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet{}\n", compared ? ",angle,magnitude_error" : ""));
 }
 
-template <typename T> void PathWriter::add_place(const reference::Vector<T>& place) {
-    for (int axis = 0; axis < 3; ++axis)
-        if (origin_[axis] != 0)
-            row_.add(origin_[axis] + double(place[axis]));
-        else
-            row_.add(place[axis]);
+namespace {
+
+/// A sample, places in m from the origin; `compared` as PathWriter::add has it.
+template <typename T>
+void add_sample(NumberRows& row, const glm::dvec3& origin, std::uint64_t path, double time,
+                const reference::Vector<T>& probe, const reference::Contact<T>& contact, std::span<const T> compared) {
+    row.add(path);
+    row.add(time);
+    for (const reference::Vector<T>& place : {probe, contact.proxy})
+        for (int axis = 0; axis < 3; ++axis)
+            origin[axis] != 0 ? row.add(origin[axis] + double(place[axis])) : row.add(place[axis]);
+    for (const T component : {contact.force.x, contact.force.y, contact.force.z})
+        row.add(component);
+    row.add(contact.depth);
+    if (contact.facet == layout::kNoFacet)
+        row.add(-1);
+    else
+        row.add(contact.facet);
+    for (const T number : compared)
+        std::isnan(number) ? row.add_empty() : row.add(number);
+    row.end_row();
 }
+
+} // namespace
 
 template <typename T>
 void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>& probe,
                      const reference::Contact<T>& contact, std::span<const T> compared) {
-    row_.add(path);
-    row_.add(time);
-    add_place(probe);
-    add_place(contact.proxy);
-    for (const T component : {contact.force.x, contact.force.y, contact.force.z})
-        row_.add(component);
-    row_.add(contact.depth);
-    if (contact.facet == layout::kNoFacet)
-        row_.add(-1);
-    else
-        row_.add(contact.facet);
-    for (const T number : compared)
-        std::isnan(number) ? row_.add_empty() : row_.add(number);
+    add_sample(row_, origin_, path, time, probe, contact, compared);
     row_.write(file_);
 }
 template void PathWriter::add<float>(std::uint64_t, double, const reference::Vector<float>&,
@@ -157,23 +163,46 @@ VolumeResult PathWriter::finish() {
 }
 
 void PathCsvWriter::write(const AnyPathRows& any) {
+    constexpr std::size_t kBlock = 4096, kBlocks = 32; // samples of a block; blocks that are in memory at a time
+    struct Place {
+        std::size_t at; /* in the rows' arrays */
+        std::uint64_t path;
+        double time;
+    };
     const auto add = [&]<typename T>(const PathRows<T>& rows) {
-        for (std::size_t row = 0; row < rows.path_count; ++row)
+        const auto write = [&](const std::vector<Place>& places) {
+            const std::size_t blocks = (places.size() + kBlock - 1) / kBlock;
+            texts_.resize(std::max(texts_.size(), blocks));
+            crew_.share_out(blocks, [&](std::size_t, std::size_t block) {
+                for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, places.size()); ++i) {
+                    const auto [at, path, time] = places[i];
+                    const reference::Contact<T> contact{rows.depth[at],
+                                                        reference::vector_at(rows.force, at),
+                                                        {},
+                                                        reference::vector_at(rows.proxy, at),
+                                                        rows.facet[at]};
+                    std::array<T, 2> compared{};
+                    if (!rows.angle.empty())
+                        compared = {rows.angle[at], rows.magnitude_error[at]};
+                    add_sample<T>(texts_[block], writer_.origin_, path, time, reference::vector_at(rows.position, at),
+                                  contact, std::span(compared).first(rows.angle.empty() ? 0 : compared.size()));
+                }
+            });
+            for (std::size_t block = 0; block < blocks; ++block)
+                texts_[block].write(writer_.file_);
+        };
+        std::vector<Place> places;
+        for (std::size_t row = 0; row < rows.path_count; ++row) {
+            const std::uint64_t path = rows.path_first + row;
             for (std::size_t i = 0; i < rows.samples(row); ++i) {
-                const std::uint64_t path = rows.path_first + row;
-                const std::size_t at = row * rows.pitch + i;
-                const reference::Contact<T> contact{rows.depth[at],
-                                                    reference::vector_at(rows.force, at),
-                                                    {},
-                                                    reference::vector_at(rows.proxy, at),
-                                                    rows.facet[at]};
-                std::array<T, 2> compared{};
-                if (!rows.angle.empty())
-                    compared = {rows.angle[at], rows.magnitude_error[at]};
-                writer_.add<T>(labels_.id(path), labels_.time(path, rows.step_first + i),
-                               reference::vector_at(rows.position, at), contact,
-                               std::span(compared).first(rows.angle.empty() ? 0 : compared.size()));
+                places.push_back({row * rows.pitch + i, labels_.id(path), labels_.time(path, rows.step_first + i)});
+                if (places.size() == kBlock * kBlocks) {
+                    write(places);
+                    places.clear();
+                }
             }
+        }
+        write(places);
     };
     std::visit(add, any);
 }

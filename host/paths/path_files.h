@@ -2,6 +2,7 @@
 // shows.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "host/output/raw_formats.h"
 #include "host/output/rows.h"
 #include "host/picture/picture.h"
+#include "host/reference/chunks.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/law.h"
@@ -118,24 +120,32 @@ template <typename Add> void for_each_figure(std::uint64_t path, const PathFigur
     add("unfinished_samples", figures.unfinished);
 }
 
-/// A row of a CSV file of numbers, each the shortest that reads back as the same number.
-class NumberRow {
+/// Rows of a CSV file of numbers, each the shortest that reads back as the same number.
+class NumberRows {
 public:
     template <typename T> void add(T value) {
-        char digits[40]; // the shortest form of a double has 24 at most
-        text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr) += ',';
+        constexpr std::size_t kMost = 40; // the shortest form of a double has 24 at most
+        if (text_.size() - size_ <= kMost)
+            text_.resize(2 * text_.size() + 2 * kMost);
+        char* const begin = text_.data() + size_;
+        size_ += static_cast<std::size_t>(std::to_chars(begin, begin + kMost, value).ptr - begin);
+        text_[size_++] = ',';
     }
-    void add_empty() { text_ += ','; }
+    void add_empty() {
+        text_.resize(std::max(text_.size(), size_ + 1));
+        text_[size_++] = ',';
+    }
     template <typename T> void add(const std::optional<T>& value) { value ? add(*value) : add_empty(); }
-    /// Ends the row, and begins the next.
+    void end_row() { text_[size_ - 1] = '\n'; } // in place of the last comma
+    /// Writes what there is, and begins anew.
     void write(TemporaryFile& file) {
-        text_.back() = '\n'; // in place of the last comma
-        file.write(text_);
-        text_.clear();
+        file.write(std::string_view(text_).substr(0, size_));
+        size_ = 0;
     }
 
 private:
     std::string text_;
+    std::size_t size_ = 0; /* bytes of the text in use */
 };
 
 /// Columns carry their unit in their name; a cell is empty where a number has no meaning.
@@ -150,7 +160,7 @@ public:
 private:
     TemporaryFile file_;
     Precision precision_;
-    NumberRow row_;
+    NumberRows row_;
 };
 
 /// The file's header line.
@@ -176,10 +186,10 @@ public:
     VolumeResult finish();
 
 private:
-    template <typename T> void add_place(const reference::Vector<T>& place);
+    friend class PathCsvWriter;
 
     TemporaryFile file_;
-    NumberRow row_;
+    NumberRows row_;
     glm::dvec3 origin_; /* m */
 };
 
@@ -202,6 +212,8 @@ public:
 private:
     PathWriter writer_;
     PathLabels labels_;
+    std::vector<NumberRows> texts_; // of blocks
+    reference::Crew crew_{most_threads()};
 };
 
 // One channel of explored paths as a NumPy array, shape (paths, steps, 3) for vectors and (paths, steps) for scalars.
