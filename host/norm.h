@@ -15,4 +15,10 @@ template <typename Vector> double norm(const Vector& v) {
     return norm(double(v.x), double(v.y), double(v.z));
 }
 
+/// Whether a force, N, is a finite number whose square is one, too; others have no meaning.
+template <typename Vector> bool is_force(const Vector& v) {
+    constexpr double kMost = 1e100;
+    return std::abs(double(v.x)) < kMost && std::abs(double(v.y)) < kMost && std::abs(double(v.z)) < kMost;
+}
+
 } // namespace forceshade

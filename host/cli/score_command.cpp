@@ -24,16 +24,15 @@ constexpr double kMostPatience = 1e6; // s
 
 struct ScoreArguments {
     std::string scene, paths, map, out;
-    std::vector<std::string> forces, renderers;
+    std::vector<std::string> forces, names, renderers; // names: of the forces
     std::optional<double> rate, patience;
 };
 
-// "logs/mine.csv" is "mine".
 std::vector<std::pair<std::string, score::Track>>
 recorded_of(const ScoreArguments& arguments, const score::ColumnMap& map, const score::Strokes& strokes) {
     std::vector<std::pair<std::string, score::Track>> all;
-    for (const std::string& file : arguments.forces)
-        all.emplace_back(std::filesystem::path(file).stem().string(), score::read_forces(file, map, strokes));
+    for (std::size_t i = 0; i < arguments.forces.size(); ++i)
+        all.emplace_back(arguments.names[i], score::read_forces(arguments.forces[i], map, strokes));
     return all;
 }
 
@@ -59,9 +58,9 @@ score::SceneScores score_scene(const ScoreArguments& arguments, const CommonOpti
     scene_text = prepared.scene;
     notes.push_back(fmt::format("Scene: {}. Strokes: {}{}.", arguments.scene, options.strokes.source,
                                 arguments.map.empty() ? "" : fmt::format(", by the map \"{}\"", arguments.map)));
-    for (const std::string& file : arguments.forces)
-        notes.push_back(fmt::format("{}: {}, SHA-256 {}.", std::filesystem::path(file).stem().string(), file,
-                                    sha256_of_file(file)));
+    for (std::size_t i = 0; i < arguments.forces.size(); ++i)
+        notes.push_back(fmt::format("{}: {}, SHA-256 {}.", arguments.names[i], arguments.forces[i],
+                                    sha256_of_file(arguments.forces[i])));
     return {std::filesystem::path(arguments.scene).stem().string(), std::move(scores), std::move(options.strokes)};
 }
 
@@ -78,35 +77,45 @@ std::vector<score::SceneScores> score_course(const ScoreArguments& arguments, co
     std::ranges::sort(files);
     if (files.empty())
         throw UsageError("{}: a folder without scenes; forceshade init course --out DIR makes one", folder.string());
-    std::vector<score::SceneScores> scenes;
-    Stage stage("scenes", files.size(), "scenes");
+    std::vector<ScoreArguments> all;
     for (const std::filesystem::path& file : files) {
-        stage.update(scenes.size(), file.stem().string());
-        ScoreArguments one = arguments;
+        ScoreArguments& one = all.emplace_back(arguments);
         const std::filesystem::path strokes = file.stem().string() + ".csv";
         one.scene = file.string();
         one.paths = (folder / "strokes" / strokes).string();
         for (std::string& forces : one.forces)
             forces = (std::filesystem::path(forces) / strokes).string();
-        std::string text;
-        std::vector<std::string> own_notes;
-        scenes.push_back(score_scene(one, common, own_notes, text));
-        for (std::size_t i = 0; i < arguments.forces.size(); ++i) { // they are called by their folders
-            const std::filesystem::path forces = std::filesystem::path(arguments.forces[i]) / "";
-            for (score::Scored& scored : scenes.back().scores.all)
-                if (scored.kind == "recorded" && scored.name == file.stem().string())
-                    scored.name = forces.parent_path().filename().string();
-        }
+        std::vector<std::string> needed = one.forces;
+        needed.push_back(one.paths);
+        for (const std::string& name : needed)
+            if (!std::filesystem::exists(name))
+                throw IoError("{}: there is no such file; each scene of a course has one", name);
     }
-    notes.push_back(score::course_note(folder));
+    std::vector<score::SceneScores> scenes;
+    Stage stage("scenes", files.size(), "scenes");
+    for (const ScoreArguments& one : all) {
+        stage.update(scenes.size(), std::filesystem::path(one.scene).stem().string());
+        std::string text;
+        scenes.push_back(score_scene(one, common, notes, text));
+    }
+    const bool mapped = std::ranges::any_of(score::parse_map(arguments.map),
+                                            [](const auto& one) { return !one.first.starts_with('f'); });
+    notes.push_back(mapped
+                        ? "The course's strokes were read by the map: scores on them cannot be compared with others'."
+                        : score::course_note(folder));
     return scenes;
 }
 
-int run(const ScoreArguments& arguments, const CommonOptions& common) {
+int run(const ScoreArguments& given, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
-    const std::filesystem::path folder = std::filesystem::path(arguments.out) / "score";
-    if (!arguments.out.empty() && !may_write({folder / "study.json"}, common))
+    const std::filesystem::path folder = std::filesystem::path(given.out) / "score";
+    if (!given.out.empty() && !may_write({folder / "study.json"}, common))
         return 0;
+    if (!given.out.empty())
+        make_subfolder(given.out, "score");
+    ScoreArguments arguments = given;
+    for (const std::string& file : arguments.forces) // "logs/mine.csv" and the folder "mine/" are "mine"
+        arguments.names.push_back((std::filesystem::path(file) / "").parent_path().stem().string());
     const Clock::time_point start = Clock::now();
     study::StudyData data;
     score::Scores scores;
@@ -138,7 +147,6 @@ int run(const ScoreArguments& arguments, const CommonOptions& common) {
     if (!scenes.empty())
         note(common, "{}", score::scenes_text(scenes));
     if (!arguments.out.empty()) {
-        make_subfolder(arguments.out, data.study);
         study::write_data(folder, data, study::figure_files(data));
         note(common, "look at {}, numbers in {}\n", full_path(report::write_report(arguments.out).file),
              full_path(folder));

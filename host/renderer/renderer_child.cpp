@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
+#include <exception>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -54,6 +55,18 @@ public:
     explicit Child(RendererExchange& exchange) : exchange_(exchange) {}
 
     int run(const std::string& library) {
+        try {
+            return serve(library);
+        } catch (const std::exception& error) {
+            say(fmt::format("threw an exception: {}", error.what()));
+        } catch (...) {
+            say("threw an exception");
+        }
+        return refuse();
+    }
+
+private:
+    int serve(const std::string& library) {
         wait();
         exchange_.stage = kRendererLoading;
         if (!load(library) || !open())
@@ -73,7 +86,6 @@ public:
         return 0;
     }
 
-private:
     void wait() {
         while (::sem_wait(&exchange_.request) != 0) {
         }

@@ -9,6 +9,7 @@
 #include "host/clock.h"
 #include "host/field/case_law.h"
 #include "host/mesh/structure.h"
+#include "host/norm.h"
 #include "host/program.h"
 #include "host/reference/path_step.h"
 
@@ -162,6 +163,8 @@ private:
                     try {
                         const RendererAnswer answer =
                             closed ? renderer_.update(world_place(glm::dvec3(probe), origin_)) : ahead[step - first];
+                        if (closed && !is_force(answer.force)) // a hand would fall through it
+                            throw RendererError(fmt::format("gave a force that is not finite in step {}", step), {});
                         return reference::LawContact<T>{contact_of(answer, probe, origin_)};
                     } catch (...) {
                         failed = std::current_exception();

@@ -81,6 +81,8 @@ pid_t spawn(const std::string& library, int descriptor) {
     posix_spawnattr_setsigmask(&attributes, &none);
     posix_spawnattr_setpgroup(&attributes, 0); // a group of its own, which ends with it
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+    if (std::signal(SIGCHLD, SIG_DFL) == SIG_ERR) // where it is ignored, no one learns how a process ended
+        throw IoError("cannot wait for a renderer's process: {}", system_text(errno));
     std::string name = "forceshade", command = kRendererCommand, file = library;
     char* arguments[] = {name.data(), command.data(), file.data(), nullptr};
     pid_t child = -1;
@@ -95,7 +97,12 @@ pid_t spawn(const std::string& library, int descriptor) {
 } // namespace
 
 RendererSource parse_renderer(const std::string& text) {
-    const std::size_t colon = text.find(':');
+    std::size_t colon = text.find(':');
+    for (std::size_t at = colon; at != std::string::npos; at = text.find(':', at + 1)) // a folder's name may have one
+        if (std::error_code error; std::filesystem::is_regular_file(text.substr(0, at), error))
+            colon = at;
+    if (std::error_code error; std::filesystem::is_regular_file(text, error))
+        colon = std::string::npos;
     const std::string file = text.substr(0, colon);
     if (file.empty())
         throw UsageError("--renderer {}: write LIBRARY or LIBRARY:OPTIONS, such as ./libmine.so:fast", text);
@@ -169,7 +176,7 @@ RendererProcess::~RendererProcess() {
 std::string RendererProcess::how_it_ended() const {
     siginfo_t info{};
     if (::waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
-        return "ended its process"; // where SIGCHLD is ignored
+        return "ended its process";
     if (info.si_pid == 0)
         return "";
     if (info.si_code == CLD_EXITED)
@@ -177,7 +184,7 @@ std::string RendererProcess::how_it_ended() const {
     return fmt::format("crashed ({})", ::strsignal(info.si_status));
 }
 
-// With all processes that it has begun.
+// With the processes that it has begun, but for those that have left its group.
 void RendererProcess::kill() noexcept {
     if (child_ > 0) {
         ::kill(-child_, SIGKILL);
@@ -223,7 +230,9 @@ std::string RendererProcess::where() const {
 void RendererProcess::fail(const std::string& what) {
     kill();
     const bool updating = shared_->stage == kRendererUpdating;
-    throw RendererError(printable(what) + where(), updating ? std::optional(updates_ + shared_->done) : std::nullopt);
+    constexpr std::size_t kLongest = 300; // bytes
+    throw RendererError(printable(std::string_view(what).substr(0, kLongest)) + where(),
+                        updating ? std::optional(updates_ + shared_->done) : std::nullopt);
 }
 
 // Has the process do something, and waits until it is done.

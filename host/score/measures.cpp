@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/norm.h"
 #include "host/study/data/study_data.h"
 
 namespace forceshade::score {
@@ -61,9 +62,9 @@ void add_faults(std::vector<Fault>& faults, const Contact& contact, const Stroke
                 std::span<const glm::dvec3> forces, double firm) {
     enum class State { unknown, holds, lost, reversed };
     const auto state_at = [&](std::size_t i) {
-        if (glm::length(truth.force[i]) < firm || !truth.certain[i] || !is_force(forces[i]))
+        if (glm::length(truth.force[i]) < firm || !truth.certain[i])
             return State::unknown;
-        if (glm::length(forces[i]) < kTouch * glm::length(truth.force[i]))
+        if (!is_force(forces[i]) || glm::length(forces[i]) < kTouch * glm::length(truth.force[i]))
             return State::lost;
         return glm::dot(forces[i], truth.force[i]) < 0 ? State::reversed : State::holds;
     };
@@ -185,13 +186,12 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
     std::size_t free = 0, phantoms = 0, jumps = 0;
     double phantom = 0, way = 0, work = 0, excess = 0;
     layout::uint hint = 0, smooth_hint = 0;
-    std::vector<glm::dvec3> finite(forces.begin(), forces.end()), difference;
+    std::vector<glm::dvec3> difference;
     for (std::size_t i = 0; i < forces.size(); ++i) {
         const glm::dvec3 &force = forces[i], &exact = truth.force[i];
         if (!is_force(force)) {
             ++score.not_finite;
-            finite[i] = i > 0 ? finite[i - 1] : exact; // for what needs a signal without gaps
-            difference.push_back(finite[i] - exact);
+            difference.emplace_back(NAN);
             continue;
         }
         const double size = glm::length(force), exact_size = glm::length(exact);
@@ -219,15 +219,15 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
         }
         if (!proxies.empty() && is_finite(proxies[i]) && yardstick.law.reaches(proxies[i]))
             score.inside = std::fmax(score.inside, yardstick.law.at(proxies[i], hint).depth);
-        if (i == 0)
+        if (i == 0 || !is_force(forces[i - 1]))
             continue;
         const glm::dvec3 step = stroke.probe[i] - stroke.probe[i - 1];
         const double moved = glm::length(step);
-        work += glm::dot(0.5 * (finite[i - 1] + force), step);
+        work += glm::dot(0.5 * (forces[i - 1] + force), step);
         excess += glm::dot(0.5 * (difference[i - 1] + difference[i]), step);
         if (truth.touching[i] || size > kFelt * largest) {
             way += moved;
-            jumps += glm::length(force - finite[i - 1]) > 2 * yardstick.stiffness * moved + kFelt * largest ? 1 : 0;
+            jumps += glm::length(force - forces[i - 1]) > 2 * yardstick.stiffness * moved + kFelt * largest ? 1 : 0;
         }
     }
     score.error_rms = errors.rms();
@@ -243,20 +243,23 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
         score.phantom_largest = phantom;
     }
     score.jumps = way > 0 ? double(jumps) / (1e3 * way) : NAN;
-    score.work = work;
-    score.excess_work = excess;
+    const bool whole = score.not_finite == 0; // what needs every sample
+    if (whole) {
+        score.work = work;
+        score.excess_work = excess;
+    }
     const glm::dvec3 apart = stroke.probe.back() - stroke.probe.front();
     double length = 0;
     for (std::size_t i = 1; i < stroke.probe.size(); ++i)
         length += glm::length(stroke.probe[i] - stroke.probe[i - 1]);
-    if (length > 0 && glm::length(apart) <= kBackHome * length)
+    if (whole && length > 0 && glm::length(apart) <= kBackHome * length)
         score.loop_work = work;
-    if (period) {
-        score.buzz_30 = rms_above(finite, *period, 30);
-        score.buzz_100 = rms_above(finite, *period, 100);
+    if (whole && period) {
+        score.buzz_30 = rms_above(forces, *period, 30);
+        score.buzz_100 = rms_above(forces, *period, 100);
         score.added_30 = rms_above(difference, *period, 30);
         score.added_100 = rms_above(difference, *period, 100);
-        score.delay = shift_between(truth.force, finite) * *period;
+        score.delay = shift_between(truth.force, forces) * *period;
     }
     for (const Contact& contact : contacts_of(truth))
         add_faults(score.faults, contact, stroke, truth, forces, kTouch * largest);

@@ -58,7 +58,8 @@ struct StrokeScore {
     double loop_work = NAN; /* J: on the hand, of a stroke that ends where it began */
     double inside = NAN;    /* m: how deep its proxy is below the surface, at most */
     double delay = NAN;     /* s: by which its forces come after the oracle's */
-    double not_finite = 0;  /* 1: samples that are left out above: !is_force() */
+    double not_finite = 0;  /* 1: samples without is_force(): left out of errors, lost for faults; with one there is no
+                               spectrum, work and delay */
     std::vector<Fault> faults;
 };
 

@@ -16,7 +16,14 @@
 namespace forceshade::score {
 namespace {
 
+constexpr std::size_t kLongestWord = 40;                   // bytes, in an error
 constexpr std::size_t kLongestLine = std::size_t(1) << 16; // bytes
+
+// Of "text" the text.
+std::string_view unquoted(std::string_view text) {
+    const bool quoted = text.size() > 1 && text.front() == '"' && text.back() == '"';
+    return quoted ? text.substr(1, text.size() - 2) : text;
+}
 
 // "#1": a column's number, with which no comment begins.
 bool is_counted(std::string_view text) {
@@ -48,6 +55,8 @@ double number_of(std::string_view text) {
 
 // "0,5" as 0.5.
 double number_with_comma(std::string_view text) {
+    if (text.find('.') != text.npos)
+        return number_of(text);
     std::string point(text);
     std::ranges::replace(point, ',', '.');
     return number_of(point);
@@ -55,7 +64,7 @@ double number_with_comma(std::string_view text) {
 
 bool is_word(std::string_view text) {
     const std::string lower = lower_case(text);
-    return !text.empty() && std::isnan(number_with_comma(text)) && lower != "nan" && lower != "-nan";
+    return !text.empty() && std::isnan(number_with_comma(text)) && lower != "nan" && lower != "-nan" && lower != "na";
 }
 
 using Cells = std::vector<std::string_view>;
@@ -81,8 +90,13 @@ public:
         if (cells.size() != table_.columns.size())
             throw UsageError("{}:{}: {} numbers in this row, {} in the first; every row has a number a column",
                              table_.source, line, cells.size(), table_.columns.size());
-        for (std::size_t i = 0; i < cells.size(); ++i)
-            table_.cells[i].push_back(number_(cells[i]));
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const double value = number_(cells[i]);
+            if (std::isnan(value) && table_.words[i].empty() &&
+                (is_word(cells[i]) || cells[i].find(',') != cells[i].npos))
+                table_.words[i] = fmt::format("{}: \"{}\"", line, printable(cells[i].substr(0, kLongestWord)));
+            table_.cells[i].push_back(value);
+        }
         table_.lines.push_back(line);
     }
 
@@ -91,6 +105,7 @@ private:
     bool begin(const Cells& cells) {
         const bool is_header = std::ranges::any_of(cells, is_word);
         table_.cells.resize(cells.size());
+        table_.words.resize(cells.size());
         table_.named = is_header || comment_.size() == cells.size();
         for (std::size_t i = 0; i < cells.size(); ++i)
             table_.columns.push_back(is_header      ? std::string(cells[i])
@@ -123,7 +138,7 @@ void read_csv(NumberTable& table, const std::filesystem::path& file) {
 
 // Rows between semicolons, tabs or blanks.
 void read_rows(NumberTable& table, std::string_view text, char between) {
-    TableBuilder builder(table, between == ';');
+    TableBuilder builder(table, between != ' ');
     Cells cells;
     std::uint32_t line = 0;
     while (!text.empty()) {
@@ -132,7 +147,10 @@ void read_rows(NumberTable& table, std::string_view text, char between) {
         ++line;
         if (row.size() > kLongestLine)
             throw UsageError("{}:{}: a line of {} bytes; is this a file of strokes?", table.source, line, row.size());
-        row = trimmed(row);
+        if (row.ends_with('\r'))
+            row.remove_suffix(1);
+        if (between == ' ' || trimmed(row).empty())
+            row = trimmed(row);
         const bool comment = row.starts_with('#');
         if (comment)
             row = trimmed(row.substr(1));
@@ -141,12 +159,12 @@ void read_rows(NumberTable& table, std::string_view text, char between) {
         cells.clear();
         for (std::size_t end = 0; end != row.npos; row.remove_prefix(std::min(end + 1, row.size()))) {
             end = row.find_first_of(between == ' ' ? " \t" : std::string_view(&between, 1));
-            cells.push_back(trimmed(row.substr(0, end)));
+            cells.push_back(unquoted(trimmed(row.substr(0, end))));
             if (between == ' ' && cells.back().empty())
                 cells.pop_back();
         }
-        if (cells.back().empty()) // a separator at the end
-            cells.pop_back();
+        if (cells.back().empty() && (table.columns.empty() ? between == ' ' : cells.size() > table.columns.size()))
+            cells.pop_back(); // a separator at the end
         comment ? builder.comment(cells) : builder.row(cells, line);
     }
 }

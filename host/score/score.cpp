@@ -15,7 +15,7 @@
 namespace forceshade::score {
 namespace {
 
-constexpr std::size_t kCold = 60;               // updates with caches full of other memory
+constexpr std::size_t kCold = 60;                // updates with caches full of other memory
 constexpr std::size_t kRoundTrips = 500;         // updates one at a time
 constexpr std::uint64_t kMostSamples = 10000000; // of a scene's own paths: some 3 GB
 

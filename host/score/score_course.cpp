@@ -85,12 +85,11 @@ std::pair<Scores, Strokes> over_scenes(const std::vector<SceneScores>& scenes) {
             stroke.scene = scene.name;
             strokes.all.push_back(std::move(stroke));
         }
-        // Only what is in every scene can be compared over all of them.
-        for (const Scored& one : scene.scores.all)
-            if (std::ranges::count(scores.all, one.name, &Scored::name) == 0 &&
-                rows_of(scenes, one.name).size() == scenes.size())
-                scores.all.push_back(over_scenes(scenes, one.name));
     }
+    // Only what is in every scene can be compared over all of them.
+    for (const Scored& one : scenes.front().scores.all)
+        if (rows_of(scenes, one.name).size() == scenes.size())
+            scores.all.push_back(over_scenes(scenes, one.name));
     return {std::move(scores), std::move(strokes)};
 }
 
@@ -128,18 +127,24 @@ std::string course_note(const std::filesystem::path& folder) {
     if (!std::filesystem::exists(sums) || sha256_of_file(sums) != kCourseDigest)
         return fmt::format("{} is not {}: scores on it cannot be compared with others' on that.", folder.string(),
                            name);
-    std::string_view rest;
+    const auto other = [&](const std::filesystem::path& file) {
+        return fmt::format("{} is not {}: {} is another file; scores on it cannot be compared with others' on that.",
+                           folder.string(), name, file.string());
+    };
     const std::string text = read_file(sums);
-    for (rest = text; !rest.empty(); rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (const std::string own = entry.path().filename().string();
+            own.ends_with(".toml") && text.find("  " + own + "\n") == text.npos)
+            return other(entry.path());
+    for (std::string_view rest = text; !rest.empty();
+         rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1)) {
         const std::string_view line = rest.substr(0, rest.find('\n'));
         constexpr std::size_t kDigits = 64; // then two blanks
         if (line.size() <= kDigits + 2)
             continue;
         const std::filesystem::path file = folder / line.substr(kDigits + 2);
         if (!std::filesystem::exists(file) || sha256_of_file(file) != line.substr(0, kDigits))
-            return fmt::format(
-                "{} is not {}: {} is another file; scores on it cannot be compared with others' on that.",
-                folder.string(), name, file.string());
+            return other(file);
     }
     return fmt::format("{} is {}, SHA-256 of its SHA256SUMS: {}.", folder.string(), name, kCourseDigest);
 }

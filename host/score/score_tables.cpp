@@ -51,7 +51,8 @@ const std::vector<Measure>& measures() {
         {"pop_throughs", "1", 1, &S::pop_throughs,
          "times that the force turns to the other side, or is lost for the rest of the contact", Measure::sum},
         {"jumps_per_mm", "1/mm", 1, &S::jumps,
-         "steps of the force of more than twice the stiffness times the step of the probe, over the way in contact"},
+         "steps of the force of more than twice the stiffness times the step of the probe and 0.1 % of the stroke's "
+         "largest force, over the way in contact"},
         {"above_30Hz_mN", "mN", 1e3, &S::buzz_30, "of the force above 30 Hz, root mean square"},
         {"above_100Hz_mN", "mN", 1e3, &S::buzz_100, "of the force above 100 Hz, root mean square"},
         {"added_30Hz_mN", "mN", 1e3, &S::added_30, "of the difference from the oracle's force above 30 Hz"},
@@ -63,7 +64,10 @@ const std::vector<Measure>& measures() {
         {"proxy_inside_um", "um", 1e6, &S::inside, "how deep the renderer's proxy is below the surface, at most",
          Measure::largest},
         {"delay_ms", "ms", 1e3, &S::delay, "by which its forces come after the oracle's"},
-        {"not_finite", "1", 1, &S::not_finite, "samples whose force is NaN or infinite, left out of all others",
+        {"not_finite", "1", 1, &S::not_finite,
+         "samples whose force is NaN, infinite or beyond 1e100 N: left out of errors, lost for faults; with one there "
+         "is "
+         "no spectrum, work and delay",
          Measure::sum},
     };
     return all;

@@ -84,9 +84,17 @@ public:
                 if (*at != mapped->second.column && own != mapped->second.column)
                     continue;
                 mapped->second.found = true;
-                const double named = quantity.dimension && !unit.empty() ? unit_of(quantity, unit, table_.source) : 1;
-                return scaled(at, mapped->second.unit.value_or(named) * (mapped->second.negative ? -1 : 1));
+                const double factor = mapped->second.unit                   ? *mapped->second.unit
+                                      : quantity.dimension && !unit.empty() ? unit_of(quantity, unit, table_.source)
+                                                                            : 1;
+                return scaled(at, factor * (mapped->second.negative ? -1 : 1));
             }
+            for (std::size_t i = 0; i < table_.columns.size(); ++i) // by its number, though it has a name
+                if (mapped->second.column == fmt::format("#{}", i + 1)) {
+                    mapped->second.found = true;
+                    return scaled(table_.columns.begin() + std::ptrdiff_t(i),
+                                  mapped->second.unit.value_or(1) * (mapped->second.negative ? -1 : 1));
+                }
         }
         std::vector<std::string> names{quantity.name};
         names.insert(names.end(), quantity.also.begin(), quantity.also.end());
@@ -133,7 +141,11 @@ public:
 
 private:
     std::vector<double> scaled(std::vector<std::string>::const_iterator column, double factor) const {
-        std::vector<double> values = table_.cells[static_cast<std::size_t>(column - table_.columns.begin())];
+        const auto at = static_cast<std::size_t>(column - table_.columns.begin());
+        if (at < table_.words.size() && !table_.words[at].empty())
+            throw UsageError("{}:{} in column {} is no number; a cell that is missing is empty or nan", table_.source,
+                             table_.words[at], *column);
+        std::vector<double> values = table_.cells[at];
         for (double& value : values)
             value *= factor;
         return values;
@@ -190,8 +202,11 @@ ColumnMap parse_map(const std::string& text) {
     ColumnMap map;
     std::string_view rest = text;
     while (!rest.empty()) {
-        const std::string one(trimmed(rest.substr(0, rest.find(','))));
-        rest.remove_prefix(std::min(rest.find(','), rest.size() - 1) + 1);
+        std::size_t comma = 0;
+        for (bool quoted = false; comma < rest.size() && (quoted || rest[comma] != ','); ++comma)
+            quoted = quoted != (rest[comma] == '\'');
+        const std::string one(trimmed(rest.substr(0, comma)));
+        rest.remove_prefix(std::min(comma + 1, rest.size()));
         const std::size_t equals = one.find('=');
         const std::string name(trimmed(std::string_view(one).substr(0, equals)));
         const Quantity* const quantity = quantity_named(name);

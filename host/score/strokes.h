@@ -22,6 +22,7 @@ struct NumberTable {
     std::vector<std::vector<double>> cells; /* a vector a column; NaN where a cell is empty or no number */
     std::vector<std::uint32_t> lines;       /* of the rows, for errors; of an array the rows' numbers from 0 */
     bool named = false;                     /* a header names the columns */
+    std::vector<std::string> words; /* of each column the first cell that is no number, "7: \"abc\""; or empty */
 
     std::size_t rows() const { return lines.size(); }
 };
@@ -30,9 +31,9 @@ struct NumberTable {
 std::string_view trimmed(std::string_view text);
 
 /// A file that ends in .npy is an array of f4 or f8, of rows of columns. Another is text: numbers between commas; with
-/// tabs or semicolons in its first row between those, and between semicolons decimal commas are read, too; else between
-/// blanks. Lines that begin with # are comments; the last one before the first row is the header if it names as many
-/// columns. \throws IoError, UsageError `file:line: ...` for rows of different lengths, or no row at all.
+/// tabs or semicolons in its first row between those, where decimal commas are read, too; else between blanks. Lines
+/// that begin with # are comments; the last one before the first row is the header if it names as many columns. \throws
+/// IoError, UsageError `file:line: ...` for rows of different lengths, or no row at all.
 NumberTable read_numbers(const std::filesystem::path& file);
 
 // Which column is what.
@@ -75,12 +76,6 @@ struct Strokes {
 
 inline bool is_finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-/// A force whose square is still a number; others are scored as not finite.
-inline bool is_force(const glm::dvec3& v) {
-    constexpr double kMost = 1e100; /* N */
-    return std::abs(v.x) < kMost && std::abs(v.y) < kMost && std::abs(v.z) < kMost;
 }
 
 /// Forces along strokes: one a sample, N, perhaps not finite.

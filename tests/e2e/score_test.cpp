@@ -100,12 +100,12 @@ TEST_F(Score, ALibraryThatDoesWrongCostsItsRowAlone) {
     const std::string bad = BAD_RENDERER;
     std::vector<std::string> all{"--patience", "1 s", "--renderer", ONE_CONSTRAINT};
     for (const char* const what : {"crash", "exit", "sleep", "beyond", "fail", "refuse", "crash in open", "nan", "huge",
-                                   "latin", "crash in close"})
+                                   "latin", "throw", "crash in close"})
         all.insert(all.end(), {"--renderer", bad + ":" + what});
     all.insert(all.end(), {"--renderer", BAD_VERSION_RENDERER, "--renderer", BAD_SYMBOLS_RENDERER});
     const Outcome outcome = score(all);
     EXPECT_EQ(outcome.code, 1);
-    EXPECT_TRUE(says(outcome.error, "10 renderers failed and have no score"));
+    EXPECT_TRUE(says(outcome.error, "11 renderers failed and have no score"));
     auto rows = table();
     EXPECT_LT(number(rows.at("one_constraint"), "error_percent"), 1);
     const auto status = [&](const std::string& name) { return rows.at("bad_renderer:" + name).at("status"); };
@@ -117,6 +117,7 @@ TEST_F(Score, ALibraryThatDoesWrongCostsItsRowAlone) {
     EXPECT_EQ(status("refuse"), "returned error 7: this scene has no mesh that I like in fsr_open");
     EXPECT_EQ(status("crash in open"), "crashed (Aborted) in fsr_open");
     EXPECT_TRUE(says(status("latin"), "returned error 5: zu gro\xEF\xBF\xBD in update 1000"));
+    EXPECT_EQ(status("throw"), "threw an exception: out of ideas in update 1000 (path 0, t = 0.999 s)");
     EXPECT_EQ(status("crash in close"), "ok");
     EXPECT_TRUE(says(outcome.error, "bad_renderer:crash in close crashed (Aborted) in fsr_close; its scores stand"));
     EXPECT_EQ(status("nan"), "ok");
@@ -153,6 +154,28 @@ TEST_F(Score, TakesAnotherProgramsLogByItsOwnNames) {
     expect_failure(2, {"score", "scene.toml", "--paths", "away.csv"}, {"no sample touches the surface"});
 }
 
+// The course is written by `init`; here of two scenes, so that it is another one.
+TEST_F(Score, ACourseHasARowForEachRenderer) {
+    expect_success({"init", "course", "--out", "course"});
+    for (const auto& entry : std::filesystem::directory_iterator(path("course")))
+        if (entry.path().extension() == ".toml" && entry.path().stem() != "plane" && entry.path().stem() != "needle")
+            std::filesystem::remove(entry.path());
+    std::filesystem::create_directories(path("mine"));
+    std::filesystem::copy(path("course/oracle"), path("mine"), std::filesystem::copy_options::recursive);
+    const std::vector<std::string> command{"score", "course", "--renderer", PENALTY, "--forces", "mine,course/oracle",
+                                           "--out", "out"};
+    const Outcome outcome = expect_success(command);
+    EXPECT_TRUE(says(outcome.error, "needle", "plane"));
+    const auto rows = table();
+    for (const char* const name : {"mine", "oracle", "penalty"})
+        ASSERT_TRUE(rows.contains(name)) << name;
+    EXPECT_LT(number(rows.at("mine"), "error_percent"), 1e-5);
+    EXPECT_EQ(number(rows.at("penalty"), "pop_throughs"), 2) << "on the needle";
+    EXPECT_TRUE(says(read_text(path("out/score/study.json")), "is not version 1 of the standard course"));
+    std::filesystem::remove(path("mine/needle.csv"));
+    expect_failure(4, {"score", "course", "--forces", "mine"}, {"mine/needle.csv", "there is no such file"});
+}
+
 TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     write_plate(20);
     write_strokes(1e-3);
@@ -165,7 +188,7 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     for (std::size_t i = 1; i < own.size(); ++i)
         EXPECT_NEAR(std::stod(cells_of(own[i])[10]), std::stod(cells_of(oracle[i])[10]), 1e-5) << "fz, line " << i;
     write("hand.toml", read_text(path("scene.toml")) + "[paths]\nfollow = \"surface\"\npress = \"1 N\"\ncount = 1\n"
-                                                       "steps = 500\nlength = \"10 mm\"\n");
+                                                       "steps = 1500\nlength = \"10 mm\"\n");
     const auto hand = nlohmann::json::parse(
         expect_success({"explore", "hand.toml", "--out", "hand.csv", "--renderer", ONE_CONSTRAINT, "--json"}).out);
     EXPECT_EQ(hand["engine"]["kind"], "renderer");
@@ -174,6 +197,8 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
         1, {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", bad + ":crash"},
         {"bad_renderer:crash crashed (Segmentation fault) in update 1000"});
     EXPECT_FALSE(std::filesystem::exists(path("none.csv")));
+    expect_failure(1, {"explore", "hand.toml", "--out", "none.csv", "--renderer", bad + ":nan"},
+                   {"gave a force that is not finite"});
     expect_failure(2,
                    {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", PENALTY,
                     "--engine", "cpu"},

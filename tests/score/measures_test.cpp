@@ -149,7 +149,9 @@ TEST_F(OnAPlane, ForcesThatAreNotFiniteAreCountedAndLeftOut) {
     const StrokeScore some = score(forces);
     EXPECT_EQ(some.not_finite, 2);
     EXPECT_EQ(some.error_rms, 0);
-    EXPECT_TRUE(std::isfinite(some.added_100));
+    EXPECT_EQ(some.drop_outs, 2);
+    for (const double whole : {some.added_100, some.buzz_30, some.work, some.loop_work, some.delay})
+        EXPECT_TRUE(std::isnan(whole)) << "of every sample";
     const StrokeScore none = score(std::vector<glm::dvec3>(forces.size(), glm::dvec3(NAN)));
     EXPECT_EQ(none.not_finite, double(forces.size()));
     EXPECT_TRUE(std::isnan(none.error_rms));

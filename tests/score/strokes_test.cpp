@@ -42,6 +42,9 @@ TEST_F(StrokeFile, IsReadWhateverItsNamesUnitsAndForm) {
     expect_two(strokes("# t,x,y,z\n0,0,0,0\n# later\n0.001,0.002,-0.005,0.003\n"));
     expect_two(strokes("\xEF\xBB\xBFt\tpos x [mm]\ty\tz\n0\t0\t0\t0\n0.001\t2\t-0.005\t0.003\n", "x='pos x'"));
     expect_two(strokes("t;x;y;z\n0;0;0;0\n0,001;0,002;-0,005;0,003\n"));
+    expect_two(strokes("\"t\";\"x\";\"y\";\"z\"\n0;0;0;0\n0,001;0,002;-0,005;0,003\n"));
+    expect_two(strokes("\tt\tx\ty\tz\tnote\n0\t0\t0\t0\t0\t\n1\t0,001\t0,002\t-0,005\t0,003\tabc\n"));
+    expect_two(strokes("t,lat_s,\"a, b\",c\n0,0,0,0\n0.001,2,-0.005,3\n", "x=lat_s mm, y='a, b', z=#4 mm"));
     expect_two(strokes("0;0;0\r\n0.002;-0.005;0.003\r\n", "x=#1,y=#2,z=#3", 1000));
     std::string array("\x93NUMPY\x01\x00\x76\x00", 10);
     std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
@@ -62,6 +65,7 @@ TEST_F(StrokeFile, ThatIsWrongIsRefusedWithWhatWouldBeRight) {
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n0,0,0,0\n"), ":3: t: 0 s comes after 0 s"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,nan\n"), ":2: a position or time is missing or not finite"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0\n"), ":2: 3 numbers in this row, 4 in the first"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n1,a,0,0\n"), ":3: \"a\" in column x is no number"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n"), "no row of numbers"));
     EXPECT_TRUE(testing::says(refusal(std::string("\xFF\xFEt\0", 4)), "UTF-16"));
     EXPECT_TRUE(

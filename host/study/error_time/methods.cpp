@@ -12,6 +12,7 @@
 #include "host/clock.h"
 #include "host/field/case_law.h"
 #include "host/field/engine.h"
+#include "host/norm.h"
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
 #include "host/reference/chunks.h"
@@ -443,9 +444,8 @@ void add_renderer(std::vector<Method>& methods, const Subject& subject, const Va
     MethodBuilder(methods, subject, variant, 0).add_renderer(renderer, name);
     try {
         for (const glm::dvec3& force : methods.back().forces(subject.places))
-            for (int axis = 0; axis < 3; ++axis)
-                if (!std::isfinite(force[axis]))
-                    throw RendererError(name + " gave a force that is not finite", std::nullopt);
+            if (!is_force(force))
+                throw RendererError(name + " gave a force that is not finite", std::nullopt);
     } catch (const RendererError&) {
         methods.pop_back();
         throw;

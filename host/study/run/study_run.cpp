@@ -10,6 +10,7 @@
 
 #include "host/clock.h"
 #include "host/long_run.h"
+#include "host/norm.h"
 #include "host/output/files.h"
 #include "host/program.h"
 #include "host/reference/chunks.h"
@@ -65,9 +66,8 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
 }
 
 glm::dvec3 finite_force(const RendererAnswer& answer) {
-    for (int axis = 0; axis < 3; ++axis)
-        if (!std::isfinite(answer.force[axis]))
-            throw RendererError("gave a force that is not finite", std::nullopt);
+    if (!is_force(answer.force))
+        throw RendererError("gave a force that is not finite", std::nullopt);
     return answer.force;
 }
 
