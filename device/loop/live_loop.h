@@ -148,6 +148,7 @@ public:
     /// Its thread is not interrupted by signals from outside (host/program.h).
     void start();
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+    double period() const noexcept { return period_; } /* s */
     LoopEnd end() const noexcept { return end_.load(std::memory_order_acquire); }
     /// Waits for the end; call stop() first unless the loop ends by itself.
     void join();

@@ -64,7 +64,7 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
     PreparedCase prepared;
     try {
         prepared = read_again();
-        law = make_probe_law(prepared);
+        law = make_probe_law(prepared, loop.period());
     } catch (const std::exception& error) {
         return Message{fmt::format("the scene stays as it was: {}", error.what()), true, {}};
     }

@@ -162,7 +162,7 @@ public:
         const std::vector<SampleRing*> others = start_readers();
         loop_.emplace(*opened_.device,
                       options_.make_law ? options_.make_law(prepared_, 1 / opened_.settings.rate)
-                                        : make_probe_law(prepared_),
+                                        : make_probe_law(prepared_, 1 / opened_.settings.rate),
                       opened_.settings, log_ ? &log_->ring() : nullptr, others);
     }
 

@@ -26,6 +26,8 @@ std::vector<FileRecord> inputs_of(const Scene& scene) {
     add(scene.surface.map.file, scene.surface.map.sha256);
     if (scene.texture)
         add(scene.texture->map.file, scene.texture->map.sha256);
+    if (scene.vibration)
+        add(scene.vibration->file, scene.vibration->sha256);
     return inputs;
 }
 
@@ -89,9 +91,8 @@ void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats
 std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also) {
     std::vector<std::string> names;
     if (scene.field)
-        add_field_files(
-            stem, {written_channels(scene), scene.surface.kind == SurfaceKind::mesh, depends_on_y(scene)},
-            also, names);
+        add_field_files(stem, {written_channels(scene), scene.surface.kind == SurfaceKind::mesh, depends_on_y(scene)},
+                        also, names);
     if (scene.paths)
         add_path_files(stem, written_channels(scene), also, names);
     return names;

@@ -65,11 +65,12 @@ Workload& Workload::operator+=(const Workload& other) {
     steps += other.steps;
     harmonics += other.harmonics;
     mesh_steps += other.mesh_steps;
+    rubs = rubs || other.rubs;
     return *this;
 }
 
 Workload Workload::operator*(double times) const {
-    return {voxels * times, mesh_voxels * times, steps * times, harmonics * times, mesh_steps * times};
+    return {voxels * times, mesh_voxels * times, steps * times, harmonics * times, mesh_steps * times, rubs};
 }
 
 Workload field_workload(const Scene& scene) {
@@ -95,9 +96,10 @@ Workload path_workload(const Scene& scene, const std::string& recorded) {
         steps = static_cast<double>(scene.paths->count) * static_cast<double>(scene.paths->steps);
         harmonics = harmonic_count(*scene.paths);
     }
+    const bool rubs = scene.rubs() && (scene.paths || !recorded.empty());
     if (scene.surface.kind == SurfaceKind::mesh)
-        return {.mesh_steps = steps};
-    return {.steps = steps, .harmonics = steps * harmonics};
+        return {.mesh_steps = steps, .rubs = rubs};
+    return {.steps = steps, .harmonics = steps * harmonics, .rubs = rubs};
 }
 
 Workload study_workload(const Study& study) {
@@ -120,6 +122,8 @@ double saved_by_hardware(const Workload& work, unsigned threads) {
 
 EngineChoice choose_engine(const Workload& work, const std::vector<compute::DeviceReport>& devices, bool needs_f64,
                            unsigned threads) {
+    if (work.rubs)
+        return {true, "", cpu_text(threads) + ": friction and vibration run on the CPU"};
     const auto hardware = std::ranges::count_if(devices, [&](const auto& one) { return is_hardware(one, needs_f64); });
     if (hardware > 0) {
         const compute::DeviceReport& chosen = compute::choose_device(devices, "", needs_f64);
@@ -147,6 +151,8 @@ EngineChoice choose_engine(const Workload& work, const std::vector<compute::Devi
 
 EngineChoice choose_engine(const Workload& work, bool needs_f64) {
     const unsigned threads = most_threads();
+    if (work.rubs)
+        return choose_engine(work, {}, needs_f64, threads);
     if (compute::may_have_hardware() && saved_by_hardware(work, threads) <= 0)
         return left_to_cpu(threads, "a GPU");
     std::vector<compute::DeviceReport> devices;

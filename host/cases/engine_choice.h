@@ -19,6 +19,7 @@ struct Workload {
     double steps = 0;       /* of paths over analytic surfaces */
     double harmonics = 0;   /* of their motions, summed over the steps */
     double mesh_steps = 0;  /* of paths over meshes */
+    bool rubs = false;      /* paths with friction or vibration, which the CPU alone computes */
 
     Workload& operator+=(const Workload& other);
     Workload operator*(double times) const;

@@ -34,6 +34,8 @@ EngineOptions device_options(const CommonOptions& common, bool needs_f64) {
 
 SelectedEngine select_engine(const CommonOptions& common, bool needs_f64, const Workload& work) {
     SelectedEngine selected{device_options(common, needs_f64), ""};
+    if (work.rubs && (common.engine == "gpu" || !common.gpu.empty()))
+        throw UsageError(kRubsOnCpu);
     if (common.engine != "auto" || !common.gpu.empty() || common.validation_layers)
         return selected;
     EngineChoice choice = choose_engine(work, needs_f64);

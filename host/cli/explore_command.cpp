@@ -55,7 +55,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common, const Scene& scene,
                  const std::string& recorded) {
     return common.engine == "cpu" && !recorded.empty() && !(scene.paths && scene.paths->closed()) && !scene.compare &&
-           !arguments.metrics_only && arguments.also.empty() && arguments.renderer.empty() &&
+           !scene.rubs() && !arguments.metrics_only && arguments.also.empty() && arguments.renderer.empty() &&
            std::filesystem::path(arguments.out).extension() == ".csv";
 }
 

@@ -49,7 +49,7 @@ std::filesystem::path report_stem(const LiveArguments& arguments) {
 void check_outputs(const LiveArguments& arguments, const std::filesystem::path& report, const Scene& scene) {
     const std::string& device = arguments.device.session.device;
     std::vector<std::filesystem::path> inputs{arguments.scene};
-    for (const auto& [table, file] : files_of(scene))
+    for (const auto& [key, file] : files_of(scene))
         inputs.emplace_back(file->path);
     if (constexpr std::string_view kReplay = "replay:"; device.starts_with(kReplay))
         inputs.emplace_back(device.substr(kReplay.size()));

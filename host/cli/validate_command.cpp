@@ -193,8 +193,12 @@ Findings findings_on(const EngineOptions& options, const std::optional<RendererS
     CasePreparation preparation;
     std::set<std::string> warned;
     std::size_t all = 0;
-    for (const Case* one : cases)
-        all += wanted.size() * ((one->scene.field ? 1 : 0) + (one->scene.paths ? 1 : 0));
+    const auto walks = [](const Case& one) { return one.scene.paths && !one.scene.rubs(); };
+    for (const Case* one : cases) {
+        all += wanted.size() * ((one->scene.field ? 1 : 0) + (walks(*one) ? 1 : 0));
+        if (rounding && one->scene.paths && !walks(*one))
+            note(common, "{}: its paths are left out: friction and vibration run on the CPU oracle alone\n", one->name);
+    }
     Stage stage("preparing", all, "comparisons");
     for (const Case* one : cases) {
         stage.update(found.fields.size() + found.paths.size(), one->name);
@@ -212,7 +216,7 @@ Findings findings_on(const EngineOptions& options, const std::optional<RendererS
             if (one->scene.field)
                 found.fields.push_back(
                     found_by([&] { return compare_case(*engine, prepared, precision); }, one->name, precision));
-            if (one->scene.paths)
+            if (walks(*one))
                 found.paths.push_back(
                     found_by([&] { return compare_paths(*engine, prepared, precision); }, one->name, precision));
             stage.update(found.fields.size() + found.paths.size());

@@ -68,7 +68,8 @@ public:
         : experiment_(experiment), first_(stimulus_of(experiment)),
           opened_(device::open_for_loop(options.session, first_)),
           ring_(static_cast<std::size_t>(kBuffered * opened_.settings.rate)),
-          loop_(*opened_.device, make_probe_law(first_), opened_.settings, &ring_), buttons_(options.buttons),
+          loop_(*opened_.device, make_probe_law(first_, 1 / opened_.settings.rate), opened_.settings, &ring_),
+          buttons_(options.buttons),
           server_(served(experiment), options.port, [this](const std::string& page) { closed(page); }),
           emergency_(*opened_.device), signals_(loop_) {
         require_buttons();
@@ -454,7 +455,7 @@ private:
         const unsigned dead_man = opened_.settings.dead_man;
         enter(is_second ? "between" : "loading", dead_man != 0 ? "hold_button" : "", {{"button", dead_man}});
         const std::uint32_t laws = loop_.status().laws;
-        loop_.offer(make_probe_law(stimulus));
+        loop_.offer(make_probe_law(stimulus, 1 / opened_.settings.rate));
         while (loop_.status().laws == laws) {
             look();
             require_device();

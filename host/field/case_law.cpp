@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -77,8 +78,9 @@ namespace {
 
 template <typename T> class InPrecision final : public ProbeLaw {
 public:
-    explicit InPrecision(const PreparedCase& prepared)
-        : probe_(prepared), hand_(prepared.one.scene.hand), stiffness_(prepared.one.scene.force.stiffness) {
+    InPrecision(const PreparedCase& prepared, double period)
+        : probe_(prepared), hand_(prepared.one.scene.hand), stiffness_(prepared.one.scene.force.stiffness),
+          surface_(surface_forces<T>(prepared, period)) {
         probe_.law().find_obstacles();
     }
 
@@ -86,12 +88,18 @@ public:
     void begin_path() noexcept override {
         probe_.begin_path();
         lag_ = -1;
+        path_ += std::exchange(begun_, false) ? 1 : 0;
+        if (surface_)
+            surface_->begin_path(path_);
     }
     void couple(double scale, double period) noexcept override {
         coupling_ = coupling_of<T>(hand_, scale * stiffness_, period);
     }
     ProbeContact at(const glm::dvec3& probe) noexcept override {
-        const PathContact<T> found = probe_.at(probe);
+        PathContact<T> found = probe_.at(probe);
+        if (surface_)
+            surface_->add_to(found.contact, probe_.law().from_origin(probe));
+        begun_ = true;
         ProbeContact contact = probe_.law().widened(found);
         contact.coupled =
             glm::dvec3(reference::through_coupling(coupling_, found.contact.force, found.contact.depth, lag_));
@@ -104,6 +112,9 @@ private:
     double stiffness_; /* N/m */
     layout::Coupling<T> coupling_{};
     T lag_ = -1; /* m: of the coupling */
+    std::optional<reference::SurfaceForces<T>> surface_;
+    std::uint64_t path_ = 0; // its number, on which the noise of a vibration depends
+    bool begun_ = false;     // it has a sample
 };
 
 } // namespace
@@ -120,6 +131,30 @@ template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, doub
 template layout::Coupling<float> coupling_of<float>(const HandSpec&, double, double) noexcept;
 template layout::Coupling<double> coupling_of<double>(const HandSpec&, double, double) noexcept;
 
+template <typename T>
+std::optional<reference::SurfaceForces<T>> surface_forces(const PreparedCase& prepared, double period) {
+    const Scene& scene = prepared.one.scene;
+    if (!scene.rubs())
+        return std::nullopt;
+    std::optional<reference::FrictionParams<T>> friction;
+    if (const auto& spec = scene.friction) {
+        const double coefficient = friction_coefficient(prepared);
+        const double excess = spec->static_coefficient.value_or(coefficient) - coefficient;
+        friction = {T(coefficient),     T(excess),        T(spec->stribeck_speed),
+                    T(spec->stiffness), T(spec->damping), T(spec->viscous)};
+    }
+    std::optional<Vibration> vibration;
+    if (scene.vibration)
+        vibration.emplace(prepared.images.vibration, 1 / period, scene.vibration->seed);
+    std::optional<reference::SurfaceForces<T>> forces;
+    forces.emplace(friction, std::move(vibration), T(scene.vibration.value_or(VibrationSpec{}).mass), T(period));
+    forces->begin_path(0);
+    return forces;
+}
+
+template std::optional<reference::SurfaceForces<float>> surface_forces(const PreparedCase&, double);
+template std::optional<reference::SurfaceForces<double>> surface_forces(const PreparedCase&, double);
+
 std::uint64_t scene_id(const PreparedCase& prepared) {
     const std::string digest = sha256_of(prepared.scene);
     std::uint64_t id = 0;
@@ -127,10 +162,11 @@ std::uint64_t scene_id(const PreparedCase& prepared) {
     return id;
 }
 
-std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared) {
+std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared, double period) {
+    const double rate = prepared.one.scene.paths.value_or(PathsSpec{}).rate;
     auto law =
         in_precision(prepared.one.scene.precision, [&]<typename T>(std::type_identity<T>) -> std::unique_ptr<ProbeLaw> {
-            return std::make_unique<InPrecision<T>>(prepared);
+            return std::make_unique<InPrecision<T>>(prepared, period > 0 ? period : 1 / rate);
         });
     law->scene = scene_id(prepared);
     return law;

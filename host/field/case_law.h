@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <glm/vec3.hpp>
 
 #include "host/field/prepared_case.h"
 #include "host/reference/contact.h"
+#include "host/reference/friction.h"
 #include "host/reference/god_object.h"
 
 namespace forceshade {
@@ -44,6 +46,10 @@ public:
     const layout::Law<T>& law() const { return law_; }
     const FieldTables<T>& tables() const { return tables_; }
     const glm::dvec3& origin() const { return origin_; } /* as scene_origin() */
+    /// A probe, m, in the world, as the law has it: from the case's origin, each coordinate rounded once to T.
+    reference::Vector<T> from_origin(const glm::dvec3& probe) const noexcept {
+        return reference::Vector<T>(on_mesh() ? probe - origin_ : probe);
+    }
     glm::dvec3 in_world(const reference::Vector<T>& place) const { return world_place(glm::dvec3(place), origin_); }
     ProbeContact widened(const reference::LawContact<T>& found) const noexcept;
 
@@ -82,9 +88,6 @@ public:
 
 private:
     bool on_mesh() const { return mesh_ != nullptr; }
-    reference::Vector<T> from_origin(const glm::dvec3& probe) const noexcept {
-        return reference::Vector<T>(on_mesh() ? probe - origin_ : probe);
-    }
 
     std::shared_ptr<const SceneMesh> mesh_; // null: an analytic surface
     glm::dvec3 origin_;                     /* m, in the world */
@@ -122,6 +125,10 @@ private:
 /// The hand's virtual coupling in a scene of `stiffness`, N/m, each `period`, s.
 template <typename T> layout::Coupling<T> coupling_of(const HandSpec& hand, double stiffness, double period) noexcept;
 
+/// What a scene with friction or vibration adds to its law in a loop of `period`, s; empty for another. May allocate.
+template <typename T>
+std::optional<reference::SurfaceForces<T>> surface_forces(const PreparedCase& prepared, double period);
+
 /// The first 64 bits of the SHA-256 of the scene's resolved TOML.
 std::uint64_t scene_id(const PreparedCase& prepared);
 
@@ -141,7 +148,8 @@ public:
     virtual ProbeContact at(const glm::dvec3& probe) noexcept = 0;
 };
 
-/// \throws UsageError if a value leaves the precision's range.
-std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared);
+/// With the scene's friction and vibration, in a loop of `period`, s; 0: that of its paths. \throws UsageError if a
+/// value leaves the precision's range.
+std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared, double period = 0);
 
 } // namespace forceshade

@@ -11,6 +11,7 @@
 
 #include "compute/kernels.h"
 #include "host/clock.h"
+#include "host/error.h"
 #include "host/field/pipeline_cache.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
@@ -331,6 +332,8 @@ private:
     }
 
     template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes&) {
+        if (work.input.surface)
+            throw UsageError(kRubsOnCpu);
         if (work.input.law.features.surface != layout::kSurfaceMesh)
             return made(paths_).explore(work.input, work.take, work.take_metrics);
         // The oracle does the updates that the kernel leaves: few steps need its many cases.

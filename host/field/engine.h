@@ -90,6 +90,9 @@ public:
     }
 };
 
+/// Why a Vulkan device is refused for paths with friction or vibration.
+inline constexpr const char* kRubsOnCpu = "friction and vibration run on the CPU; leave --engine gpu out";
+
 struct EngineOptions {
     bool cpu = false;     /* the oracle instead of a Vulkan device */
     unsigned threads = 0; /* of the oracle; 0: most_threads() */

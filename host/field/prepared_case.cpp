@@ -18,6 +18,7 @@
 #include "host/scene/scene.h"
 #include "host/scene/schema.h"
 #include "host/spelling.h"
+#include "host/vibration/vibration.h"
 
 namespace forceshade {
 
@@ -92,6 +93,7 @@ namespace {
 // In memory between cases: a sweep over files must not keep them all.
 constexpr std::size_t kImages = 4;
 constexpr std::size_t kMeshes = 2;
+constexpr std::size_t kVibrations = 4;
 
 // The file of a key, read unless it is in memory.
 template <typename Key, typename File, typename Read>
@@ -247,6 +249,17 @@ void check_digest(const std::string& file, const std::string& expected, const st
                          expected);
 }
 
+// Against a coefficient that only the file gives; otherwise the scene is checked.
+void check_friction(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    if (!scene.friction || !scene.friction->static_coefficient)
+        return;
+    if (const double least = friction_coefficient(prepared); *scene.friction->static_coefficient < least)
+        throw UsageError("friction.static_coefficient {:g} is less than the coefficient {:g} that {} leads to: give a "
+                         "larger one, or friction.coefficient",
+                         *scene.friction->static_coefficient, least, scene.vibration->file);
+}
+
 } // namespace
 
 std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
@@ -285,6 +298,22 @@ std::shared_ptr<const SceneMesh> CasePreparation::compared_mesh(Scene& scene) {
     return read;
 }
 
+std::shared_ptr<const VibrationModels> CasePreparation::vibration(VibrationSpec& spec) {
+    require_file(spec);
+    const std::string digest = sha256_of_file(spec.path);
+    check_digest(spec.file, spec.sha256, digest);
+    spec.sha256 = digest;
+    return cached(vibrations_, digest, kVibrations,
+                  [&] { return std::make_shared<const VibrationModels>(read_vibration(spec.path)); });
+}
+
+double friction_coefficient(const PreparedCase& prepared) {
+    const FrictionSpec friction = prepared.one.scene.friction.value_or(FrictionSpec{});
+    const auto& vibration = prepared.images.vibration;
+    const bool of_file = vibration && std::isfinite(vibration->friction);
+    return friction.coefficient.value_or(of_file ? vibration->friction : kFrictionCoefficient);
+}
+
 PreparedCase CasePreparation::prepare(const Case& one, const PolygonFile* given) {
     const Clock::time_point start = Clock::now();
     PreparedCase prepared;
@@ -294,6 +323,9 @@ PreparedCase CasePreparation::prepare(const Case& one, const PolygonFile* given)
         prepared.images.map = image(scene.surface.map);
     if (scene.texture)
         prepared.images.texture = image(scene.texture->map);
+    if (scene.vibration)
+        prepared.images.vibration = vibration(*scene.vibration);
+    check_friction(prepared);
     warn_of_part(scene, prepared.warnings);
     if (scene.surface.kind == SurfaceKind::mesh) {
         prepared.images.mesh = mesh(scene.surface.mesh, given);

@@ -25,6 +25,7 @@
 namespace forceshade {
 
 struct HeightImage;
+struct VibrationModels;
 struct PolygonFile;
 
 /// How far from its centre a mesh's law is evaluated, in units of its frame: further out the mesh is a point, and which
@@ -75,10 +76,11 @@ std::vector<T> map_gradients(std::span<const double> samples, std::size_t column
 
 // Every table that a law reads, rounded once from double to the run's precision.
 
-/// The images and the mesh that a scene names; null where it names none.
+/// What the files that a scene names hold; null where it names none.
 struct SceneImages {
     std::shared_ptr<const HeightImage> map, texture;
     std::shared_ptr<const SceneMesh> mesh;
+    std::shared_ptr<const VibrationModels> vibration;
 };
 
 /// Owns the data of a layout::FieldInput.
@@ -146,7 +148,11 @@ inline glm::dvec3 world_place(const glm::dvec3& place, const glm::dvec3& origin)
 /// of `length`, m, which is `what`; empty in double precision, or for no length.
 std::optional<std::string> coarse_warning(Precision precision, double farthest, const std::string& what, double length);
 
-/// Reads images and meshes; cases that follow each other share them, and only the last few stay in memory.
+/// 1: Coulomb's coefficient of a scene with friction, whose vibration file may give it.
+double friction_coefficient(const PreparedCase& prepared);
+
+/// Reads images, meshes and models of vibration; cases that follow each other share them, and only the last few stay in
+/// memory.
 class CasePreparation {
 public:
     /// \param given stands for the file of the scene's mesh
@@ -160,9 +166,11 @@ public:
 private:
     std::shared_ptr<const HeightImage> image(HeightMapSpec& map);
     std::shared_ptr<const SceneMesh> compared_mesh(Scene& scene);
+    std::shared_ptr<const VibrationModels> vibration(VibrationSpec& spec);
     std::deque<std::pair<MeshSpec, std::shared_ptr<const SceneMesh>>> meshes_;      // the newest first
     std::deque<std::pair<std::string, std::shared_ptr<const HeightImage>>> images_; // path and image, the newest first
-    std::map<std::string, MeshFindings> findings_;                                  // by the file's SHA-256
+    std::deque<std::pair<std::string, std::shared_ptr<const VibrationModels>>> vibrations_; // by SHA-256
+    std::map<std::string, MeshFindings> findings_;                                          // by the file's SHA-256
 };
 
 /// Squares of lengths up to this, m, stay numbers of T: the most that scenes may have, too.

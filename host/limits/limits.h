@@ -125,10 +125,14 @@ struct SceneLimits {
                                         the limits do not hold; 0: none found */
     std::optional<double> buzz;      /* N/m: above this friction does not hold a step of the measured position, 2 f_c /
                                         quantum (Abbott & Okamura 2005); empty: it is not measured in steps */
+    std::optional<double> bristle;   /* N/m: of [friction], a spring along the surface, as it is displayed */
 
+    /// Whether that spring is stable: the same limit as a wall's holds along the surface.
+    bool bristle_rests() const { return !bristle || *bristle < wall; }
     /// N/m: the lower of both.
     double limit() const { return least && least->limit ? std::min(*least->limit, wall) : wall; }
-    bool stable() const { return coupling ? coupled_rests : stiffness < limit(); }
+    bool stable() const { return presses_stably() && bristle_rests(); }
+    bool presses_stably() const { return coupling ? coupled_rests : stiffness < limit(); } /* into the surface */
     /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)", but on a foot, and but for
     /// steps of the measured position.
     std::string text() const;

@@ -139,7 +139,9 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
         found.coupled_rests =
             RestTrials(rate, found.stiffness, with_wall(share * scene.force.stiffness)).all_rest(scene.hand);
     }
-    if (!found.stable())
+    if (scene.friction)
+        found.bristle = coupled_share(scene.hand, found.stiffness) * scale * scene.friction->stiffness;
+    if (!found.presses_stably())
         if (const auto safe = safe_coupling(bare, rate, found.stiffness, with_wall(0)))
             found.safe = safe->stiffness;
     return found;
@@ -170,12 +172,18 @@ std::string SceneLimits::text() const {
                             foot / kDegree);
     if (buzz && stiffness > *buzz)
         text += fmt::format("; above {:.4g} N/m friction does not hold a step of the measured position", *buzz);
+    if (!bristle_rests())
+        text += fmt::format("; the bristle of [friction] is a spring of {:.4g} N/m along the surface, where that hand "
+                            "comes to rest below {:.4g} N/m",
+                            *bristle, wall);
     return text;
 }
 
 std::string SceneLimits::remedy() const {
     if (!(wall > 0))
         return "set hand.damping or hand.grip_damping";
+    if (presses_stably())
+        return "a lower friction.stiffness would hold";
     if (coupling && stiffness < limit())
         return "leave out hand.coupling, which this scene does not need";
     const std::string other = "a lower force.stiffness, more damping, a faster loop or less delay would hold";

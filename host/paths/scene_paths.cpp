@@ -63,6 +63,7 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     }
     if (spec_.closed())
         hand_ = hand_params<T>(scene.hand, spec_, region_.bound, scene.force.stiffness);
+    surface_ = surface_forces<T>(prepared, 1 / spec_.rate);
     const double farthest = farthest_coordinate(spec_, region_);
     region_.centre = {region_.centre[0] - origin_.x, region_.centre[1] - origin_.y};
     region_.height -= origin_.z;
@@ -94,6 +95,7 @@ template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
     input.steps = spec_.steps;
     input.source = this;
     input.stretch = single_stretch(region_);
+    input.surface = surface_ ? &*surface_ : nullptr;
     return input;
 }
 

@@ -12,6 +12,7 @@
 #include "host/long_run.h"
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
+#include "host/reference/friction.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/law.h"
 
@@ -71,6 +72,7 @@ private:
     layout::Law<T> law_;                        // points into the tables
     layout::PathFeatures features_, generated_; // of the engine; of what is generated
     layout::HandParams<T> hand_{};
+    std::optional<reference::SurfaceForces<T>> surface_;
     std::unique_ptr<RecordedPaths<T>> recorded_; // null: generated
     // Generated paths upon a mesh's surface: the engine takes them for recorded ones.
     const MeshStructure* below_ = nullptr;

@@ -2,6 +2,7 @@
 
 #include "host/reference/chunks.h"
 #include "host/reference/contact.h"
+#include "host/reference/friction.h"
 #include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
 
@@ -23,6 +24,11 @@ public:
         batch_ = input_.source->batch(first, count);
         states_.assign(batch_.count, {});
         proxies_.assign(on_mesh() ? batch_.count : 0, {});
+        surfaces_.clear();
+        if (input_.surface)
+            surfaces_.assign(batch_.count, *input_.surface);
+        for (std::size_t path = 0; path < surfaces_.size(); ++path)
+            surfaces_[path].begin_path(batch_.first + path);
         step_ = 0;
         return batch_.count;
     }
@@ -103,7 +109,12 @@ private:
             if (on_mesh())
                 proxies_[path] = god_object_at(batch_.proxies[path]);
         }
-        const auto evaluate_law = [&](const Vector<T>& probe) { return evaluate_at(path, probe, neighbourhood); };
+        const auto evaluate_law = [&](const Vector<T>& probe) {
+            LawContact<T> found = evaluate_at(path, probe, neighbourhood);
+            if (!surfaces_.empty())
+                surfaces_[path].add_to(found.contact, probe);
+            return found;
+        };
         for (std::size_t step = chunk.step_first; step < end; ++step) {
             const bool last = step + 1 == steps;
             const Vector<T> next = closed || !last ? target(chunk, path, last && recorded_ ? step : step + 1) : here;
@@ -133,7 +144,8 @@ private:
     std::size_t step_ = 0; // the next
     std::vector<layout::PathState<T>> states_;
     std::vector<GodObject<T>> proxies_;
-    std::span<const T> positions_; // of a recorded batch, from the chunk's first step on
+    std::vector<SurfaceForces<T>> surfaces_; // of each path; empty: neither friction nor vibration
+    std::span<const T> positions_;           // of a recorded batch, from the chunk's first step on
     SampleBuffers<T> samples_;
 };
 

@@ -107,6 +107,9 @@ private:
     // One path after the other: a renderer has one history at a time.
     template <typename T> void explore(const PathWork<T>& work) {
         const layout::PathInput<T>& input = work.input;
+        if (input.surface)
+            throw UsageError("a renderer gives the whole force: leave [friction] and texture.vibration out, or "
+                             "--renderer");
         for (std::size_t path = 0; path < input.paths; ++path) {
             const layout::PathBatch<T> batch = input.source->batch(path, 1);
             const layout::PathMetrics<T> metrics = walk(input, batch, work.take);

@@ -65,7 +65,7 @@ std::string compared(const Selection& selection, std::size_t key) {
         return identity(*selection[key]);
     const Key& info = schema_keys()[key];
     const bool texture = info.table == "texture" && (info.name == "function" || info.name == "file");
-    return texture || info.path() == "compare.surface.kind" ? "absent" : "";
+    return texture || info.path() == "compare.surface.kind" || info.path() == "friction.stiffness" ? "absent" : "";
 }
 
 // A key's last part; with its table where that would leave open which key is meant. A texture's and a comparison's keys
@@ -73,12 +73,14 @@ std::string compared(const Selection& selection, std::size_t key) {
 std::string label_of(std::size_t key, const std::vector<std::size_t>& varying) {
     const Key& info = schema_keys()[key];
     const auto same_name = [&](std::size_t other) {
-        return other != key && schema_keys()[other].name == info.name && schema_keys()[other].table != "texture";
+        return other != key && schema_keys()[other].name == info.name && schema_keys()[other].table != "texture" &&
+               schema_keys()[other].table != "friction";
     };
     const auto shared = [&](const Key& other) { return other.name == info.name && other.table != info.table; };
     const bool ambiguous = std::ranges::any_of(varying, same_name) ||
                            (info.table == "paths" && std::ranges::any_of(schema_keys(), shared));
-    return ambiguous || info.table == "texture" || info.table == "compare" ? info.path() : std::string(info.name);
+    const bool full = ambiguous || info.table == "texture" || info.table == "compare" || info.table == "friction";
+    return full ? info.path() : std::string(info.name);
 }
 
 std::string file_name_text(const Key& key, const Value& value) {

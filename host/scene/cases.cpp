@@ -29,6 +29,19 @@ std::uint32_t map_form(const Selection& selection, const std::string& table) {
     return std::uint32_t{kFormMapCylinder} << chosen(selection, table + ".function");
 }
 
+// A vibration alone has no height map: whatever else [texture] says is of one.
+std::uint32_t texture_form(const Selection& selection, const Merged& merged) {
+    if (!merged.tables.contains("texture"))
+        return 0;
+    if (!selection[key_index("texture.vibration")])
+        return map_form(selection, "texture");
+    bool mapped = false;
+    for (std::size_t i = 0; i < selection.size(); ++i)
+        mapped = mapped || (merged.ranks[i] > 0 && schema_keys()[i].subject == Subject::texture &&
+                            !(schema_keys()[i].forms & kFormVibration));
+    return kFormVibration | (mapped ? map_form(selection, "texture") : 0);
+}
+
 // Of a choice of one value for each key.
 Forms forms_of(const Selection& selection, const Merged& merged) {
     constexpr std::array<std::uint32_t, 4> kSurfaceForms{kFormBump, kFormCylinderBump, 0, kFormMesh};
@@ -36,7 +49,8 @@ Forms forms_of(const Selection& selection, const Merged& merged) {
     Forms forms;
     forms.surface = kind == SurfaceKind::height_map ? map_form(selection, "surface")
                                                     : kSurfaceForms[static_cast<std::size_t>(kind)];
-    forms.texture = merged.tables.contains("texture") ? map_form(selection, "texture") : 0;
+    forms.texture = texture_form(selection, merged);
+    forms.friction = merged.tables.contains("friction");
     forms.reference_shading = static_cast<Shading>(chosen(selection, "force.shading")) == Shading::reference;
     forms.hand = merged.tables.contains("hand");
     forms.compare = merged.tables.contains("compare") ? 1u << chosen(selection, "compare.surface.kind") : 0;
@@ -156,8 +170,13 @@ Scene build_scene(const Selection& selection) {
         if (!selection[i])
             continue;
         const Key& key = schema_keys()[i];
-        if (key.table == "texture" && !scene.texture)
+        const bool vibration = key.table == "texture" && (key.forms & kFormVibration);
+        if (vibration && !scene.vibration)
+            scene.vibration.emplace();
+        if (key.table == "texture" && !vibration && !scene.texture)
             scene.texture.emplace();
+        if (key.table == "friction" && !scene.friction)
+            scene.friction.emplace();
         if (key.table == "paths" && !scene.paths)
             scene.paths.emplace();
         if (key.table == "compare" && !scene.compare)

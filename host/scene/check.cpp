@@ -69,6 +69,8 @@ public:
                 fail(source_, find("hand.coupling.filter")->where,
                      "hand.coupling.filter is of the damper's speed: it needs hand.coupling.damping");
         });
+        if (scene_.friction)
+            with({"friction", "texture"}, [&] { check_friction(*scene_.friction); });
         for (std::size_t key = 0; key < selection_.size(); ++key)
             if (selection_[key])
                 check_sizes(schema_keys()[key], *selection_[key]);
@@ -281,7 +283,9 @@ private:
     }
 
     void check_sizes(const Key& key, const Value& value) {
-        if ((key.subject != Subject::paths && key.subject != Subject::hand) || key.kind != ValueKind::quantity)
+        const bool along = key.subject == Subject::friction || key.forms == kFormVibration; // the surface
+        if ((key.subject != Subject::paths && key.subject != Subject::hand && !along) ||
+            key.kind != ValueKind::quantity)
             return;
         for (std::size_t i = 0; i < value.numbers.size(); ++i) {
             const double size = std::abs(value.numbers[i]);
@@ -298,8 +302,25 @@ private:
 
     // What is divided by, or squared and compared.
     static bool needs_square(const Key& key) {
-        constexpr std::string_view kNames[] = {"bound", "quantisation", "mass", "rate", "stretch"};
+        constexpr std::string_view kNames[] = {"bound", "quantisation", "mass", "rate", "stretch", "stribeck_speed"};
         return std::ranges::find(kNames, key.name) != std::end(kNames);
+    }
+
+    void check_friction(const FrictionSpec& friction) {
+        constexpr double kMost = 1000; // far above any pair of materials
+        attempt([&] { check_stiffness("friction.stiffness", friction.stiffness); });
+        for (const auto& [key, coefficient] : {std::pair("friction.coefficient", friction.coefficient),
+                                               std::pair("friction.static_coefficient", friction.static_coefficient)})
+            if (coefficient > kMost) // never of an empty one
+                fail(source_, place({key}), "{} must be at most {:g}; got {:g}", key, kMost, *coefficient);
+        // With the file's coefficient, once it is read (CasePreparation).
+        if (!friction.static_coefficient || (!friction.coefficient && scene_.vibration))
+            return;
+        if (const double least = friction.coefficient.value_or(kFrictionCoefficient);
+            *friction.static_coefficient < least)
+            fail(source_, place({"friction.static_coefficient"}),
+                 "static_coefficient must be at least coefficient, {:g}; got {:g}", least,
+                 *friction.static_coefficient);
     }
 
     void check_kind(const PathsSpec& paths) const {

@@ -69,6 +69,9 @@ constexpr OtherWord kOtherWords[] = {{"", "type", "kind"},
                                      {"paths", "samples", "steps"},
                                      {"paths", "frequency", "rate"},
                                      {"hand", "friction", "coulomb"},
+                                     {"friction", "mu", "coefficient"},
+                                     {"friction", "kinetic", "coefficient"},
+                                     {"friction", "static", "static_coefficient"},
                                      {"output", "format", "pixel"}};
 
 std::string did_you_mean_by_another_word(const std::string& word, std::string_view table) {
@@ -209,18 +212,19 @@ private:
     void fold(const Entry& digest) {
         auto& entries = layer_.entries;
         const Key& key = schema_keys()[digest.key];
-        const auto file = std::ranges::find_if(entries, [&](const Entry& entry) {
-            return schema_keys()[entry.key].kind == ValueKind::file && schema_keys()[entry.key].table == key.table;
+        const std::string file = file_name(key.name);
+        const auto named = std::ranges::find_if(entries, [&](const Entry& entry) {
+            return schema_keys()[entry.key].table == key.table && schema_keys()[entry.key].name == file;
         });
-        if (file == entries.end() && doubtful_.contains(key.table))
+        if (named == entries.end() && doubtful_.contains(key.table))
             return; // it was refused
-        if (file == entries.end())
-            fail(source_, digest.where, "\"sha256\" needs a \"file\"");
-        if (file->values.size() != digest.values.size())
-            fail(source_, digest.where, "\"sha256\" needs one digest for each file: {} for {}", digest.values.size(),
-                 file->values.size());
+        if (named == entries.end())
+            fail(source_, digest.where, "\"{}\" needs a \"{}\"", key.name, file);
+        if (named->values.size() != digest.values.size())
+            fail(source_, digest.where, "\"{}\" needs one digest for each file: {} for {}", key.name,
+                 digest.values.size(), named->values.size());
         for (std::size_t i = 0; i < digest.values.size(); ++i)
-            file->values[i].sha256 = digest.values[i].texts.front();
+            named->values[i].sha256 = digest.values[i].texts.front();
     }
 
     const std::string& source_;

@@ -74,7 +74,8 @@ template <typename T> void assign(std::optional<T>& to, const Value& value) {
 template <typename Spec, typename T> T& field(Scene& s, T Spec::*member) {
     const std::tuple parts(&s, &s.surface, &s.surface.mesh, &s.force, &s.grid, &s.hand, &s.output,
                            s.texture ? &*s.texture : nullptr, s.paths ? &*s.paths : nullptr,
-                           s.compare ? &*s.compare : nullptr);
+                           s.compare ? &*s.compare : nullptr, s.friction ? &*s.friction : nullptr,
+                           s.vibration ? &*s.vibration : nullptr);
     return std::get<Spec*>(parts)->*member;
 }
 
@@ -333,6 +334,47 @@ void add_force(std::vector<Key>& keys) {
     texture.quantity(Dimension::length, "radius", "\"5 mm\"", store_in_map<true, &HeightMapSpec::radius>,
                      "R of a bump or dip, at least width / 2; of a Gaussian, where it has fallen to height / e",
                      {.forms = kFormCircular | kFormMapGaussian, .sign = kPositive});
+
+    constexpr std::uint32_t kAnyTexture = kFormAnalytic | kFormMapFile | kFormVibration;
+    Table vibration(keys, "texture", Subject::texture, kFormVibration);
+    texture.add(ValueKind::file, "vibration", "", [](Scene& s, const Value& v) { store_file(*s.vibration, v); },
+                "a material's recorded vibration (L11), an XML file of the Penn Haptic Texture Toolkit, relative to "
+                "this TOML file or absolute; with no key of a height map [texture] has none. Of paths and the live "
+                "loop, on the CPU alone",
+                {.forms = kAnyTexture, .example = "\"Models_Cork.xml\""});
+    texture.digest(kAnyTexture, "vibration_sha256");
+    vibration.quantity<&VibrationSpec::mass>(
+        Dimension::mass, "vibration_mass", "\"50 g\"",
+        "the file's acceleration times this is the force: the mass that the recorded tool's tip had, as the hand feels "
+        "it",
+        {.sign = kPositive});
+    vibration.integer<&VibrationSpec::seed>("vibration_seed", "1", 9223372036854775807,
+                                            "of the vibration's noise: a path follows from it and its own number",
+                                            {.smallest = 0});
+}
+
+// Of the bristle's stiffness 0.6 mm at 1 N, which loops of 1 kHz resolve at 100 mm/s and hands hold.
+void add_friction(std::vector<Key>& keys) {
+    Table friction(keys, "friction", Subject::friction);
+    friction.add(
+        ValueKind::number, "coefficient", "", store<&FrictionSpec::coefficient>,
+        "Coulomb's coefficient of friction; left out: that of the vibration file of [texture], if it has one, else 0.3",
+        {.sign = kNotNegative, .example = "0.3"});
+    friction.add(ValueKind::number, "static_coefficient", "", store<&FrictionSpec::static_coefficient>,
+                 "at rest, no less than coefficient; left out: the same, which is Dahl's model (1968)",
+                 {.sign = kNotNegative, .example = "0.4"});
+    friction.quantity<&FrictionSpec::stribeck_speed>(
+        Dimension::speed, "stribeck_speed", "\"10 mm/s\"",
+        "at which friction is half way from the static to Coulomb's coefficient", {.sign = kPositive});
+    friction.quantity<&FrictionSpec::stiffness>(
+        Dimension::stiffness, "stiffness", "\"500 N/m\"",
+        "of the bristle, a spring along the surface that the probe drags behind it (L10); loops bear no stiffer one "
+        "than a wall",
+        {.sign = kPositive});
+    friction.quantity<&FrictionSpec::damping>(Dimension::damping, "damping", "\"0 N s/m\"",
+                                              "against the speed at which the bristle bends", {.sign = kNotNegative});
+    friction.quantity<&FrictionSpec::viscous>(Dimension::damping, "viscous", "\"0 N s/m\"",
+                                              "against the speed along the surface", {.sign = kNotNegative});
 }
 
 void add_grid(std::vector<Key>& keys) {
@@ -571,7 +613,8 @@ void add_output(std::vector<Key>& keys) {
 
 std::vector<Key> make_keys() {
     std::vector<Key> keys;
-    for (const auto add : {add_surface, add_force, add_grid, add_paths, add_hand, add_compare, add_output})
+    for (const auto add :
+         {add_surface, add_force, add_friction, add_grid, add_paths, add_hand, add_compare, add_output})
         add(keys);
     return keys;
 }

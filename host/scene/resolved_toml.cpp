@@ -57,7 +57,7 @@ std::vector<std::size_t> key_order(const Document& document) {
     for (const Layer* layer : layers)
         for (const Entry& entry : layer->entries)
             add_once(schema_keys()[entry.key].table, tables);
-    for (const std::string_view table : {"texture", "compare"})
+    for (const std::string_view table : {"texture", "compare", "friction"})
         if (document.has(table))
             add_once(table, tables);
     // A table without which a scene is another one comes last if only variants have it: the resolved text cannot
@@ -68,8 +68,8 @@ std::vector<std::size_t> key_order(const Document& document) {
         };
         if (table == "grid")
             return has(table) || !document.has("paths");
-        return has(table) ||
-               (table != "texture" && table != "paths" && table != "compare" && (table != "hand" || has("paths")));
+        return has(table) || (table != "texture" && table != "paths" && table != "compare" && table != "friction" &&
+                              (table != "hand" || has("paths")));
     };
     std::stable_partition(tables.begin(), tables.end(), in_base);
     std::vector<std::size_t> order;
@@ -114,21 +114,13 @@ private:
     bool in_variant_ = false;
 };
 
-bool is_file(std::string_view key) {
-    return key == "file" || key.ends_with(".file");
-}
-// "surface.file" -> "surface.sha256".
-std::string digest_name(std::string_view file_key) {
-    return std::string(file_key.substr(0, file_key.size() - std::string_view("file").size())) + "sha256";
-}
-
 // "u.exr" -> digest, of the files whose digest is known.
 using Digests = std::map<std::string, std::string>;
 
 Digests known_digests(const Study& study) {
     Digests digests;
     for (const Case& one : study.cases)
-        for (const auto& [table, file] : files_of(one.scene))
+        for (const auto& [key, file] : files_of(one.scene))
             if (!file->sha256.empty())
                 digests[file->path] = file->sha256;
     return digests;
@@ -211,7 +203,12 @@ private:
         if (key.subject == Subject::paths || key.subject == Subject::hand)
             return useful &&
                    (base_.tables.contains("paths") || (base_.tables.contains("hand") && key.subject == Subject::hand));
-        return useful && ((key.table != "texture" && key.table != "compare") || base_.tables.contains(key.table));
+        // A default in the text would give cases with a vibration alone a height map.
+        if (!given && key.subject == Subject::texture && !(key.forms & kFormVibration) &&
+            std::ranges::any_of(forms_, [](const Forms& one) { return one.texture == kFormVibration; }))
+            return false;
+        return useful && ((key.table != "texture" && key.table != "compare" && key.table != "friction") ||
+                          base_.tables.contains(key.table));
     }
 
     // Where a mesh's grid may be made from its box, what was given last applies: defaults are then not written.
@@ -257,7 +254,7 @@ private:
         if (printed.contains("grid") && samples && grid_fits_mesh(base_) &&
             applies_to_any(schema_keys()[samples_], forms))
             print(*samples);
-        for (const std::string_view table : {"grid", "texture", "paths", "hand", "compare"})
+        for (const std::string_view table : {"grid", "texture", "friction", "paths", "hand", "compare"})
             if (variant.tables.contains(table) && (table != "grid" || document_.has("paths")) &&
                 !printed.contains(table))
                 writer_.add_empty(table);
@@ -291,11 +288,9 @@ std::string resolved_toml(const Case& one) {
     TomlWriter writer;
     for (const Setting& setting : one.settings) {
         writer.add(setting.table, setting.name, setting.literal);
-        if (!is_file(setting.name))
-            continue;
-        for (const auto& [table, file] : files_of(one.scene))
-            if (table == setting.table && !file->sha256.empty())
-                writer.add(table, digest_name(setting.name), toml_string(file->sha256));
+        for (const auto& [key, file] : files_of(one.scene))
+            if (key == fmt::format("{}.{}", setting.table, setting.name) && !file->sha256.empty())
+                writer.add(setting.table, digest_name(setting.name), toml_string(file->sha256));
     }
     return writer.text();
 }

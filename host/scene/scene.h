@@ -123,6 +123,25 @@ struct TextureSpec {
     friend bool operator==(const TextureSpec&, const TextureSpec&) = default;
 };
 
+/// Friction on the surface by an elastic bristle (L10), of paths and of the live loop.
+struct FrictionSpec {
+    std::optional<double> coefficient; /* 1: Coulomb's; empty: that of the vibration file, if it has one, else 0.3 */
+    std::optional<double> static_coefficient; /* 1: no less than the other; empty: the same */
+    double stribeck_speed = 0.01;             /* m/s */
+    double stiffness = 500;                   /* N/m: of the bristle */
+    double damping = 0;                       /* N s/m: of the bristle */
+    double viscous = 0;                       /* N s/m */
+    friend bool operator==(const FrictionSpec&, const FrictionSpec&) = default;
+};
+inline constexpr double kFrictionCoefficient = 0.3;
+
+/// A material's recorded vibration (L11), of paths and of the live loop: the file's is an acceleration.
+struct VibrationSpec : FileSpec {
+    double mass = 0.05; /* kg: force over acceleration */
+    std::uint64_t seed = 1;
+    friend bool operator==(const VibrationSpec&, const VibrationSpec&) = default;
+};
+
 /// A shape that forces are compared with: what K and its depth would give, along its normal.
 struct CompareSpec {
     CompareKind kind = CompareKind::sphere;
@@ -224,7 +243,9 @@ struct HandSpec {
 struct Scene {
     SurfaceSpec surface;
     ForceSpec force;
-    std::optional<TextureSpec> texture;
+    std::optional<TextureSpec> texture; /* [texture] with a height map */
+    std::optional<FrictionSpec> friction;
+    std::optional<VibrationSpec> vibration;
     GridSpec grid;
     bool field = true; /* false: a scene with [paths] and without [grid] asks for paths only */
     std::optional<PathsSpec> paths;
@@ -232,21 +253,25 @@ struct Scene {
     std::optional<CompareSpec> compare;
     OutputSpec output;
     Precision precision = Precision::f32;
+    /// The force along the surface has a history, which the CPU alone computes.
+    bool rubs() const { return friction || vibration; }
     friend bool operator==(const Scene&, const Scene&) = default;
 };
 
-/// The files that a scene may name, with their tables: without a name where it names none.
+/// The files that a scene may name, with the keys that name them: without a name where it names none.
 inline std::vector<std::pair<std::string_view, const FileSpec*>> files_of(const Scene& scene) {
     const SurfaceSpec& surface = scene.surface;
     const bool mesh = surface.kind == SurfaceKind::mesh;
     std::vector<std::pair<std::string_view, const FileSpec*>> files{
-        {"surface", mesh ? static_cast<const FileSpec*>(&surface.mesh) : &surface.map}};
+        {"surface.file", mesh ? static_cast<const FileSpec*>(&surface.mesh) : &surface.map}};
     if (scene.texture)
-        files.emplace_back("texture", &scene.texture->map);
+        files.emplace_back("texture.file", &scene.texture->map);
+    if (scene.vibration)
+        files.emplace_back("texture.vibration", &*scene.vibration);
     if (scene.paths)
-        files.emplace_back("paths", &*scene.paths);
+        files.emplace_back("paths.file", &*scene.paths);
     if (scene.compare)
-        files.emplace_back("compare", &scene.compare->file);
+        files.emplace_back("compare.surface.file", &scene.compare->file);
     return files;
 }
 

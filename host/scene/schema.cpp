@@ -65,6 +65,18 @@ std::span<const Key> schema_keys() {
     return keys;
 }
 
+std::string digest_name(std::string_view file) {
+    constexpr std::string_view kFile = "file";
+    return file.ends_with(kFile) ? fmt::format("{}sha256", file.substr(0, file.size() - kFile.size()))
+                                 : fmt::format("{}_sha256", file);
+}
+
+std::string file_name(std::string_view digest) {
+    constexpr std::string_view kOwn = "_sha256", kSha256 = "sha256";
+    return digest.ends_with(kOwn) ? std::string(digest.substr(0, digest.size() - kOwn.size()))
+                                  : fmt::format("{}file", digest.substr(0, digest.size() - kSha256.size()));
+}
+
 int find_key(std::string_view path) {
     const auto keys = schema_keys();
     const std::size_t dot = path.find('.');
@@ -94,6 +106,8 @@ bool applies(const Key& key, const Forms& forms) {
         return (key.forms & forms.compare) != 0;
     case Subject::task:
         return false; // of a scene
+    case Subject::friction:
+        return forms.friction;
     }
     return true;
 }
@@ -104,9 +118,13 @@ std::string describe_forms(const Key& key, const Forms& forms) {
     if (key.subject == Subject::compare)
         return forms.compare == 0 ? "a scene without [compare]"
                                   : fmt::format("kind \"{}\"", names_of(forms.compare, kCompareKinds, 1).front());
+    if (key.subject == Subject::friction)
+        return "a scene without [friction]";
     const std::uint32_t form = key.subject == Subject::texture ? forms.texture : forms.surface;
     if (form == 0)
         return "a scene without [texture]";
+    if (form == kFormVibration)
+        return "a vibration without a height map";
     if (form == kFormMesh)
         return fmt::format("kind \"{}\"", kSurfaceKinds[3]);
     if (form & kFormBumps) {
@@ -114,13 +132,15 @@ std::string describe_forms(const Key& key, const Forms& forms) {
         const bool shading = key.subject == Subject::shading && (key.forms & form);
         return fmt::format("kind \"{}\"{}", kind, shading ? " without shading \"reference\"" : "");
     }
-    const std::string map = form == kFormMapFile ? "a file" : fmt::format("function \"{}\"", map_names(form).front());
+    const std::string map = form & kFormMapFile ? "a file" : fmt::format("function \"{}\"", map_names(form).front());
     return key.subject == Subject::texture ? map : fmt::format("kind \"height_map\" with {}", map);
 }
 
 std::string describe_applicability(const Key& key) {
-    if (key.subject == Subject::none)
+    if (key.subject == Subject::none || key.subject == Subject::friction)
         return "";
+    if (key.subject == Subject::texture && (key.forms & kFormVibration))
+        return key.forms == kFormVibration ? "a vibration" : "";
     if (key.subject == Subject::hand)
         return "a closed loop";
     if (key.subject == Subject::task)
@@ -156,7 +176,9 @@ bool is_spread(const Key& key) {
 std::string table_header(std::string_view table) {
     std::string_view remark;
     if (table == "texture")
-        remark = "(L8; a scene without this table has none)";
+        remark = "(L8, L9, L11; a scene without this table has none)";
+    if (table == "friction")
+        remark = "(L10, of paths and the live loop, on the CPU alone; a scene without this table has none)";
     if (table == "paths")
         remark = "(exploration paths; a scene without this table has none, one with it and without [grid] no field)";
     if (table == "compare")

@@ -28,6 +28,7 @@ enum Form : std::uint32_t {
     kFormMapGaussian = 32,
     kFormMapFile = 64,
     kFormMesh = 128,
+    kFormVibration = 256, // of a texture, perhaps besides that of a height map
 };
 
 inline constexpr std::uint32_t kFormBumps = kFormBump | kFormCylinderBump;
@@ -41,8 +42,9 @@ inline constexpr std::array<std::string_view, 8> kPathKinds{"strokes", "raster",
                                                             "taps",    "random_walk", "minimum_jerk", "recorded"};
 
 /// What decides whether a key applies: nothing, the surface's form, the texture's form, the shading of such a surface,
-/// the kind of the paths, whether a hand moves the probe, the shape of [compare], or the task of [experiment].
-enum class Subject { none, surface, texture, shading, paths, hand, compare, task };
+/// the kind of the paths, whether a hand moves the probe, the shape of [compare], the task of [experiment], or whether
+/// there is friction.
+enum class Subject { none, surface, texture, shading, paths, hand, compare, task, friction };
 
 /// Optional key attributes.
 struct KeyTraits {
@@ -85,12 +87,18 @@ struct Forms {
     bool closed_loop = false;
     bool hand = false;         // a hand moves the probe
     std::uint32_t compare = 0; // 1 << CompareKind; 0: no [compare]
+    bool friction = false;
     friend bool operator==(const Forms&, const Forms&) = default;
 };
 
 /// All keys, tables together, in canonical order: made once by make_keys (keys.cpp).
 std::span<const Key> schema_keys();
 std::vector<Key> make_keys();
+
+/// The key of a file's digest, or the file's of a digest: "surface.sha256" of "surface.file", "vibration_sha256" of
+/// "vibration".
+std::string digest_name(std::string_view file);
+std::string file_name(std::string_view digest);
 
 /// The index in schema_keys() of "table.name", or -1.
 int find_key(std::string_view path);

@@ -206,9 +206,13 @@ private:
         if (node.type != Type::integer && node.type != Type::real)
             refuse(node, "{} is a number without quotes; got {}", key_.name, describe(node));
         const double number = node.type == Type::integer ? static_cast<double>(node.integer) : node.real;
-        if (!std::isfinite(number) || (key_.sign == Sign::positive && !(number > 0)))
+        if (!std::isfinite(number) || (key_.sign == Sign::positive && !(number > 0)) ||
+            (key_.sign == Sign::not_negative && !(number >= 0)))
             refuse(node, "{} must be {}, got {}", key_.name,
-                   key_.sign == Sign::positive ? "positive and finite" : "finite", number);
+                   key_.sign == Sign::positive       ? "positive and finite"
+                   : key_.sign == Sign::not_negative ? "finite and not negative"
+                                                     : "finite",
+                   number);
         value.numbers.push_back(number);
         value.texts.push_back(fmt::format("{}", number));
     }

@@ -201,7 +201,7 @@ public:
         const auto image = [&](HeightMapSpec& map) { return map.function != MapFunction::file || add_to(map); };
         return (scene.surface.kind != SurfaceKind::height_map || image(scene.surface.map)) &&
                (scene.surface.kind != SurfaceKind::mesh || add_to(scene.surface.mesh)) &&
-               (!scene.texture || image(scene.texture->map)) &&
+               (!scene.texture || image(scene.texture->map)) && (!scene.vibration || add_to(*scene.vibration)) &&
                (!scene.compare || scene.compare->kind != CompareKind::mesh || add_to(scene.compare->file)) &&
                (!scene.paths || scene.paths->kind != PathKind::recorded || add_to(*scene.paths));
     }

@@ -7,6 +7,10 @@
 
 #include "shaders/shared/layout.h"
 
+namespace forceshade::reference {
+template <typename T> class SurfaceForces;
+}
+
 namespace forceshade::layout {
 
 // Along a direction of their own, within what bounds the triangles below a node's four children lie: where these face
@@ -148,6 +152,7 @@ template <typename real> struct PathInput {
     std::size_t steps = 0; // of the longest
     PathSource<real>* source = nullptr;
     float stretch = 1e-3f; // m: the least distance that a turn of the force is counted over
+    const reference::SurfaceForces<real>* surface = nullptr; // L10, L11, of the oracle alone; null: neither
 };
 
 // Some steps of some consecutive paths: sample (step, path) stands at step * pitch + path. Channels that were not asked

@@ -62,7 +62,9 @@ TEST(LiveBits, EqualThoseOfThePathLaw) {
 
 TEST(LiveBits, OfTheSimulatedHandEqualThoseOfAClosedLoop) {
     for (const char* const hand : {"", "coulomb = \"0.05 N\"\n", "quantisation = \"0.03 mm\"\n", "delay_samples = 1\n",
-                                   "coupling = { stiffness = \"2 N/mm\", damping = \"1 N s/m\" }\n"}) {
+                                   "coupling = { stiffness = \"2 N/mm\", damping = \"1 N s/m\" }\n",
+                                   "[friction]\nstatic_coefficient = 0.5\ndamping = \"0.1 N s/m\"\n",
+                                   "coupling.stiffness = \"2 N/mm\"\n[friction]\n"}) {
         const PreparedCase prepared =
             prepared_scene(std::string(kBump) +
                            "[paths]\ncount = 1\nsteps = 2500\nloop = \"closed\"\ndepth = \"30 mm\"\n"

@@ -136,7 +136,8 @@ TEST(LiveHeap, TheLoopTakesNothing) {
                              "[force]\nshading = \"mean_value\"\n";
     const std::string bump = "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n";
     const std::string walk = "[paths]\nkind = \"random_walk\"\npress = \"1 N\"\n";
-    for (const std::string& scene : {spot, spot + walk, bump, bump + walk})
+    const std::string friction = "[friction]\nstatic_coefficient = 0.5\ndamping = \"0.1 N s/m\"\n";
+    for (const std::string& scene : {spot, spot + walk, bump, bump + walk, bump + friction + walk})
         for (const bool in_real_time : {false, true}) {
             const std::uint64_t samples = in_real_time ? 600 : 20000;
             const PreparedCase prepared = prepared_scene(scene);

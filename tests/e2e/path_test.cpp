@@ -53,6 +53,29 @@ TEST_F(Paths, AreTheSameOnAGpu) {
         }
 }
 
+TEST_F(Paths, WithFrictionRunOnTheCpuAlone) {
+    write("rubs.toml", scene("count = 3\nsteps = 200\n[friction]\n[grid]\nsize = [9, 2, 9]\n"));
+    const Outcome outcome = expect_success({"explore", "rubs.toml", "--out", "a.csv"});
+    EXPECT_TRUE(says(outcome.error, "friction and vibration run on the CPU"));
+    for (const auto& row : table_in(read_text(path("a.paths.csv"))))
+        EXPECT_LT(std::stod(row.at("work_J")), -1e-4);
+    for (const std::vector<std::string>& gpu : {std::vector<std::string>{"--engine", "gpu"}, {"--gpu", "0"}}) {
+        std::vector<std::string> arguments{"explore", "rubs.toml", "--out", "b.csv"};
+        arguments.insert(arguments.end(), gpu.begin(), gpu.end());
+        expect_failure(2, arguments, {"friction and vibration run on the CPU; leave --engine gpu out"});
+    }
+    expect_failure(2, {"sweep", "rubs.toml", "--out", "s", "--engine", "gpu"}, {"leave --engine gpu out"});
+    const Outcome validated = expect_success({"validate", "rubs.toml"});
+    EXPECT_TRUE(says(validated.error, "its paths are left out"));
+    EXPECT_FALSE(says(validated.out, "samples"));
+    // Recorded positions of its own give the same forces.
+    expect_success({"explore", "rubs.toml", "--paths", "a.csv", "--open-loop", "--engine", "cpu", "--out", "c.csv"});
+    const auto first = table_in(read_text(path("a.csv"))), again = table_in(read_text(path("c.csv")));
+    ASSERT_EQ(first.size(), again.size());
+    for (std::size_t i = 0; i < first.size(); ++i)
+        ASSERT_EQ(first[i].at("fx"), again[i].at("fx")) << i;
+}
+
 TEST_F(Paths, OfMetricsAloneTakeNoMemoryForSteps) {
     expect_success(explore("open.toml", "a.exr"));
     const std::string table = read_text(path("a.paths.csv"));

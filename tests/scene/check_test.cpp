@@ -61,6 +61,26 @@ TEST(Check, GridLimits) {
     EXPECT_NE(study_error("[grid]\nspacing = \"1e308 m\"\n"), "(no error)");
 }
 
+TEST(Check, Friction) {
+    expect_places({
+        {"[friction]\n", ""},
+        {"[friction]\ncoefficient = 0.3\nstatic_coefficient = 0.3\n", ""},
+        {"[friction]\ncoefficient = 0.5\nstatic_coefficient = 0.4\n", "3:22"},
+        {"[friction]\nstatic_coefficient = 0.2\n", "2:22"},
+        {"[friction]\nstatic_coefficient = 0.2\n[texture]\nvibration = \"m.xml\"\n", ""}, // the file may have less
+        {"[friction]\ncoefficient = -0.1\n", "2:15"},
+        {"[friction]\ncoefficient = 1e6\n", "2:15"},
+        {"[friction]\nstatic_coefficient = 1e6\n", "2:22"},
+        {"[friction]\nstiffness = \"0 N/m\"\n", "2:13"},
+        {"[friction]\nstiffness = \"1e21 N/m\"\n", "2:13"},
+        {"[friction]\nstribeck_speed = \"0 m/s\"\n", "2:18"},
+        {"[friction]\nstribeck_speed = \"1e-16 m/s\"\n", "2:18"},
+        {"[friction]\ndamping = \"1e16 N s/m\"\n", "2:11"},
+        {"[friction]\nmu = 0.3\n", "2:1"},
+    });
+    EXPECT_NE(study_error("[friction]\nmu = 0.3\n").find("did you mean \"coefficient\"?"), std::string::npos);
+}
+
 TEST(Check, WarnsOfVoxelsThatCoincide) {
     const std::string far = "[grid]\norigin = [\"1 km\", \"0 m\", \"0 m\"]\nspacing = \"1 nm\"\n";
     ASSERT_EQ(warnings(far).size(), 1u);

@@ -75,6 +75,33 @@ TEST(Resolved, OverridesAreInIt) {
     }
 }
 
+TEST(Resolved, VibrationAloneHasNoHeightMap) {
+    const Case alone =
+        parse_scene("[texture]\nvibration = \"m.xml\"\nvibration_mass = \"20 g\"\n", "f.toml", "/folder");
+    EXPECT_FALSE(alone.scene.texture);
+    ASSERT_TRUE(alone.scene.vibration);
+    EXPECT_EQ(alone.scene.vibration->path, "/folder/m.xml");
+    EXPECT_EQ(alone.scene.vibration->mass, 0.02);
+    EXPECT_EQ(resolved_toml(alone).find("function"), std::string::npos);
+    EXPECT_EQ(parse_scene(resolved_toml(alone), "again.toml", "/folder").scene, alone.scene);
+
+    Case both = parse_scene("[texture]\nstiffness = \"1 N/mm\"\nvibration = \"m.xml\"\n", "f.toml", "/folder");
+    ASSERT_TRUE(both.scene.texture);
+    EXPECT_EQ(both.scene.texture->map.function, MapFunction::sine);
+    EXPECT_EQ(both.scene.vibration->mass, 0.05);
+    both.scene.vibration->sha256 = std::string(64, 'a');
+    const std::string text = resolved_toml(both);
+    EXPECT_NE(text.find("vibration_sha256 = \"" + std::string(64, 'a')), std::string::npos) << text;
+    EXPECT_EQ(parse_scene(text, "again.toml", "/folder").scene, both.scene);
+
+    EXPECT_FALSE(parse_scene("[texture]\n", "f.toml").scene.vibration);
+    EXPECT_FALSE(parse_scene("", "f.toml").scene.friction);
+    EXPECT_EQ(parse_scene("[friction]\n", "f.toml").scene.friction, FrictionSpec{});
+    EXPECT_TRUE(test::study_error("[texture]\nvibration_mass = \"1 g\"\n").starts_with("f.toml:2:1: "));
+    EXPECT_TRUE(test::study_error("[texture]\nvibration_sha256 = \"" + std::string(64, 'a') + "\"\n")
+                    .starts_with("f.toml:2:1: \"vibration_sha256\" needs a \"vibration\""));
+}
+
 void expect_same(const Study& first, const Study& second) {
     RC_ASSERT(first.cases.size() == second.cases.size());
     for (std::size_t i = 0; i < first.cases.size(); ++i) {

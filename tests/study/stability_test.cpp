@@ -294,6 +294,23 @@ TEST(SceneLimits, SayWhetherASceneIsStable) {
     EXPECT_EQ(limits_of("hand = {damping = \"0 N s/m\", grip_damping = \"0 N s/m\"}\nsurface.facets = 1").limit(), 0);
 }
 
+TEST(SceneLimits, SayWhetherABristleIsStable) {
+    const auto limits_of = [](const std::string& text, double scale = 1) {
+        return scene_limits(CasePreparation().prepare(parse_scene("surface.facets = 1\n" + text, "scene.toml")), 1000,
+                            8.5, scale);
+    };
+    EXPECT_TRUE(limits_of("friction.stiffness = \"5.9 N/mm\"").stable());
+    EXPECT_EQ(limits_of("friction.stiffness = \"5.9 N/mm\"").warning(), "");
+    const SceneLimits stiff = limits_of("friction.stiffness = \"10 N/mm\"");
+    EXPECT_FALSE(stiff.stable());
+    EXPECT_FALSE(stiff.safe) << "a coupling is for the surface's stiffness";
+    EXPECT_TRUE(says(stiff.warning(),
+                     "the bristle of [friction] is a spring of 1e+04 N/m along the surface, where that "
+                     "hand comes to rest below 6030 N/m; a lower friction.stiffness would hold"));
+    EXPECT_FALSE(limits_of("friction.stiffness = \"4 N/mm\"", 2).stable()) << "two metres of the scene in one";
+    EXPECT_TRUE(limits_of("friction.stiffness = \"10 N/mm\"\nhand.coupling.stiffness = \"1 N/mm\"").stable());
+}
+
 TEST(CouplingLimits, AreWhereSteppedLoopsBeginToGrow) {
     for (const char* name : {"plane", "shaded bump", "map of a dip"}) {
         const std::vector<CouplingRow> rows = couplings_on(own(name), places_on(name));

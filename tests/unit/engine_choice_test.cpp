@@ -57,6 +57,19 @@ TEST(EngineChoice, IsTheCpuUntilADeviceIsWorthStarting) {
     EXPECT_LT(saved_by_software_device({.voxels = 1e9}, 2), 0);
 }
 
+TEST(EngineChoice, IsTheCpuForFrictionAndVibration) {
+    const Scene rubs = scene_of((std::string(kPlane) + "[friction]\n" + kPaths).c_str());
+    EXPECT_FALSE(field_workload(rubs).rubs) << "a static field has none";
+    EXPECT_FALSE(path_workload(scene_of((std::string(kPlane) + kPaths).c_str())).rubs);
+    EXPECT_FALSE(path_workload(scene_of((std::string(kPlane) + "[friction]\n").c_str())).rubs) << "no paths";
+    Workload work = path_workload(rubs);
+    EXPECT_TRUE(work.rubs);
+    work += Workload{.steps = 1e12};
+    const EngineChoice choice = choose_engine(work * 2, {report_of(0, "Card", "discrete")}, false, 2);
+    EXPECT_TRUE(choice.cpu);
+    EXPECT_EQ(choice.why, "cpu (2 threads): friction and vibration run on the CPU");
+}
+
 TEST(EngineChoice, TakesHardwareThenWhatIsFaster) {
     const Workload little{}, some{.steps = 1e7}, much{.steps = 1e9};
     const compute::DeviceReport software = report_of(0, "llvmpipe", "software");

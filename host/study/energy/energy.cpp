@@ -170,6 +170,10 @@ StudyData study_energy(StudyRun& run) {
     StudyData data = run.data();
     data.volumes = volumes;
     add_energy(data, results);
+    if (run.options().scene && run.options().scene->scene.rubs())
+        data.notes.push_back(
+            "The loops are of the scene's law without its friction and vibration: friction takes energy "
+            "on every loop, and vibration may give some.");
     return data;
 }
 

@@ -74,6 +74,11 @@ glm::dvec3 finite_force(const RendererAnswer& answer) {
 StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
     if (options_.scene)
         scene_ = CasePreparation().prepare(*options_.scene);
+    if (scene_ && scene_->one.scene.rubs()) { // of a law without history
+        print_note("note: the study takes the scene without its friction and vibration\n");
+        scene_->one.scene.friction.reset();
+        scene_->one.scene.vibration.reset();
+    }
     scene_text_ = scene_ ? scene_->scene : "";
     for (const Case& one : options_.cases)
         scene_text_ += resolved_toml(one) + "\n";
