@@ -80,7 +80,7 @@ std::vector<T> map_gradients(std::span<const double> samples, std::size_t column
 struct SceneImages {
     std::shared_ptr<const HeightImage> map, texture;
     std::shared_ptr<const SceneMesh> mesh;
-    std::shared_ptr<const VibrationModels> vibration;
+    std::shared_ptr<const VibrationModels> vibration{};
 };
 
 /// Owns the data of a layout::FieldInput.

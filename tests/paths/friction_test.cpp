@@ -21,14 +21,14 @@ using reference::FrictionParams;
 using reference::SurfaceForces;
 using Place = reference::Vector<double>;
 
-constexpr double kPeriod = 1e-3; // s
+constexpr double kFrictionPeriod = 1e-3; // s
 const Place kUp{0, 0, 1};
 
 // A bristle dragged along x, as far in each of `steps` samples: the last force.
 Place dragged(const FrictionParams<double>& friction, double load, double slip, int steps) {
     BentBristle<double> bristle{Place(0), Place(0)};
     for (int i = 0; i < steps; ++i)
-        bristle = bend(friction, bristle.bent, kUp, load, Place(slip, 0, 0), kPeriod);
+        bristle = bend(friction, bristle.bent, kUp, load, Place(slip, 0, 0), kFrictionPeriod);
     return bristle.force;
 }
 
@@ -62,7 +62,7 @@ TEST(Friction, IsNoMoreThanTheStaticCoefficientAndAlongTheSurface) {
         const Place up = reference::normalised(Place(normal(random), normal(random), 3 + normal(random)));
         const double load = std::abs(normal(random)); // suddenly less, too
         const Place moved = std::exp(3 * normal(random)) * 1e-4 * Place(normal(random), normal(random), normal(random));
-        bristle = bend(friction, bristle.bent, up, load, reference::across(moved, up), kPeriod);
+        bristle = bend(friction, bristle.bent, up, load, reference::across(moved, up), kFrictionPeriod);
         const double size = reference::length(bristle.force);
         ASSERT_LE(size, 0.7 * load * (1 + 1e-12));
         ASSERT_NEAR(reference::dot(bristle.force, up), 0, 1e-12 * (1 + load));
@@ -88,7 +88,7 @@ TEST(Friction, GivesNoLoopEnergy) {
         for (int corner = 0; corner <= corners; ++corner) {
             const Place next = corner == corners ? Place(0) : size * Place(normal(random), normal(random), 0);
             const Place slip = next - place;
-            bristle = bend(friction, bristle.bent, kUp, load, slip, kPeriod);
+            bristle = bend(friction, bristle.bent, kUp, load, slip, kFrictionPeriod);
             work += reference::dot(bristle.force, slip);
             place = next;
         }
@@ -102,7 +102,7 @@ Contact<double> pressed(double load) {
 
 TEST(Friction, BeginsWithEachContact) {
     SurfaceForces<double> surface(FrictionParams<double>{.coefficient = 0.5, .stiffness = 500}, std::nullopt, 0,
-                                  kPeriod);
+                                  kFrictionPeriod);
     const auto force_at = [&](double x, double load) {
         Contact<double> contact = pressed(load);
         surface.add_to(contact, Place(x, 0, 0));
