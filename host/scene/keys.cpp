@@ -345,8 +345,7 @@ void add_force(std::vector<Key>& keys) {
     texture.digest(kAnyTexture, "vibration_sha256");
     vibration.quantity<&VibrationSpec::mass>(
         Dimension::mass, "vibration_mass", "\"50 g\"",
-        "the file's acceleration times this is the force: the mass that the recorded tool's tip had, as the hand feels "
-        "it",
+        "the force is the file's acceleration times this: the effective mass of the tool with which it was recorded",
         {.sign = kPositive});
     vibration.integer<&VibrationSpec::seed>("vibration_seed", "1", 9223372036854775807,
                                             "of the vibration's noise: a path follows from it and its own number",
@@ -368,8 +367,8 @@ void add_friction(std::vector<Key>& keys) {
         "at which friction is half way from the static to Coulomb's coefficient", {.sign = kPositive});
     friction.quantity<&FrictionSpec::stiffness>(
         Dimension::stiffness, "stiffness", "\"500 N/m\"",
-        "of the bristle, a spring along the surface that the probe drags behind it (L10); loops bear no stiffer one "
-        "than a wall",
+        "of the bristle, a spring along the surface that the probe drags behind it (L10); a loop is stable up to the "
+        "same stiffness as on a wall",
         {.sign = kPositive});
     friction.quantity<&FrictionSpec::damping>(Dimension::damping, "damping", "\"0 N s/m\"",
                                               "against the speed at which the bristle bends", {.sign = kNotNegative});
