@@ -29,14 +29,16 @@ struct KnownStudy {
     const char* precision = ""; /* what it uses in place of the scene's; empty: the scene's */
     bool many = false;          /* of a study's scenes, not of one */
     bool renderers = false;     /* measures those of the user's own on a scene */
+    bool rubs = false;          /* measures a scene's friction and vibration, too */
 };
 
 constexpr std::array<KnownStudy, 5> kStudies{{
     {"error-time", "force error against run time: facets, shadings, precision, look-up volumes",
      study::study_error_time, "", false, true},
-    {"stability", "where the sampled loop and the numbers stop being stable", study::study_stability, "", false, true},
+    {"stability", "where the sampled loop and the numbers stop being stable", study::study_stability, "", false, true,
+     true},
     {"energy", "work round closed loops and curl, for each shading", study::study_energy,
-     "quadrature and oracle are in double precision, the engine in double where the device has it", false, true},
+     "quadrature and oracle are in double precision, the engine in double where the device has it", false, true, true},
     {"omission", "what leaving out what a scene does not need saves", study::study_omission},
     {"perception", "what a model observer expects people to feel", experiment::study_perception,
      "strokes and oracle are in double precision", true},
@@ -114,6 +116,7 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
         options.cases = load_study(arguments.scene, common).cases;
     check_renderers(arguments, known.renderers);
     options.renderers = parse_renderers(arguments.renderers);
+    options.rubs = known.rubs;
     options.quick = arguments.quick;
     options.engine = device_options(common, true);
     const auto show = [&](const study::StudyData& data, const std::string& how) {

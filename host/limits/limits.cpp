@@ -64,7 +64,8 @@ public:
         const auto coupling = coupling_of<double>(hand, stiffness, 1 / least_.cell.rate);
         const double share = coupled_share(hand, stiffness);
         double lag = (1 - share) * reference::length(rest_); /* m */
-        double early = 0, last = 0;
+        double early = 0, last = 0, unrest = 0;
+        unrest_ = INFINITY;
         for (std::size_t step = 0; step < steps_; ++step) {
             const glm::dvec3 force = force_(axes_ * at); /* m: for each N/m */
             const glm::dvec3 coupled_force =
@@ -86,18 +87,24 @@ public:
                 return 1;
             if (step >= steps_ / 4 && step < steps_ / 2)
                 early = std::max(early, energy);
-            if (step >= steps_ - steps_ / 4)
+            if (step >= steps_ - steps_ / 4) {
                 last = std::max(last, energy);
+                unrest += glm::dot(at, at);
+            }
         }
+        unrest_ = std::sqrt(unrest / double(steps_ / 4));
         const bool gone = last < disturbance_.gone * quick * begins * begins;
         return gone ? -1 : std::log(last / early);
     }
     double growth(double stiffness) {
         return growth(stiffness, disturbance_.size * least_.place.below * glm::dvec3(0.5, 0.3, -1));
     }
+    // m: distance from the place, root mean square over the last quarter; infinite where the last one grew far.
+    double unrest() const { return unrest_; }
 
 private:
     Force force_;
+    double unrest_ = 0;
     glm::dvec3 rest_; /* m */
     const LeastLimit& least_;
     glm::dmat3 axes_;
@@ -200,32 +207,70 @@ bool decays(const LoopSurface& surface, const LeastLimit& there) {
     return Simulation(surface, there).growth(there.cell.stiffness) < 0;
 }
 
+namespace {
+
+// Loops of a law's forces on paths that come down to a place and are kicked there.
+class KickedLoop {
+public:
+    KickedLoop(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make, double far)
+        : there_(there), make_(make), kick_{1e-3, far, 1e-4}, place_(touched_at(there.place)),
+          descent_(descent(place_, surface.scale())) {
+        constexpr double kTimes = 10, kMostSteps = 1e5; // of the time in which the grip brings the probe back
+        const HandSpec& hand = there.cell.hand;
+        double slowest = 0; /* s */
+        if (hand.grip_stiffness > 0)
+            slowest = damping_of(hand) / hand.grip_stiffness;
+        else // into the surface alone: nothing brings it back from aside
+            way_ = -glm::normalize(glm::transpose(axes_of(there.hold)) * there.place.force);
+        steps_ = std::max(settling_steps(there.cell, 100),
+                          static_cast<std::size_t>(std::min(kTimes * slowest * there.cell.rate, kMostSteps)));
+    }
+
+    // As Simulation::growth; empty without a force at the place.
+    std::optional<double> growth(double stiffness) {
+        const PathForce force = make_(stiffness);
+        glm::dvec3 rest(0);
+        for (const glm::dvec3& probe : descent_)
+            rest = force(probe) / stiffness;
+        if (rest == glm::dvec3(0))
+            return std::nullopt;
+        Simulation simulation(
+            there_, steps_, kick_, [&](const glm::dvec3& from) { return force(place_.at + from) / stiffness; }, rest);
+        const double growth = simulation.growth(stiffness, kick_.size * place_.depth * way_);
+        unrest_ = simulation.unrest();
+        return growth;
+    }
+    double unrest() const { return unrest_; } /* m: of the last */
+
+private:
+    const LeastLimit& there_;
+    const MakePathForce& make_;
+    Disturbance kick_; // beyond the rounding errors of single precision
+    TouchPlace place_;
+    std::vector<glm::dvec3> descent_;
+    glm::dvec3 way_{0.5, 0.3, -1}; // in the hand's axes
+    std::size_t steps_ = 0;
+    double unrest_ = 0;
+};
+
+} // namespace
+
+double stepped_unrest(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make,
+                      double stiffness) {
+    KickedLoop loop(surface, there, make, INFINITY);
+    return loop.growth(stiffness) ? loop.unrest() : NAN;
+}
+
 SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make) {
     constexpr double kLow = 10, kHigh = 1e6, kClose = 1.01; /* N/m; of a stiffness */
-    constexpr Disturbance kKick{1e-3, 30, 1e-4};            // beyond the rounding errors of single precision
-    constexpr double kTimes = 10, kMostSteps = 1e5;         // of the time in which the grip brings the probe back
+    constexpr double kFar = 30;
     constexpr double kDecays = -0.05; // moves a limit by a thousandth; less is a steady vibration, rounded
-    const TouchPlace place = touched_at(there.place);
-    const HandSpec& hand = there.cell.hand;
-    glm::dvec3 kick(0.5, 0.3, -1); // in the hand's axes
-    double slowest = 0;            /* s */
-    if (hand.grip_stiffness > 0)
-        slowest = damping_of(hand) / hand.grip_stiffness;
-    else // into the surface alone: nothing brings it back from aside
-        kick = -glm::normalize(glm::transpose(axes_of(there.hold)) * there.place.force);
-    kick *= kKick.size * place.depth;
-    const auto steps = std::max(settling_steps(there.cell, 100),
-                                static_cast<std::size_t>(std::min(kTimes * slowest * there.cell.rate, kMostSteps)));
+    KickedLoop loop(surface, there, make, kFar);
     bool touches = true;
     const auto rests = [&](double stiffness) {
-        const PathForce force = make(stiffness);
-        glm::dvec3 rest(0);
-        for (const glm::dvec3& probe : descent(place, surface.scale()))
-            rest = force(probe) / stiffness;
-        touches = touches && rest != glm::dvec3(0);
-        Simulation simulation(
-            there, steps, kKick, [&](const glm::dvec3& from) { return force(place.at + from) / stiffness; }, rest);
-        return touches && simulation.growth(stiffness, kick) < kDecays;
+        const std::optional<double> growth = loop.growth(stiffness);
+        touches = touches && growth;
+        return touches && *growth < kDecays;
     };
     double below = kLow, above = kHigh;
     if (rests(kHigh))

@@ -66,6 +66,11 @@ struct SteppedLimit {
 /// balances the law's own force; a law without a force there has no limit. \throws what the law throws.
 SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make);
 
+/// m: after the same kick at one stiffness, N/m, how far the probe still is from where the kick began, root mean square
+/// over the last quarter of the time: what a law that never comes to rest shakes the hand by. Infinite where it goes
+/// three depths away, NaN without a force. \throws what the law throws.
+double stepped_unrest(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make, double stiffness);
+
 /// m: of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that decays at half the linearised limit, as all smaller
 /// ones do; 0 if none does.
 std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least);

@@ -1,10 +1,11 @@
-// Renderers of other people in the studies of energy and stability of a scene.
+// Renderers of other people, and friction and vibration, in the studies of energy and stability of a scene.
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "tests/e2e/workplace.h"
+#include "tests/vibration/made_up_models.h"
 
 namespace forceshade::testing {
 namespace {
@@ -111,6 +112,60 @@ TEST_F(RendererStudy, AProxyThatMeetsOnePlaneAnUpdateGivesEnergyInAGroove) {
     EXPECT_EQ(failed.at("gain_mJ"), "");
     EXPECT_TRUE(says(said_, "one_constraint gives up to", "bad_renderer:crash crashed"));
     EXPECT_TRUE(std::filesystem::exists(path("out/energy/energy-renderers.svg")));
+}
+
+class RubbingStudy : public RendererStudy {
+protected:
+    void write_plane(const std::string& more) const {
+        write("m.xml", made_up_models());
+        write("scene.toml", "[surface]\nfacets = 1\n[paths]\n" + more);
+    }
+    std::map<std::string, Row> energies() const {
+        std::map<std::string, Row> rows;
+        for (const Row& row : study("energy", "energy_renderers", {}))
+            rows[row.at("renderer")] = row;
+        return rows;
+    }
+};
+
+// On a plane the work of sliding is the coefficient times the depth times the stiffness, over the way.
+TEST_F(RubbingStudy, FrictionTakesEnergyAndVibrationDoesNotKeepIt) {
+    write_plane("[friction]\ncoefficient = 0.4\n[texture]\nvibration = \"m.xml\"\n");
+    const std::map<std::string, Row> rows = energies();
+    const Row &own = rows.at("own law"), &rubs = rows.at("own law with friction");
+    EXPECT_EQ(rows.size(), 4U);
+    EXPECT_LT(std::abs(number(own, "largest_mJ")), 1e-9);
+    EXPECT_LT(number(rubs, "largest_mJ"), 0);
+    EXPECT_NEAR(number(rubs, "gain_mJ") / -number(rubs, "effort_mJ"), 0.74, 0.2) << "part of the effort is upright";
+    EXPECT_GT(number(rows.at("own law with vibration"), "gain_to_mJ"), 1e-3);
+    EXPECT_LT(number(rows.at("own law with both"), "largest_mJ"), 0);
+    EXPECT_TRUE(says(said_, "own law with friction takes at least", "own law with vibration gives up to"));
+}
+
+// A bristle is a wall along the surface; beyond that wall's limit no stiffness is stable.
+TEST_F(RubbingStudy, ABristleIsStableUpToTheLimitOfAWall) {
+    for (const double bristle : {5800.0, 9000.0}) {
+        write_plane(fmt::format("[friction]\ncoefficient = 0.4\nstiffness = \"{} N/m\"\n", bristle));
+        for (const Row& row : study("stability", "loop_renderers", {}))
+            if (row.at("hand") == "own") {
+                const double wall = number(row, "wall_N_per_m");
+                EXPECT_EQ(number(row, "limit_N_per_m") > 0.98 * wall, bristle < wall) << bristle;
+            }
+        EXPECT_TRUE(says(said_, bristle < 6030 ? "along the surface: stable" : "along the surface: unstable"));
+    }
+}
+
+TEST_F(RubbingStudy, AVibrationOfItsOwnSpeedDoesNotComeToRest) {
+    write_plane("[texture]\nvibration = \"m.xml\"\n");
+    for (const Row& row : study("stability", "loop_renderers", {})) {
+        EXPECT_EQ(row.at("renderer"), "own law with vibration");
+        EXPECT_EQ(row.at("range"), "below") << "its noise is the same at any speed";
+        EXPECT_GT(number(row, "unrest_um"), 1);
+        EXPECT_LT(number(row, "unrest_um"), 2000);
+    }
+    const Outcome outcome =
+        expect_success({"study", "error-time", "scene.toml", "--quick", "--out", "e", "--engine", "cpu"});
+    EXPECT_TRUE(says(outcome.error, "without its friction and vibration"));
 }
 
 TEST_F(RendererStudy, IsOfASceneAndOfThreeStudies) {

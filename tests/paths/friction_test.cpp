@@ -10,6 +10,7 @@
 #include "host/field/case_law.h"
 #include "tests/io/folder.h"
 #include "tests/paths/explored.h"
+#include "tests/vibration/made_up_models.h"
 
 namespace forceshade {
 namespace {
@@ -227,24 +228,9 @@ TEST(FrictionPaths, EqualTheLawOfTheLiveLoop) {
     expect_probe_law<double>(scene + "\"f64\"\n");
 }
 
-// Three models alike: noise of 4 (m/s^2)^2 through a filter of second order.
-std::string models() {
-    std::string text =
-        "<modelSet><material>Made up</material><AccelUnits>m/s^2</AccelUnits><SpeedUnits>mm/s</SpeedUnits>"
-        "<ForceUnits>N</ForceUnits><SampleRate>1000</SampleRate><mu>0.45</mu><maxSpeed>200</maxSpeed>"
-        "<maxForce>4</maxForce><speedList><value>0</value><value>400</value><value>0</value></speedList>"
-        "<forceList><value>0</value><value>0</value><value>8</value></forceList>"
-        "<tri><value>1</value><value>2</value><value>3</value></tri>";
-    for (int model = 1; model <= 3; ++model)
-        text += fmt::format("<model><modNum>{}</modNum><ARlsf><value>0.8</value><value>1.9</value></ARlsf><var>4</var>"
-                            "</model>",
-                            model);
-    return text + "</modelSet>";
-}
-
 TEST(VibrationPaths, ActAlongTheMotionAndDependOnTheirNumberAlone) {
     const testing::Folder folder;
-    folder.write("m.xml", models());
+    folder.write("m.xml", testing::made_up_models());
     const std::string scene = "[surface]\nfacets = 1\n[run]\nprecision = \"f64\"\n[paths]\ncount = 5\nsteps = 400\n"
                               "[texture]\nvibration = \"m.xml\"\nvibration_mass = \"20 g\"\n";
     const auto run = [&](const std::string& more, const reference::PathOptions& options = {}) {

@@ -156,7 +156,7 @@ StudyData study_energy(StudyRun& run) {
                                  }});
         }
     }
-    if (run.scene() && !run.options().renderers.empty())
+    if (!run.rubbing().empty() || !run.options().renderers.empty())
         append(parts, renderer_parts(run, results.surfaces.front(), extents.loops_of_history, extents.steps,
                                      results.renderers));
     run.run(parts);
@@ -170,10 +170,6 @@ StudyData study_energy(StudyRun& run) {
     StudyData data = run.data();
     data.volumes = volumes;
     add_energy(data, results);
-    if (run.options().scene && run.options().scene->scene.rubs())
-        data.notes.push_back(
-            "The loops are of the scene's law without its friction and vibration: friction takes energy "
-            "on every loop, and vibration may give some.");
     return data;
 }
 

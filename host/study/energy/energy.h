@@ -129,25 +129,27 @@ struct LawRow {
 
 std::vector<LawRow> summarise_by_law(const std::vector<LoopRow>& loops);
 
-/// A renderer of the user's own on the loops of a scene, or the scene's own law: each loop is walked as path_of_loop.
+/// A renderer of the user's own on the loops of a scene, or the scene's own law, without and with its friction and
+/// vibration: each loop is walked as path_of_loop.
 struct RendererLoops {
     struct Loop {
         std::size_t number = 0; /* of the stroke */
         double gain = 0;        /* J: to the hand, in the worse direction of travel */
         double effort = 0;      /* J */
+        double speed = 0;       /* m/s: mean */
         double rule = NAN;      /* J: by which the gain changes with half the steps; of the scene's own law */
     };
-    std::string name;          /* "mine:fast"; of the scene's own law "own law" */
+    std::string name;          /* "mine:fast"; of the scene's own law "own law", "own law with friction" */
     std::vector<Loop> loops{}; /* in which the scene's own law stays in contact */
     std::string status = "ok"; /* else what the renderer did wrong */
 };
 
-/// A part that finds the loops of the scene's own law on some strokes, then a part that walks them for each renderer;
-/// `found` must outlive them, and has the law's first.
+/// A part that finds the loops of the scene's own law on some strokes, then a part that walks them for each of
+/// run.rubbing() and each renderer; `found` must outlive them, and has the law's first.
 std::vector<Part> renderer_parts(const StudyRun& run, const EnergySurface& surface, std::size_t strokes,
                                  std::size_t steps, std::vector<RendererLoops>& found);
 
-/// Adds tables, a figure, a note and a finding a renderer; nothing without one.
+/// Adds tables, a figure, a note and a finding for each but the law alone; nothing without one.
 void add_renderers(StudyData& data, const std::vector<RendererLoops>& found);
 
 /// "0.10 mJ"; rounding errors as a bound.

@@ -1,4 +1,4 @@
-// Renderers of the user's own round the loops of a scene.
+// Renderers of the user's own, and the scene's law with friction and vibration, round the loops of a scene.
 #include <algorithm>
 #include <cmath>
 
@@ -21,8 +21,17 @@ std::vector<glm::dvec3> turned(std::vector<glm::dvec3> places) {
     return places;
 }
 
-RendererLoops::Loop loop_of(std::size_t number, const LoopWork& forth, const LoopWork& back) {
-    return {number, std::max(forth.work, back.work), 0.5 * (forth.effort + back.effort)};
+double period_of(const EnergyLaw& law) {
+    return 1 / law.prepared->one.scene.paths.value_or(PathsSpec{}).rate;
+}
+
+RendererLoops::Loop loop_of(std::size_t number, const LoopWork& forth, const LoopWork& back,
+                            const std::vector<glm::dvec3>& places, double period) {
+    double way = 0;
+    for (std::size_t i = 1; i < places.size(); ++i)
+        way += glm::distance(places[i - 1], places[i]);
+    return {number, std::max(forth.work, back.work), 0.5 * (forth.effort + back.effort),
+            way / (double(places.size() - 1) * period)};
 }
 
 // Of the scene's own law; empty where it leaves contact.
@@ -31,7 +40,7 @@ std::optional<RendererLoops::Loop> own_loop(const EnergyLaw& law, const Stroke& 
     const auto places = places_of_loop(law, stroke, steps);
     const auto forth = places ? work_by_history(law, *places) : std::nullopt;
     const auto back = forth ? work_by_history(law, turned(*places)) : std::nullopt;
-    return back ? std::optional(loop_of(number, *forth, *back)) : std::nullopt;
+    return back ? std::optional(loop_of(number, *forth, *back, *places, period_of(law))) : std::nullopt;
 }
 
 void add_own_loops(RendererLoops& own, const EnergyLaw& law, const std::vector<Stroke>& strokes, std::size_t steps) {
@@ -45,26 +54,52 @@ void add_own_loops(RendererLoops& own, const EnergyLaw& law, const std::vector<S
     }
 }
 
-// In a process of its own, which one error ends.
-void add_renderer_loops(const RendererSource& source, RendererLoops& found, const RendererLoops& own,
-                        const EnergyLaw& law, const std::vector<Stroke>& strokes, std::size_t steps) {
-    const double period = 1 / law.prepared->one.scene.paths.value_or(PathsSpec{}).rate;
+// The forces, N, on a path from its begin on.
+using Walk = std::function<std::vector<glm::dvec3>(const std::vector<glm::dvec3>& path)>;
+using MakeWalk = std::function<Walk(const EnergyLaw& law)>;
+
+// In a process of its own.
+MakeWalk walks_of(const RendererSource& source) {
+    return [source](const EnergyLaw& law) -> Walk {
+        auto renderer = std::make_shared<RendererProcess>(source, *law.prepared, period_of(law));
+        return [renderer](const std::vector<glm::dvec3>& path) {
+            renderer->begin_path();
+            std::vector<glm::dvec3> forces;
+            for (const RendererAnswer& answer : renderer->update(path))
+                forces.push_back(finite_force(answer));
+            return forces;
+        };
+    };
+}
+
+MakeWalk walks_of(const RubbingLaw& rubbing) {
+    return [rubbing](const EnergyLaw& law) -> Walk {
+        const std::shared_ptr<ProbeLaw> probe = rubbing.on(*law.prepared, period_of(law));
+        return [probe](const std::vector<glm::dvec3>& path) {
+            probe->begin_path();
+            std::vector<glm::dvec3> forces;
+            for (const glm::dvec3& at : path)
+                forces.push_back(probe->at(at).force);
+            return forces;
+        };
+    };
+}
+
+// A renderer's error ends it.
+void add_walked_loops(const MakeWalk& make, RendererLoops& found, const RendererLoops& own, const EnergyLaw& law,
+                      const std::vector<Stroke>& strokes, std::size_t steps) {
     std::string where;
     try {
-        RendererProcess renderer(source, *law.prepared, period);
+        const Walk walk = make(law);
         const auto work = [&](const std::vector<glm::dvec3>& places) {
             const std::vector<glm::dvec3> path = path_of_loop(law, places);
-            renderer.begin_path();
-            std::vector<glm::dvec3> forces;
-            for (const RendererAnswer& answer : renderer.update(path))
-                forces.push_back(finite_force(answer));
-            return work_of_last(path, forces, places.size() - 1);
+            return work_of_last(path, walk(path), places.size() - 1);
         };
         for (const RendererLoops::Loop& loop : own.loops) {
             where = fmt::format(" (loop {})", loop.number);
             const std::vector<glm::dvec3> places = places_of_loop(law, strokes[loop.number], steps).value();
             const LoopWork forth = work(places), back = work(turned(places));
-            found.loops.push_back(loop_of(loop.number, forth, back));
+            found.loops.push_back(loop_of(loop.number, forth, back, places, period_of(law)));
         }
     } catch (const RendererError& error) {
         found.status = error.what() + where;
@@ -92,7 +127,9 @@ Table renderer_table(const std::vector<RendererLoops>& found) {
     const auto most = [](double R::Loop::*value) { return [=](const R& r) { return 1e3 * largest(r, value); }; };
     return table_of<R>(
         "energy_renderers", "Energy gained per loop by renderers, each loop walked as a sampled path",
-        {{"renderer", "", "the library and its options; own law: the scene's, by the same samples", &R::name},
+        {{"renderer", "",
+          "the library and its options; own law: the scene's without friction and vibration, by the same samples",
+          &R::name},
          {"status", "", "ok, or what the renderer did wrong", &R::status},
          {"loops", "1", "in which the scene's own law stays in contact", [](const R& r) { return r.loops.size(); }},
          {"gain_mJ", "mJ", "energy gained per loop in the worse direction of travel: median of the loops",
@@ -102,6 +139,7 @@ Table renderer_table(const std::vector<RendererLoops>& found) {
          {"largest_mJ", "mJ", "the loop that gives most", most(&R::Loop::gain)},
          {"effort_mJ", "mJ", "the integral of |F dl|: median of the loops",
           median(&R::Loop::effort, &Interval::median)},
+         {"speed_mm_per_s", "mm/s", "along a loop: median of the loops", median(&R::Loop::speed, &Interval::median)},
          {"rule_mJ", "mJ", "the largest change of the own law's gain with half the steps: the error of the sum",
           most(&R::Loop::rule)}},
         found);
@@ -150,7 +188,8 @@ Finding finding_of(const RendererLoops& one, const RendererLoops& own, std::size
         fmt::format("{} {} (the scene's own law {}).", one.name, gives(largest(one, &RendererLoops::Loop::gain), error),
                     gives(largest(own, &RendererLoops::Loop::gain), error));
     finding.figure = "energy-renderers";
-    finding.condition = "the second round of a sampled path, worse direction of travel";
+    finding.condition = fmt::format("the second round of a sampled path at {:.2g} mm/s, worse direction of travel",
+                                    1e3 * bootstrap_median(values_of(one, &RendererLoops::Loop::speed)).median);
     const Interval gain = bootstrap_median(values_of(one, &RendererLoops::Loop::gain));
     finding.interval = fmt::format("{} loops; median {:.2g} mJ, 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; half "
                                    "the steps change the own law's gain by up to {}",
@@ -166,16 +205,18 @@ std::vector<Part> renderer_parts(const StudyRun& run, const EnergySurface& surfa
     const std::vector<Stroke> some(surface.strokes.begin(),
                                    surface.strokes.begin() + std::ptrdiff_t(std::min(strokes, surface.strokes.size())));
     found = {{kOwnLaw}};
-    for (const RendererSource& source : run.options().renderers)
-        found.push_back({source.name});
     std::vector<Part> parts{
         {"loops of the scene's own law", [=, &found] { add_own_loops(found[0], law, some, steps); }}};
-    for (std::size_t i = 1; i < found.size(); ++i)
-        parts.push_back({"loops of " + found[i].name,
-                         [=, &found, source = run.options().renderers[i - 1]] {
-                             add_renderer_loops(source, found[i], found[0], law, some, steps);
-                         },
-                         true});
+    const auto add = [&](const std::string& name, const MakeWalk& make) {
+        parts.push_back(
+            {"loops of " + name,
+             [=, &found, at = found.size()] { add_walked_loops(make, found[at], found[0], law, some, steps); }, true});
+        found.push_back({name});
+    };
+    for (const RubbingLaw& one : run.rubbing())
+        add(one.name, walks_of(one));
+    for (const RendererSource& source : run.options().renderers)
+        add(source.name, walks_of(source));
     return parts;
 }
 
@@ -191,9 +232,10 @@ void add_renderers(StudyData& data, const std::vector<RendererLoops>& found) {
                         FigureKind::scatter, "renderer_loops", {}, {"own_law_mJ", "gain of the own law / mJ"},
                         {"gain_mJ", "gain of the renderer / mJ"}, "renderer"));
     data.notes.push_back(
-        "A renderer comes down from above the surface to the begin of a loop and goes round twice; the work of the "
-        "second round counts, by the mean of neighbouring forces times the step. The scene's own law goes the same "
-        "way: rule_mJ is the change of its gain with half the steps.");
+        "A renderer, or the scene's law with its friction or vibration, comes down from above the surface to the begin "
+        "of a loop and goes round twice; the work of the second round counts, by the mean of neighbouring forces times "
+        "the step. The scene's own law without them goes the same way: rule_mJ is the change of its gain with half the "
+        "steps. A negative gain is what the hand loses.");
     for (std::size_t i = 1; i < found.size(); ++i)
         data.findings.push_back(finding_of(found[i], found.front(), i));
 }

@@ -71,11 +71,32 @@ glm::dvec3 finite_force(const RendererAnswer& answer) {
     return answer.force;
 }
 
+std::unique_ptr<ProbeLaw> RubbingLaw::on(PreparedCase prepared, double period) const {
+    Scene& scene = prepared.one.scene;
+    scene.friction = friction;
+    scene.vibration = vibration;
+    scene.precision = Precision::f64;
+    return make_probe_law(prepared, period);
+}
+
+std::vector<RubbingLaw> rubbing_laws(const Scene& scene) {
+    std::vector<RubbingLaw> laws;
+    if (scene.friction)
+        laws.push_back({"own law with friction", scene.friction, {}});
+    if (scene.vibration)
+        laws.push_back({"own law with vibration", {}, scene.vibration});
+    if (scene.friction && scene.vibration)
+        laws.push_back({"own law with both", scene.friction, scene.vibration});
+    return laws;
+}
+
 StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
     if (options_.scene)
         scene_ = CasePreparation().prepare(*options_.scene);
-    if (scene_ && scene_->one.scene.rubs()) { // of a law without history
-        print_note("note: the study takes the scene without its friction and vibration\n");
+    if (scene_) {
+        rubbing_ = rubbing_laws(scene_->one.scene);
+        if (!rubbing_.empty() && !options_.rubs)
+            print_note("note: study {} takes the scene without its friction and vibration\n", study_);
         scene_->one.scene.friction.reset();
         scene_->one.scene.vibration.reset();
     }

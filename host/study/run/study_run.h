@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/field/case_law.h"
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
 #include "host/renderer/renderer_process.h"
@@ -22,11 +23,25 @@ struct StudyOptions {
     std::vector<Case> cases;                 /* the user's, of a study of many scenes */
     bool quick = false;                      /* coarse, within a minute */
     std::vector<RendererSource> renderers{}; /* of the user's own, on the user's scene */
+    bool rubs = false;                       /* the study measures the scene's friction and vibration, too */
     EngineOptions engine;
 };
 
 /// N: the force of a renderer's answer. \throws RendererError for one that is not finite.
 glm::dvec3 finite_force(const RendererAnswer& answer);
+
+/// The scene's law with what the scene adds to it along a path.
+struct RubbingLaw {
+    std::string name; /* "own law with friction" */
+    std::optional<FrictionSpec> friction;
+    std::optional<VibrationSpec> vibration;
+
+    /// A law of a scene without them, in f64, in a loop of `period`, s.
+    std::unique_ptr<ProbeLaw> on(PreparedCase prepared, double period) const;
+};
+
+/// With each of a scene's friction and vibration, and with both; none of a scene without.
+std::vector<RubbingLaw> rubbing_laws(const Scene& scene);
 
 /// A part of a study that is computed in one go, some seconds at most.
 struct Part {
@@ -51,8 +66,10 @@ public:
     /// For any thread.
     Engine& engine() { return *engine_; }
     const StudyOptions& options() const { return options_; }
-    /// The user's scene with its files, if given.
+    /// The user's scene with its files, if given, but without friction and vibration: those have a history.
     const std::optional<PreparedCase>& scene() const { return scene_; }
+    /// Of the user's scene, if given.
+    const std::vector<RubbingLaw>& rubbing() const { return rubbing_; }
     /// The user's scenes as resolved TOML; empty: none.
     const std::string& scene_text() const { return scene_text_; }
 
@@ -70,6 +87,7 @@ private:
     std::string study_;
     StudyOptions options_;
     std::optional<PreparedCase> scene_;
+    std::vector<RubbingLaw> rubbing_;
     std::unique_ptr<Engine> engine_;
     std::string scene_text_, fingerprint_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

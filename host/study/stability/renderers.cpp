@@ -1,4 +1,4 @@
-// Loops with the forces of a user's own renderers.
+// Loops with the forces of a user's own renderers, and of the scene's law with its friction and vibration.
 #include <algorithm>
 #include <cmath>
 
@@ -18,16 +18,29 @@ MakePathForce own_law(const LoopSurface& surface) {
     };
 }
 
+PreparedCase of_stiffness(const LoopSurface& surface, double stiffness) {
+    PreparedCase prepared = surface.prepared; // of 1 N/m
+    prepared.one.scene.force.stiffness *= stiffness;
+    if (prepared.one.scene.texture)
+        prepared.one.scene.texture->stiffness *= stiffness;
+    prepared.scene = resolved_toml(prepared.one);
+    return prepared;
+}
+
 // A process for each stiffness.
 MakePathForce renderer_law(const LoopSurface& surface, const RendererSource& source) {
-    return [&surface, &source](double stiffness) {
-        PreparedCase prepared = surface.prepared; // of 1 N/m
-        prepared.one.scene.force.stiffness *= stiffness;
-        if (prepared.one.scene.texture)
-            prepared.one.scene.texture->stiffness *= stiffness;
-        prepared.scene = resolved_toml(prepared.one);
-        return [renderer = std::make_shared<RendererProcess>(source, prepared, 1 / surface.rate)](
-                   const glm::dvec3& at) { return finite_force(renderer->update(at)); };
+    return [&surface, source](double stiffness) {
+        return
+            [renderer = std::make_shared<RendererProcess>(source, of_stiffness(surface, stiffness), 1 / surface.rate)](
+                const glm::dvec3& at) { return finite_force(renderer->update(at)); };
+    };
+}
+
+// Bristle and vibration are as the scene has them.
+MakePathForce rubbing_law(const LoopSurface& surface, const RubbingLaw& rubbing) {
+    return [&surface, rubbing](double stiffness) {
+        return [law = std::shared_ptr<ProbeLaw>(rubbing.on(of_stiffness(surface, stiffness), 1 / surface.rate))](
+                   const glm::dvec3& at) { return law->at(at).force; };
     };
 }
 
@@ -53,17 +66,18 @@ std::vector<LeastLimit> settings_over(const LoopSurface& surface, const std::vec
 }
 
 // Until an error ends it.
-void add_limits_of(const RendererSource& source, const LoopSurface& surface, const std::vector<LeastLimit>& settings,
-                   std::vector<RendererLimit>& rows) {
+void add_limits_of(const std::string& name, const MakePathForce& law, const LoopSurface& surface,
+                   const std::vector<LeastLimit>& settings, std::vector<RendererLimit>& rows) {
     if (settings.empty())
-        rows.push_back({source.name, {}, {NAN, {}}, {NAN, {}}, "was not asked: the scene's own loop has no limit"});
+        rows.push_back({name, {}, {NAN, {}}, NAN, {NAN, {}}, "was not asked: the scene's own loop has no limit"});
     for (const LeastLimit& there : settings) {
         RendererLimit& row = rows.emplace_back();
-        row.renderer = source.name;
+        row.renderer = name;
         row.there = there;
         row.limit.limit = NAN;
         try {
-            row.limit = stepped_limit(surface, there, renderer_law(surface, source));
+            row.limit = stepped_limit(surface, there, law);
+            row.unrest = stepped_unrest(surface, there, law, surface.stiffness);
             if (row.limit.end == LimitEnd::no_force)
                 row.status = "gives no force";
         } catch (const RendererError& error) {
@@ -130,7 +144,12 @@ Table renderer_limit_table(const std::vector<RendererLimit>& limits) {
          {"range", "",
           "within: the limit was found; above: stable at the end of the range, too; below: unstable at its begin",
           [](const R& r) { return range_of(r.limit); }},
-         {"own_law_N_per_m", "N/m", "the same of the scene's own law", [](const R& r) { return r.own.limit; }},
+         {"unrest_um", "um",
+          "how far the probe still is from its place after a kick at the scene's own stiffness, root mean square; "
+          "infinite: it went away",
+          [](const R& r) { return 1e6 * r.unrest; }},
+         {"own_law_N_per_m", "N/m", "the same limit of the scene's own law without friction and vibration",
+          [](const R& r) { return r.own.limit; }},
          {"own_law_range", "", "where that lies", [](const R& r) { return range_of(r.own); }},
          {"ratio_1", "1", "of both limits, where both were found", ratio_of},
          {"linear_N_per_m", "N/m", "of the linearised loop with the scene's own law; 0: none is stable",
@@ -151,6 +170,16 @@ std::string stable_text(const SteppedLimit& limit) {
     default:
         return "is stable up to " + newtons(limit.limit);
     }
+}
+
+// "; at the scene's 1000 N/m it shakes the probe by 2.1 um"; empty where the probe comes to rest there, or is as far
+// from its place as a static force holds it.
+std::string shakes_text(const RendererLimit& row, double stiffness) {
+    if (row.limit.end == LimitEnd::no_force || std::isnan(row.limit.limit) || stiffness < row.limit.limit)
+        return "";
+    if (std::isinf(row.unrest))
+        return fmt::format("; at the scene's {} the probe goes away", newtons(stiffness));
+    return fmt::format("; at the scene's {} the probe is shaken by {:.2g} um", newtons(stiffness), 1e6 * row.unrest);
 }
 
 // At the place with the renderer's lowest limit with the hand's own damping.
@@ -175,8 +204,8 @@ Finding finding_of(const LoopSurface& surface, const std::vector<RendererLimit>&
             high = std::max(high, ratio);
         }
     }
-    finding.text =
-        fmt::format("{} {} (the scene's own law {}).", renderer, stable_text(least->limit), stable_text(least->own));
+    finding.text = fmt::format("{} {}{} (the scene's own law {}).", renderer, stable_text(least->limit),
+                               shakes_text(*least, surface.stiffness), stable_text(least->own));
     finding.figure = "loop-renderers";
     finding.place = place_text(least->there);
     if (high > 0)
@@ -187,23 +216,38 @@ Finding finding_of(const LoopSurface& surface, const std::vector<RendererLimit>&
     return finding;
 }
 
+// Along the surface a bristle is a wall of its stiffness.
+Finding bristle_finding(const LoopSurface& surface, const FrictionSpec& friction) {
+    const double wall = wall_limit(surface.hand, surface.rate);
+    return {"loop_bristle",
+            fmt::format("The bristle of [friction] is a spring of {} along the surface: {}, as a wall is up to {}.",
+                        newtons(friction.stiffness), friction.stiffness < wall ? "stable" : "unstable", newtons(wall)),
+            "", "where the probe sticks", hand_text(surface)};
+}
+
 } // namespace
 
 std::vector<RendererLimit> renderer_limits(StudyRun& run, const LoopSurface& surface,
                                            const std::vector<LeastLimit>& limits) {
-    const std::vector<RendererSource>& sources = run.options().renderers;
+    std::vector<std::pair<std::string, MakePathForce>> laws;
+    for (const RubbingLaw& one : run.rubbing())
+        laws.emplace_back(one.name, rubbing_law(surface, one));
+    for (const RendererSource& source : run.options().renderers)
+        laws.emplace_back(source.name, renderer_law(surface, source));
+    if (laws.empty())
+        return {};
     const std::vector<LeastLimit> settings = settings_over(surface, limits, run.options().quick);
     std::vector<SteppedLimit> own(settings.size());
-    std::vector<std::vector<RendererLimit>> found(sources.size());
+    std::vector<std::vector<RendererLimit>> found(laws.size());
     std::vector<Part> parts{{"limits of the scene's own law",
                              [&] {
                                  for (std::size_t i = 0; i < settings.size(); ++i)
                                      own[i] = stepped_limit(surface, settings[i], own_law(surface));
                              },
                              true}};
-    for (std::size_t i = 0; i < sources.size(); ++i)
-        parts.push_back(
-            {"limits of " + sources[i].name, [&, i] { add_limits_of(sources[i], surface, settings, found[i]); }, true});
+    for (std::size_t i = 0; i < laws.size(); ++i)
+        parts.push_back({"limits of " + laws[i].first,
+                         [&, i] { add_limits_of(laws[i].first, laws[i].second, surface, settings, found[i]); }, true});
     run.run(parts);
     std::vector<RendererLimit> all;
     for (std::vector<RendererLimit>& rows : found) {
@@ -214,7 +258,8 @@ std::vector<RendererLimit> renderer_limits(StudyRun& run, const LoopSurface& sur
     return all;
 }
 
-void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std::vector<RendererLimit>& limits) {
+void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std::vector<RubbingLaw>& rubbing,
+                         const std::vector<RendererLimit>& limits) {
     if (limits.empty())
         return;
     data.tables.push_back(renderer_limit_table(limits));
@@ -223,6 +268,8 @@ void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std:
     });
     if (varied != limits.end())
         data.figures.push_back(limit_figure(*varied));
+    if (const auto& friction = rubbing.empty() ? std::nullopt : rubbing.front().friction)
+        data.findings.push_back(bristle_finding(surface, *friction));
     std::size_t number = 0;
     for (auto row = limits.begin(); row != limits.end(); ++row)
         if (row == limits.begin() || row->renderer != std::prev(row)->renderer)
@@ -231,7 +278,9 @@ void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std:
         "Limits of renderers: the probe comes down to a place, where the hand balances the renderer's own force, and "
         "is displaced by a thousandth of its depth. The least stiffness from 10 to 1e6 N/m at which that does not "
         "decay is found by bisection, each in a process of its own; the scene's own law takes the place of the "
-        "renderer in the same loop.");
+        "renderer in the same loop. The law with the scene's friction or vibration is stepped alike: their bristle and "
+        "their material stay as the scene has them. A vibration that is fed by the probe's own speed does not let it "
+        "come to rest; unrest_um says how much is left.");
 }
 
 } // namespace forceshade::study

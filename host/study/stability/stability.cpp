@@ -177,16 +177,14 @@ StudyData study_stability(StudyRun& run) {
                          add_maps(run.engine(), quick, loops);
                      }});
     run.run(parts);
-    std::vector<RendererLimit> by_renderer;
-    if (run.scene() && !run.options().renderers.empty())
-        by_renderer = renderer_limits(run, loops.surfaces.front(), loops.limits);
+    const std::vector<RendererLimit> by_renderer = renderer_limits(run, loops.surfaces.front(), loops.limits);
     StudyData data = run.data();
     add_loops(data, loops);
     data.findings = loop_findings(loops);
     if (!run.scene())
         add_numbers(data, joined(by_number));
     add_worst_rounding(data, joined(by_law), !run.scene());
-    add_renderer_limits(data, loops.surfaces.front(), by_renderer);
+    add_renderer_limits(data, loops.surfaces.front(), run.rubbing(), by_renderer);
     return data;
 }
 

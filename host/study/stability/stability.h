@@ -189,19 +189,22 @@ std::vector<Finding> loop_findings(const LoopResults& results);
 
 /// Up to which stiffness a loop with a renderer's force is stable, next to the scene's own law, both stepped alike.
 struct RendererLimit {
-    std::string renderer;      /* "mine:fast" */
-    LeastLimit there;          /* place, hold and hand; its limit is of the linearised loop */
-    SteppedLimit limit, own;   /* of the renderer; of the scene's own law */
+    std::string renderer; /* "mine:fast", "own law with friction" */
+    LeastLimit there;     /* place, hold and hand; its limit is of the linearised loop */
+    SteppedLimit limit;
+    double unrest = NAN;       /* m: stepped_unrest at the scene's stiffness */
+    SteppedLimit own;          /* of the scene's own law */
     std::string status = "ok"; /* or what the renderer did wrong, which ended its process */
 };
 
-/// At the worst place of each kind with the scene's own hand, and at the worst of all over the hand's damping. \throws
-/// as StudyRun::run.
+/// Of run.rubbing() and the renderers, at the worst place of each kind with the scene's own hand, and at the worst of
+/// all over the hand's damping. \throws as StudyRun::run.
 std::vector<RendererLimit> renderer_limits(StudyRun& run, const LoopSurface& surface,
                                            const std::vector<LeastLimit>& limits);
 
-/// Adds a table, a figure, a note and a finding a renderer; nothing without one.
-void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std::vector<RendererLimit>& limits);
+/// Adds a table, a figure, a note and a finding for each; nothing without one.
+void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std::vector<RubbingLaw>& rubbing,
+                         const std::vector<RendererLimit>& limits);
 
 /// "1166 N/m"
 std::string newtons(double stiffness);
