@@ -226,11 +226,11 @@ void add_renderers(StudyData& data, const std::vector<RendererLoops>& found) {
     data.tables.push_back(renderer_table(found));
     data.tables.push_back(renderer_loop_table(found));
     if (!data.tables.back().rows.empty())
-        data.figures.push_back(
-            make_figure("energy-renderers", "Renderers against the scene's own law, loop by loop",
-                        "Each point is a loop; on the diagonal the renderer gives what the law gives.",
-                        FigureKind::scatter, "renderer_loops", {}, {"own_law_mJ", "gain of the own law / mJ"},
-                        {"gain_mJ", "gain of the renderer / mJ"}, "renderer"));
+        data.figures.push_back(make_figure(
+            "energy-renderers", "Energy gained per loop, against the scene's own law",
+            "Each point is a loop; on the diagonal a renderer gives what the law gives, below 0 it takes energy.",
+            FigureKind::scatter, "renderer_loops", {}, {"own_law_mJ", "gain of the own law / mJ"},
+            {"gain_mJ", "gain / mJ"}, "renderer"));
     data.notes.push_back(
         "A renderer, or the scene's law with its friction or vibration, comes down from above the surface to the begin "
         "of a loop and goes round twice; the work of the second round counts, by the mean of neighbouring forces times "

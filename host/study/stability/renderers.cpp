@@ -98,7 +98,7 @@ std::string place_text(const LeastLimit& there) {
 Figure limit_figure(const RendererLimit& varied) {
     const std::string place = place_text(varied.there);
     Figure figure = make_figure(
-        "loop-renderers", "Z-width of renderers: largest stable stiffness over damping",
+        "loop-renderers", "Z-width: largest stable stiffness over damping",
         fmt::format("At the worst place of the scene's own law ({}), the hand's damping varied. Line: the scene's own "
                     "law in the same loop.",
                     place),
