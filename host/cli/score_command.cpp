@@ -13,7 +13,7 @@
 #include "host/report/report.h"
 #include "host/score/course.h"
 #include "host/score/score.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 #include "host/sweep/sweep.h"
 #include "host/threads.h"
 

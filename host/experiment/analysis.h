@@ -10,8 +10,8 @@
 #include "host/experiment/observer.h"
 #include "host/experiment/record.h"
 #include "host/scene/study.h"
-#include "host/study/data/study_data.h"
-#include "host/study/run/study_run.h"
+#include "host/study/study_data.h"
+#include "host/study/study_run.h"
 
 namespace forceshade::experiment {
 

@@ -13,7 +13,7 @@
 #include <nlopt.hpp>
 
 #include "host/random.h"
-#include "host/study/run/study_run.h"
+#include "host/study/study_run.h"
 
 namespace forceshade::experiment {
 

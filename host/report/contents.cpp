@@ -10,7 +10,7 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/json.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::report {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::report {
 

@@ -9,7 +9,7 @@
 #include <openssl/evp.h>
 
 #include "host/spelling.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::report {
 namespace {

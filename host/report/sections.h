@@ -13,7 +13,7 @@
 
 #include "host/numbers.h"
 #include "host/output/record.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::report {
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/report/sections.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::report {
 namespace {

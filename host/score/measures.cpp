@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/norm.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::score {
 namespace {

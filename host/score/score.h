@@ -9,7 +9,7 @@
 #include "host/field/prepared_case.h"
 #include "host/renderer/renderer_process.h"
 #include "host/score/measures.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::score {
 

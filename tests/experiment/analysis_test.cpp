@@ -12,7 +12,7 @@
 #include "host/experiment/run.h"
 #include "host/experiment/statistics.h"
 #include "host/random.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::experiment {

@@ -3,7 +3,7 @@
 
 #include "host/output/record.h"
 #include "host/paths/path_reader.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace forceshade {

@@ -13,7 +13,7 @@
 #include "host/output/json.h"
 #include "host/scene/schema.h"
 #include "host/scene/study.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/io/picture.h"
 #include "tests/mesh/shapes.h"

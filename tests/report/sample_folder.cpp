@@ -7,7 +7,7 @@
 
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 #include "tests/report/samples.h"
 
 namespace forceshade::testing {

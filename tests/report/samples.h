@@ -1,7 +1,7 @@
 // Studies with every kind of figure, made up.
 #pragma once
 
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::testing {
 

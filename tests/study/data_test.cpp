@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/output/json.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {

@@ -3,7 +3,7 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {

@@ -5,7 +5,7 @@
 
 #include "host/output/files.h"
 #include "host/program.h"
-#include "host/study/run/study_run.h"
+#include "host/study/study_run.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {

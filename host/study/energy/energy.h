@@ -11,7 +11,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "host/study/run/study_run.h"
+#include "host/study/study_run.h"
 
 namespace forceshade::study {
 

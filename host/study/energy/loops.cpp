@@ -18,32 +18,11 @@ namespace {
 
 constexpr std::size_t kCasts = 64; // along a stroke over a mesh; heights are straight in between
 
-// m: the height at which a probe that comes from above at (x, y) enters a mesh; empty: it never does.
-std::optional<double> cast(const EnergyLaw& law, const CaseLaw<double>& direct, double x, double y) {
-    constexpr int kDown = 256, kHalvings = 50;
-    const auto box = bounding_box(law.prepared->images.mesh->mesh.polygons);
-    layout::uint hint = 0;
-    const auto inside = [&](double z) { return direct.at({x, y, z}, hint).facet != layout::kNoFacet; };
-    const double step = (box.high[2] - box.low[2]) / kDown;
-    double high = box.high[2];
-    for (int i = 0; i < kDown; ++i, high -= step) {
-        if (!inside(high - step))
-            continue;
-        double low = high - step;
-        for (int halving = 0; halving < kHalvings; ++halving) {
-            const double middle = 0.5 * (low + high);
-            (inside(middle) ? low : high) = middle;
-        }
-        return low;
-    }
-    return std::nullopt;
-}
-
 // Heights of the facets above a stroke, m, at equal shares; straight in between.
 std::optional<std::vector<double>> heights_along(const EnergyLaw& law, const Stroke& stroke, std::size_t steps) {
-    const CaseLaw<double> direct(*law.prepared);
     std::vector<double> heights;
     if (!law.prepared->images.mesh) {
+        const CaseLaw<double> direct(*law.prepared);
         for (std::size_t i = 0; i <= steps; ++i)
             heights.push_back(reference::nominal_height(
                 direct.law(), std::lerp(stroke.from.x, stroke.to.x, double(i) / double(steps))));
@@ -52,7 +31,7 @@ std::optional<std::vector<double>> heights_along(const EnergyLaw& law, const Str
     std::vector<double> some;
     for (std::size_t i = 0; i <= kCasts; ++i) {
         const glm::dvec2 at = glm::mix(stroke.from, stroke.to, double(i) / double(kCasts));
-        const std::optional<double> height = cast(law, direct, at.x, at.y);
+        const std::optional<double> height = height_at(law.prepared->images.mesh->structure, at.x, at.y);
         if (!height)
             return std::nullopt;
         some.push_back(*height);

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "host/study/error_time/subject.h"
-#include "host/study/run/study_run.h"
+#include "host/study/study_run.h"
 
 namespace forceshade::study {
 namespace error_time {

@@ -5,7 +5,7 @@
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
-#include "host/study/run/study_run.h"
+#include "host/study/study_run.h"
 
 namespace forceshade::study {
 

@@ -13,7 +13,7 @@
 
 #include "host/accuracy/accuracy.h"
 #include "host/limits/limits.h"
-#include "host/study/run/study_run.h"
+#include "host/study/study_run.h"
 
 namespace forceshade::study {
 

@@ -1,4 +1,4 @@
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/study/run/study_run.h"
+#include "host/study/study_run.h"
 
 #include <algorithm>
 #include <atomic>

@@ -13,7 +13,7 @@
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
 #include "host/renderer/renderer_process.h"
-#include "host/study/data/study_data.h"
+#include "host/study/study_data.h"
 
 namespace forceshade::study {
 
