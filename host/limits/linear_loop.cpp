@@ -41,28 +41,52 @@ LoopForce force_of(const HandSpec& hand, double period, const glm::dmat3& axes, 
     return found;
 }
 
-// The loop's map of (place, speed times the sample, the forces under way in units of mass / sample^2, the lag of a
-// virtual coupling, and the device's own force where it lags).
-Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness,
-                       double lag_time) {
-    const glm::dmat3 axes = axes_of(hold);
-    const std::array<Axis, 3> held = axes_of(hold, hand);
-    const double period = 1 / rate, unit = hand.mass * rate * rate; /* s, N/m */
-    const LoopForce answer = force_of(hand, period, axes, force, stiffness, unit);
+// A loop, linearised, at any stiffness.
+class LinearLoop {
+public:
+    LinearLoop(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double lag)
+        : hand_(hand), force_(force), axes_(axes_of(hold)), period_(1 / rate), unit_(hand.mass * rate * rate),
+          lag_(lag) {
+        const std::array<Axis, 3> held = axes_of(hold, hand);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const bool known = i > 0 && held[i].stiffness == held[i - 1].stiffness; // all else is the same
+            maps_[i] = known ? maps_[i - 1] : axis_map(held[i], period_);
+            lags_[i] = known ? lags_[i - 1] : lag_map(held[i], period_, lag);
+        }
+    }
+
+    bool grows(double stiffness) const;
+
+private:
+    Eigen::MatrixXd map_of(double stiffness) const;
+
+    HandSpec hand_;
+    ForceAround force_;
+    glm::dmat3 axes_;
+    double period_, unit_, lag_; /* s, N/m, s */
+    std::array<layout::AxisMap<double>, 3> maps_{};
+    std::array<LagMap, 3> lags_{};
+};
+
+// Of (place, speed times the sample, the forces under way in units of mass / sample^2, the lag of a virtual coupling,
+// and the device's own force where it lags).
+Eigen::MatrixXd LinearLoop::map_of(double stiffness) const {
+    const LoopForce answer = force_of(hand_, period_, axes_, force_, stiffness, unit_);
+    const HandSpec& hand = hand_;
     const auto delay = static_cast<Eigen::Index>(hand.delay_samples);
     const Eigen::Index forces = 6, lag = forces + 3 * delay, shown = lag + (hand.coupled() ? 1 : 0),
-                       size = shown + (lag_time > 0 ? 3 : 0);
+                       size = shown + (lag_ > 0 ? 3 : 0);
     Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, size);
     for (int j = 0; j < 3 && hand.coupled(); ++j)
         map(lag, j) = answer.lag_of_place[j];
     if (hand.coupled())
         map(lag, lag) = answer.lag_of_lag;
     for (int i = 0; i < 3; ++i) {
-        const auto axis = axis_map(held[static_cast<std::size_t>(i)], period);
-        const double place_force = unit * axis.x_force, speed_force = period * unit * axis.v_force;
+        const layout::AxisMap<double>& axis = maps_[static_cast<std::size_t>(i)];
+        const double place_force = unit_ * axis.x_force, speed_force = period_ * unit_ * axis.v_force;
         map(i, i) = 1 + axis.x_error;
-        map(i, 3 + i) = axis.x_speed / period;
-        map(3 + i, i) = axis.v_error * period;
+        map(i, 3 + i) = axis.x_speed / period_;
+        map(3 + i, i) = axis.v_error * period_;
         map(3 + i, 3 + i) = axis.v_speed;
         const auto add_answer = [&](Eigen::Index row, double times) {
             for (int j = 0; j < 3; ++j)
@@ -71,8 +95,8 @@ Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, cons
                 map(row, lag) = times * answer.of_lag[i];
         };
         // The device is given the newest force, or the oldest under way; its own force follows.
-        const LagMap lagging = lag_map(held[static_cast<std::size_t>(i)], period, lag_time);
-        const double place_lag = unit * lagging.place, speed_lag = period * unit * lagging.speed;
+        const LagMap& lagging = lags_[static_cast<std::size_t>(i)];
+        const double place_lag = unit_ * lagging.place, speed_lag = period_ * unit_ * lagging.speed;
         const auto add_given = [&](Eigen::Index row, double times) {
             if (delay == 0)
                 add_answer(row, times);
@@ -81,7 +105,7 @@ Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, cons
         };
         add_given(i, place_force - place_lag);
         add_given(3 + i, speed_force - speed_lag);
-        if (lag_time > 0) {
+        if (lag_ > 0) {
             map(i, shown + i) = place_lag;
             map(3 + i, shown + i) = speed_lag;
             add_given(shown + i, 1 - lagging.left);
@@ -94,6 +118,35 @@ Eigen::MatrixXd map_of(const HandSpec& hand, double rate, const Hold& hold, cons
         add_answer(forces + 3 * (delay - 1) + i, 1); // the newest
     }
     return map;
+}
+
+// Whether a matrix has an eigenvalue beyond 1, as far as its powers show it: none if one of them has a norm below 1,
+// some if the trace of one is larger than its rows are many. Far cheaper than eigenvalues, but for a matrix near both.
+template <int rows> std::optional<bool> grows_by_powers(const Eigen::MatrixXd& map) {
+    constexpr int kSquarings = 16;
+    constexpr double kSure = 2; // against rounding errors
+    Eigen::Matrix<double, rows, rows> power = map, square;
+    for (int i = 0; i < kSquarings; ++i) {
+        if (kSure * power.cwiseAbs().rowwise().sum().maxCoeff() < 1)
+            return false;
+        if (std::abs(power.trace()) > kSure * double(map.rows()))
+            return true;
+        square.noalias() = power.lazyProduct(power);
+        power = square;
+    }
+    return std::nullopt;
+}
+
+bool LinearLoop::grows(double stiffness) const {
+    constexpr double kNone = 1e-12; // rounding error of a constant mode
+    const Eigen::MatrixXd map = map_of(stiffness);
+    const auto sure = map.rows() == 6   ? grows_by_powers<6>(map)
+                      : map.rows() == 7 ? grows_by_powers<7>(map)
+                                        : grows_by_powers<Eigen::Dynamic>(map);
+    if (sure)
+        return *sure;
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(map, false);
+    return !(solver.eigenvalues().cwiseAbs().maxCoeff() <= 1 + kNone);
 }
 
 } // namespace
@@ -157,16 +210,15 @@ LagMap lag_map(const Axis& axis, double period, double lag) {
 
 bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness,
            double lag) {
-    constexpr double kNone = 1e-12; // rounding error of a constant mode
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(map_of(hand, rate, hold, force, stiffness, lag), false);
-    return !(solver.eigenvalues().cwiseAbs().maxCoeff() <= 1 + kNone);
+    return LinearLoop(hand, rate, hold, force, lag).grows(stiffness);
 }
 
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force,
                                    double lag) {
     constexpr double kClose = 1.0001;
     const double passive = passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples);
-    const auto at = [&](double stiffness) { return grows(hand, rate, hold, force, stiffness, lag); };
+    const LinearLoop loop(hand, rate, hold, force, lag);
+    const auto at = [&](double stiffness) { return loop.grows(stiffness); };
     return at(1e-4 * passive) ? 0.0 : least_growing(1e-4 * passive, 8 * passive, kClose, at);
 }
 
