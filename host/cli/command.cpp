@@ -137,7 +137,7 @@ bool may_write(const std::vector<std::filesystem::path>& files, const CommonOpti
     if (there.empty() || common.overwrite)
         return true;
     const std::string names =
-        there.front().filename().string() + (there.size() > 1 ? fmt::format(" and {} more", there.size() - 1) : "");
+        there.front().string() + (there.size() > 1 ? fmt::format(" and {} more", there.size() - 1) : "");
     if (!common.no_clobber)
         throw UsageError(
             "{} {} there already: --overwrite replaces what is there, --no-clobber leaves it; or choose another name",

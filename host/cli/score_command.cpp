@@ -143,9 +143,10 @@ int run(const ScoreArguments& given, const CommonOptions& common) {
     for (const RendererSource& source : parse_renderers(arguments.renderers))
         data.notes.push_back(
             fmt::format("{}: {}, SHA-256 {}.", source.name, source.library.string(), sha256_of_file(source.library)));
-    note(common, "{}", score::score_text(scores));
-    if (!scenes.empty())
-        note(common, "{}", score::scenes_text(scenes));
+    if (!common.json)
+        print_data(fmt::format("{} of {}\n{}{}", plural(strokes.all.size(), "stroke"),
+                               plural(strokes.samples(), "sample"), score::score_text(scores),
+                               scenes.empty() ? "" : score::scenes_text(scenes)));
     if (!arguments.out.empty()) {
         study::write_data(folder, data, study::figure_files(data));
         note(common, "look at {}, numbers in {}\n", full_path(report::write_report(arguments.out).file),
@@ -167,7 +168,7 @@ void describe(Options& options, ScoreArguments& arguments) {
     options.optional(
         "--paths STROKES", arguments.paths,
         "positions: CSV with x, y, z and perhaps t and path; rows of numbers without a header "
-        "and .npy arrays with --map; by default those of the first --forces, else those of the scene's [paths]");
+        "and .npy arrays with --map. Left out: positions of the first --forces, or the scene's own [paths]");
     options.list(
         "--forces FILE", arguments.forces,
         "forces of other programs along these positions, a sample a row: fx, fy, fz; of a course, folders of such "

@@ -21,9 +21,10 @@ TouchPlace touched_at(const RestPlace& place) {
 
 // The disturbance of a loop, and what counts as far and as gone.
 struct Disturbance {
-    double size; // of the depth
-    double far;  // of the disturbance: the loop grows
-    double gone; // of its energy: the loop has come to rest
+    double size;           // of the depth
+    double far;            // of the disturbance: the loop grows
+    double gone;           // of its energy: the loop has come to rest
+    bool anywhere = false; // at any place, as friction may hold it: its speed alone counts
 };
 constexpr Disturbance kLinear{1e-6, 1e4, 1e-6}; // by which a loop is still linear
 
@@ -64,8 +65,9 @@ public:
         const auto coupling = coupling_of<double>(hand, stiffness, 1 / least_.cell.rate);
         const double share = coupled_share(hand, stiffness);
         double lag = (1 - share) * reference::length(rest_); /* m */
-        double early = 0, last = 0, unrest = 0;
-        unrest_ = INFINITY;
+        double early = 0, last = 0, squares = 0;
+        glm::dvec3 begin(0), sum(0); // of the last quarter, from its begin
+        rest_found_ = {INFINITY, INFINITY};
         for (std::size_t step = 0; step < steps_; ++step) {
             const glm::dvec3 force = force_(axes_ * at); /* m: for each N/m */
             const glm::dvec3 coupled_force =
@@ -82,29 +84,34 @@ public:
                     map.v_error * before + map.v_speed * speed[i] + map.v_force * given[i] + lag_of.speed * excess[i];
                 shown[i] = given[i] + lag_of.left * excess[i];
             }
-            const double energy = glm::dot(speed, speed) + quick * glm::dot(at, at);
-            if (energy > quick * far * far)
+            const double moving = glm::dot(speed, speed), away = quick * glm::dot(at, at);
+            if (moving + away > quick * far * far)
                 return 1;
+            const double energy = moving + (disturbance_.anywhere ? 0 : away);
             if (step >= steps_ / 4 && step < steps_ / 2)
                 early = std::max(early, energy);
             if (step >= steps_ - steps_ / 4) {
+                if (last == 0)
+                    begin = at;
                 last = std::max(last, energy);
-                unrest += glm::dot(at, at);
+                sum += at - begin;
+                squares += glm::dot(at - begin, at - begin);
             }
         }
-        unrest_ = std::sqrt(unrest / double(steps_ / 4));
+        const glm::dvec3 mean = sum / double(steps_ / 4);
+        rest_found_ = {std::sqrt(std::max(0.0, squares / double(steps_ / 4) - glm::dot(mean, mean))),
+                       glm::length(begin + mean)};
         const bool gone = last < disturbance_.gone * quick * begins * begins;
         return gone ? -1 : std::log(last / early);
     }
     double growth(double stiffness) {
         return growth(stiffness, disturbance_.size * least_.place.below * glm::dvec3(0.5, 0.3, -1));
     }
-    // m: distance from the place, root mean square over the last quarter; infinite where the last one grew far.
-    double unrest() const { return unrest_; }
+    const SteppedRest& rest_found() const { return rest_found_; } // of the last
 
 private:
     Force force_;
-    double unrest_ = 0;
+    SteppedRest rest_found_;
     glm::dvec3 rest_; /* m */
     const LeastLimit& least_;
     glm::dmat3 axes_;
@@ -213,7 +220,7 @@ namespace {
 class KickedLoop {
 public:
     KickedLoop(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make, double far)
-        : there_(there), make_(make), kick_{1e-3, far, 1e-4}, place_(touched_at(there.place)),
+        : there_(there), make_(make), kick_{1e-3, far, 1e-4, true}, place_(touched_at(there.place)),
           descent_(descent(place_, surface.scale())) {
         constexpr double kTimes = 10, kMostSteps = 1e5; // of the time in which the grip brings the probe back
         const HandSpec& hand = there.cell.hand;
@@ -237,10 +244,10 @@ public:
         Simulation simulation(
             there_, steps_, kick_, [&](const glm::dvec3& from) { return force(place_.at + from) / stiffness; }, rest);
         const double growth = simulation.growth(stiffness, kick_.size * place_.depth * way_);
-        unrest_ = simulation.unrest();
+        rest_found_ = simulation.rest_found();
         return growth;
     }
-    double unrest() const { return unrest_; } /* m: of the last */
+    const SteppedRest& rest_found() const { return rest_found_; } // of the last
 
 private:
     const LeastLimit& there_;
@@ -250,21 +257,21 @@ private:
     std::vector<glm::dvec3> descent_;
     glm::dvec3 way_{0.5, 0.3, -1}; // in the hand's axes
     std::size_t steps_ = 0;
-    double unrest_ = 0;
+    SteppedRest rest_found_;
 };
 
 } // namespace
 
-double stepped_unrest(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make,
-                      double stiffness) {
+SteppedRest stepped_rest(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make,
+                         double stiffness) {
     KickedLoop loop(surface, there, make, INFINITY);
-    return loop.growth(stiffness) ? loop.unrest() : NAN;
+    return loop.growth(stiffness) ? loop.rest_found() : SteppedRest{};
 }
 
 SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make) {
     constexpr double kLow = 10, kHigh = 1e6, kClose = 1.01; /* N/m; of a stiffness */
-    constexpr double kFar = 30;
     constexpr double kDecays = -0.05; // moves a limit by a thousandth; less is a steady vibration, rounded
+    constexpr double kFar = 30;       // of the kick: there it has left the place
     KickedLoop loop(surface, there, make, kFar);
     bool touches = true;
     const auto rests = [&](double stiffness) {

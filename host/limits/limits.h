@@ -61,15 +61,21 @@ struct SteppedLimit {
     LimitEnd end = LimitEnd::within;
 };
 
-/// The stiffness up to which a kick of a thousandth of the depth decays when the loop of `there` is stepped through a
-/// law's forces, by bisection from 10 to 1e6 N/m to 1 %. The probe comes down to the place first, where the hand
-/// balances the law's own force; a law without a force there has no limit. \throws what the law throws.
+/// The stiffness up to which a probe comes to rest, within 30 times the kick, after one of a thousandth of the depth,
+/// when the loop of `there` is stepped through a law's forces, by bisection from 10 to 1e6 N/m to 1 %. The probe comes
+/// down to the place first, where the hand balances the law's own force; a law without a force there has no limit.
+/// \throws what the law throws.
 SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make);
 
-/// m: after the same kick at one stiffness, N/m, how far the probe still is from where the kick began, root mean square
-/// over the last quarter of the time: what a law that never comes to rest shakes the hand by. Infinite where it goes
-/// three depths away, NaN without a force. \throws what the law throws.
-double stepped_unrest(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make, double stiffness);
+/// The last quarter of a stepped loop. Infinite where the probe went three depths away, NaN without a force.
+struct SteppedRest {
+    double swing = NAN; /* m: about the mean place, root mean square: by how much a law without rest shakes the hand */
+    double moved = NAN; /* m: from the place to the mean one: where friction holds the probe */
+};
+
+/// After the same kick, at one stiffness, N/m. \throws what the law throws.
+SteppedRest stepped_rest(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make,
+                         double stiffness);
 
 /// m: of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that decays at half the linearised limit, as all smaller
 /// ones do; 0 if none does.

@@ -1,6 +1,7 @@
 // Forces of renderers in Python, scored.
 #include <cmath>
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include "host/error.h"
@@ -25,10 +26,15 @@ ScoredStrokes::ScoredStrokes(const PreparedScene& scene, const std::vector<Point
     : yardstick_(scene.prepared()), period_(1 / rate) {
     if (!(rate > 0 && std::isfinite(rate) && std::isfinite(period_)))
         throw UsageError("rate: {} Hz; expected samples a second, such as 1000", rate);
+    if (scene.prepared().one.scene.rubs() &&
+        PyErr_WarnEx(PyExc_UserWarning, "the oracle is the scene's law without its friction and vibration", 3) != 0)
+        throw py::error_already_set();
+    const double size = score::size_of(scene.prepared());
     for (const Points& points : strokes) {
         score::Stroke& stroke = strokes_.emplace_back();
         stroke.id = strokes_.size() - 1;
         stroke.probe = vectors_of(points, "positions", stroke.id);
+        score::check_reach(fmt::format("stroke {}", stroke.id), stroke.probe, size, "Positions are in metres.");
         for (std::size_t i = 0; i < stroke.probe.size(); ++i) {
             if (!yardstick_.law.reaches(stroke.probe[i]))
                 throw UsageError("stroke {}, sample {}: {}", stroke.id, i, beyond_reach<double>(stroke.probe[i]));

@@ -8,6 +8,7 @@
 #include "host/clock.h"
 #include "host/long_run.h"
 #include "host/mesh/structure.h"
+#include "host/norm.h"
 #include "host/paths/scene_paths.h"
 #include "host/program.h"
 #include "host/reference/motion.h"
@@ -154,6 +155,24 @@ Scored score_probe(const char* name, const PreparedCase& prepared, const Yardsti
         name, probe, [&](const glm::dvec3& place) { return probe.at(place).contact; }, yardstick, options, truths);
 }
 
+// What looks like another unit or sign of recorded forces: by the factor that brings the oracle's forces nearest.
+std::string doubt_of(const Track& forces, const std::vector<Truth>& truths) {
+    double both = 0, own = 0;
+    for (std::size_t i = 0; i < forces.size(); ++i)
+        for (std::size_t j = 0; j < forces[i].size(); ++j)
+            if (is_force(forces[i][j])) {
+                both += glm::dot(forces[i][j], truths[i].force[j]);
+                own += glm::dot(truths[i].force[j], truths[i].force[j]);
+            }
+    const double factor = both / own, size = std::abs(factor);
+    if (size > 300 || size < 1.0 / 300)
+        return fmt::format("its forces are some {:.3g} times the oracle's; are they in another unit? --map \"fx=COLUMN "
+                           "mN, ...\"",
+                           factor);
+    return factor < -0.3 ? "its forces point the other way; are they those on the surface? --map \"fx=-COLUMN N, ...\""
+                         : "";
+}
+
 } // namespace
 
 Strokes scene_strokes(const PreparedCase& prepared) {
@@ -208,6 +227,8 @@ double size_of(const PreparedCase& prepared) {
 
 Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
     Scores scores{{}, options.strokes.warnings};
+    if (prepared.one.scene.rubs())
+        scores.warnings.emplace_back("the oracle is the scene's law without its friction and vibration");
     Yardstick yardstick(prepared);
     std::vector<Truth> truths;
     std::uint64_t touched = 0;
@@ -261,6 +282,8 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
     for (const auto& [name, track] : options.recorded) {
         Scored scored{name, "recorded", track, {}, std::nullopt, ""};
         scored.strokes = score_track(yardstick, options.strokes, truths, track, {});
+        if (const std::string doubt = doubt_of(track, truths); !doubt.empty())
+            scores.warnings.push_back(name + ": " + doubt);
         all.push_back(std::move(scored));
     }
     for (const RendererSource& source : options.renderers)

@@ -11,8 +11,6 @@
 namespace forceshade::score {
 namespace {
 
-constexpr std::uint64_t kIdsOfAScene = 1000; // strokes of the second scene are numbered from here
-
 UpdateTimes over_runs(const std::vector<UpdateTimes>& all) {
     const auto values = [&](double UpdateTimes::*of) {
         std::vector<double> found;
@@ -76,12 +74,10 @@ Scored over_scenes(const std::vector<SceneScores>& scenes, const std::string& na
 std::pair<Scores, Strokes> over_scenes(const std::vector<SceneScores>& scenes) {
     Scores scores;
     Strokes strokes;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        const SceneScores& scene = scenes[i];
+    for (const SceneScores& scene : scenes) {
         for (const std::string& warning : scene.scores.warnings)
             scores.warnings.push_back(fmt::format("{}: {}", scene.name, warning));
         for (Stroke stroke : scene.strokes.all) {
-            stroke.id += kIdsOfAScene * i;
             stroke.scene = scene.name;
             strokes.all.push_back(std::move(stroke));
         }

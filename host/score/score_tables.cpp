@@ -63,7 +63,7 @@ const std::vector<Measure>& measures() {
          "work on the hand in strokes that end where they began: above 0 the surface gives energy", Measure::largest},
         {"proxy_inside_um", "um", 1e6, &S::inside, "how deep the renderer's proxy is below the surface, at most",
          Measure::largest},
-        {"delay_ms", "ms", 1e3, &S::delay, "by which its forces come after the oracle's"},
+        {"delay_ms", "ms", 1e3, &S::delay, "by which its forces come after the oracle's; below 0: before"},
         {"not_finite", "1", 1, &S::not_finite,
          "samples whose force is NaN, infinite or beyond 1e100 N: left out of errors, lost for faults; with one there "
          "is "
@@ -189,8 +189,7 @@ study::Table strokes_table(const std::vector<Scored>& all, const Strokes& stroke
     std::vector<study::ColumnOf<R>> columns{
         {{"renderer", "", "whose forces"}, [](const R& r) { return r.scored->name; }},
         {{"scene", "", "of a course"}, [](const R& r) { return r.stroke->scene; }},
-        {{"path", "1", "the stroke, as its file numbers it; of a course 1000 more in each scene after the first"},
-         [](const R& r) { return r.stroke->id; }},
+        {{"path", "1", "the stroke, as its file numbers it"}, [](const R& r) { return r.stroke->id; }},
         {{"samples", "1", "of the stroke"}, [](const R& r) { return r.stroke->probe.size(); }}};
     for (const Measure& measure : measures())
         columns.push_back({{measure.name, measure.unit, measure.meaning},
@@ -298,9 +297,9 @@ study::Finding finding_of(const Scored& scored, std::size_t index) {
     if (const double count = value(&S::not_finite); count > 0)
         finding.text += fmt::format("; {} without a finite force", numbers::counted(std::uint64_t(count), "sample"));
     if (scored.times)
-        finding.text +=
-            fmt::format("; an update takes {} ({} once in a thousand)", numbers::quantity_text(scored.times->warm, "s"),
-                        numbers::quantity_text(scored.times->p999, "s"));
+        finding.text += fmt::format("; an update takes {} ({} once in a thousand)",
+                                    numbers::quantity_text(scored.times->median, "s"),
+                                    numbers::quantity_text(scored.times->p999, "s"));
     finding.text += ".";
     const std::vector<double> shares =
         values_of(scored, *std::ranges::find(measures(), &S::error_share, &Measure::value));
@@ -354,13 +353,13 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
     if (study::Table faults = faults_table(scored, strokes); !faults.rows.empty())
         data.tables.push_back(std::move(faults));
     data.tables.push_back(signals_table(scored, strokes, shown));
-    study::Figure front =
-        study::make_figure("front", "Error against run time",
-                           "Each mark is a renderer: how long an update takes in a warm run, and how far its forces "
-                           "are from the oracle's. "
-                           "The oracle itself has no error, and no mark.",
-                           FigureKind::scatter, "renderers", {}, {"warm_ns", "time of an update / ns", true},
-                           {"error_percent", "RMS error / % of the RMS force", true}, "renderer", "renderer");
+    study::Figure front = study::make_figure(
+        "front", "Error against run time",
+        "Each mark is a renderer: how long an update takes, median of the first run, and how far its forces "
+        "are from the oracle's. "
+        "The oracle itself has no error, and no mark.",
+        FigureKind::scatter, "renderers", {}, {"p50_ns", "time of an update / ns", true},
+        {"error_percent", "RMS error / % of the RMS force", true}, "renderer", "renderer");
     data.figures.push_back(std::move(front));
     study::Figure errors = study::make_figure(
         "errors", "Difference from the oracle's force",
@@ -398,8 +397,8 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
         signal.joined = true;
         data.figures.push_back(std::move(signal));
     }
-    for (const bool own : {false, true}) // what is measured comes first
-        for (std::size_t i = 0; i < scored.size(); ++i)
+    for (const bool own : {false, true})                // what is measured comes first
+        for (std::size_t i = 1; i < scored.size(); ++i) // but for the oracle's own
             if (own == (scored[i].kind == "oracle" || scored[i].kind == "forceshade"))
                 data.findings.push_back(finding_of(scored[i], i));
 }
@@ -412,9 +411,9 @@ std::string score_text(const Scores& scores) {
         width = std::max(width, one.name.size());
     constexpr const char* kRow = "{:<{}}  {:>9}  {:>9}  {:>8}  {:>8}  {:>7}  {:>9}  {:>8}  {:>6}  {:>9}  {:>9}\n";
     std::string text = fmt::format(fmt::runtime(kRow), "renderer", width, "error", "direction", "phantom", "pop-",
-                                   "drop-", "jumps", ">100 Hz", "NaN", "update", "99.9 %");
-    text += fmt::format(fmt::runtime(kRow), "", width, "% RMS", "deg RMS", "N", "throughs", "outs", "1/mm", "mN", "",
-                        "us", "us");
+                                   "drop-", "jumps", "added", "NaN", "update", "99.9 %");
+    text += fmt::format(fmt::runtime(kRow), "", width, "% RMS", "deg RMS", "N", "throughs", "outs", "1/mm", ">100 Hz",
+                        "", "us", "us");
     for (const Scored& one : scored) {
         if (!one.failed.empty()) {
             text += fmt::format("{:<{}}  {}\n", one.name, width, one.failed);
@@ -422,13 +421,17 @@ std::string score_text(const Scores& scores) {
         }
         const auto shown = [](double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-"; };
         const auto value = [&](double S::*of) { return shown(over_strokes(one, of)); };
-        text += fmt::format(fmt::runtime(kRow), one.name, width, value(&S::error_share), value(&S::direction_rms),
-                            value(&S::phantom_largest), value(&S::pop_throughs), value(&S::drop_outs), value(&S::jumps),
-                            value(&S::added_100), value(&S::not_finite), shown(one.times ? 1e6 * one.times->warm : NAN),
-                            shown(one.times ? 1e6 * one.times->p999 : NAN));
+        const auto count = [&](double S::*of) { return fmt::format("{:.0f}", over_strokes(one, of)); };
+        text +=
+            fmt::format(fmt::runtime(kRow), one.name, width, value(&S::error_share), value(&S::direction_rms),
+                        value(&S::phantom_largest), count(&S::pop_throughs), count(&S::drop_outs), value(&S::jumps),
+                        value(&S::added_100), count(&S::not_finite), shown(one.times ? 1e6 * one.times->median : NAN),
+                        shown(one.times ? 1e6 * one.times->p999 : NAN));
     }
-    text += "error, direction, jumps and vibration: median over strokes; phantom: the largest; faults and NaN: all of "
-            "them; update: warm, and once in a thousand of the first run\n";
+    text += "error, direction, jumps and mN of vibration that the oracle does not have: median over strokes; phantom: "
+            "the largest; faults and NaN: all of them; update: median, and once in a thousand\n";
+    if (std::ranges::any_of(scored, [](const Scored& one) { return over_strokes(one, &S::not_finite) > 0; }))
+        text += "a stroke with NaN has no spectrum, work and delay, and is not in their medians\n";
     return text;
 }
 

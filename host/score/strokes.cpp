@@ -109,20 +109,17 @@ public:
         return {};
     }
 
-    std::vector<double> needed(const char* name) const {
-        std::vector<double> values = of(name);
-        if (values.empty())
-            refuse(name);
-        return values;
-    }
-
     // Three columns; all NaN-free. Empty if there is none of them and `optional`.
     std::vector<glm::dvec3> vectors(const std::array<const char*, 3>& names, bool optional) const {
         if (optional && std::ranges::any_of(names, [&](const char* name) { return of(name).empty(); }))
             return {};
         std::array<std::vector<double>, 3> parts;
+        std::vector<const char*> missing;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            parts[axis] = needed(names[axis]);
+            if (parts[axis] = of(names[axis]); parts[axis].empty())
+                missing.push_back(names[axis]);
+        if (!missing.empty())
+            refuse(missing);
         std::vector<glm::dvec3> all(table_.rows());
         for (std::size_t row = 0; row < all.size(); ++row)
             all[row] = {parts[0][row], parts[1][row], parts[2][row]};
@@ -151,14 +148,19 @@ private:
         return values;
     }
 
-    [[noreturn]] void refuse(const char* name) const {
-        const auto mapped = map_.find(name);
-        const std::optional<Dimension> dimension = quantity_named(name)->dimension;
-        throw UsageError("{}: {} {}; the columns are {}. Say which it is, and in which unit: --map \"{}=COLUMN {}\"",
-                         table_.source, mapped == map_.end() ? "no column is called" : "--map names a column for",
-                         mapped == map_.end() ? name
-                                              : fmt::format("{} that is not there ({})", name, mapped->second.column),
-                         shown(), name, dimension == Dimension::force ? "mN" : "mm");
+    [[noreturn]] void refuse(const std::vector<const char*>& names) const {
+        const char* const unit = quantity_named(names.front())->dimension == Dimension::force ? "mN" : "mm";
+        std::vector<std::string> wrong, maps;
+        for (const char* name : names) {
+            maps.push_back(fmt::format("{}=COLUMN {}", name, unit));
+            if (const auto mapped = map_.find(name); mapped != map_.end())
+                wrong.push_back(
+                    fmt::format("--map names a column for {} that is not there ({})", name, mapped->second.column));
+        }
+        if (wrong.empty())
+            wrong.push_back(fmt::format("no column is called {}", fmt::join(names, ", ")));
+        throw UsageError("{}: {}; the columns are {}. Say which they are, and in which unit: --map \"{}\"",
+                         table_.source, fmt::join(wrong, ", "), shown(), fmt::join(maps, ", "));
     }
 
     const NumberTable& table_;
@@ -186,17 +188,16 @@ std::vector<std::vector<std::size_t>> rows_by_path(const NumberTable& table, con
     return all;
 }
 
-void check_unit(const std::string& source, const std::vector<glm::dvec3>& places, double size) {
+} // namespace
+
+void check_reach(const std::string& source, const std::vector<glm::dvec3>& places, double size,
+                 const std::string& remedy) {
     double farthest = 0;
     for (const glm::dvec3& place : places)
         farthest = std::max({farthest, std::abs(place.x), std::abs(place.y), std::abs(place.z)});
     if (farthest > kFarAway * size)
-        throw UsageError("{}: positions reach {:.3g} m, the scene {:.2g} m. If the file is in mm, say so: --map "
-                         "\"x=x mm, y=y mm, z=z mm\", with the file's own names of the columns",
-                         source, farthest, size);
+        throw UsageError("{}: positions reach {:.3g} m, the scene {:.2g} m. {}", source, farthest, size, remedy);
 }
-
-} // namespace
 
 ColumnMap parse_map(const std::string& text) {
     ColumnMap map;
@@ -266,7 +267,9 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
         if (!is_finite(places[row]) || (!times.empty() && !std::isfinite(times[row])))
             throw UsageError("{}:{}: a position or time is missing or not finite; every sample needs x, y, z and t",
                              table.source, table.lines[row]);
-    check_unit(table.source, places, size);
+    check_reach(table.source, places, size,
+                "If the file is in mm, say so: --map \"x=x mm, y=y mm, z=z mm\", with the file's own names of the "
+                "columns");
 
     Strokes strokes;
     strokes.source = table.source;

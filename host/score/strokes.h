@@ -86,6 +86,10 @@ using Track = std::vector<std::vector<glm::dvec3>>;
 /// held: a file in another unit is refused, not taken. \throws IoError, UsageError.
 Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, std::optional<double> rate, double size);
 
+/// \throws UsageError with the remedy for positions, m, that reach much further than a scene of this size, m.
+void check_reach(const std::string& source, const std::vector<glm::dvec3>& places, double size,
+                 const std::string& remedy);
+
 /// The forces fx, fy, fz of a renderer along strokes: of the same samples in the same order. Where the file has
 /// positions, they must be the strokes'. \throws IoError, UsageError `file:line: ...`.
 Track read_forces(const std::filesystem::path& file, const ColumnMap& map, const Strokes& strokes);

@@ -79,6 +79,10 @@ std::unique_ptr<ProbeLaw> RubbingLaw::on(PreparedCase prepared, double period) c
     return make_probe_law(prepared, period);
 }
 
+std::string own_name(const std::string& compared) {
+    return compared.starts_with("own law with") ? "without" : "the scene's own law";
+}
+
 std::vector<RubbingLaw> rubbing_laws(const Scene& scene) {
     std::vector<RubbingLaw> laws;
     if (scene.friction)

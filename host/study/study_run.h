@@ -40,6 +40,9 @@ struct RubbingLaw {
     std::unique_ptr<ProbeLaw> on(PreparedCase prepared, double period) const;
 };
 
+/// "without" of a RubbingLaw, of a renderer "the scene's own law".
+std::string own_name(const std::string& compared);
+
 /// With each of a scene's friction and vibration, and with both; none of a scene without.
 std::vector<RubbingLaw> rubbing_laws(const Scene& scene);
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """How time and memory grow with voxels, triangles, paths, cases and threads: whole commands, and the exponent p of
-seconds ~ size^p between each size and the one before.
+processor seconds ~ size^p between each size and the one before.
 
     tests/bench/growth.py [--program build/tests/forceshade] [--limit 120] [--only voxels,triangles,...] [--engine cpu]
 
@@ -99,10 +99,10 @@ class Bench:
                     break
             true_size, arguments = command(size)
             wall, busy, memory, written = self.measured(arguments)
-            slope = math.log(busy / before[3]) / math.log(true_size / before[0]) if before else float("nan")
-            print(f"{true_size:>12} {wall:>9.2f} {busy:>9.2f} {slope:>6.2f} {memory / 2**20:>6.0f} MiB "
-                  f"{written / 2**20:>6.0f} MiB", flush=True)
-            before = (true_size, wall, 0 if math.isnan(slope) else slope, busy)
+            slope = math.log(busy / before[3]) / math.log(true_size / before[0]) if before else 0
+            print(f"{true_size:>12} {wall:>9.2f} {busy:>9.2f} {f'{slope:.2f}' if before else '':>6} "
+                  f"{memory / 2**20:>6.0f} MiB {written / 2**20:>6.0f} MiB", flush=True)
+            before = (true_size, wall, slope, busy)
 
     def voxels(self):
         def command(side):

@@ -145,6 +145,16 @@ TEST_F(Score, TakesAnotherProgramsLogByItsOwnNames) {
     expect_success({"score", "scene.toml", "--forces", "log.csv", "--map", map, "--out", "out"});
     expect_failure(2, {"score", "scene.toml", "--forces", "log.csv", "--map", map, "--out", "out"}, {"--overwrite"});
     EXPECT_LT(number(table().at("log"), "error_percent"), 1e-6);
+    const auto doubted = [&](const std::string& forces) {
+        return expect_success(
+                   {"score", "scene.toml", "--forces", "log.csv", "--map", map.substr(0, map.find("fx")) + forces})
+            .error;
+    };
+    EXPECT_TRUE(says(doubted("fx=-F3 N, fy=F2 N, fz=F1 N"), "1e+03 times the oracle's; are they in another unit?"));
+    EXPECT_TRUE(says(doubted("fx=F3 mN, fy=F2 mN, fz=-F1 mN"), "point the other way"));
+    write("rubs.toml", read_text(path("scene.toml")) + "[friction]\n");
+    EXPECT_TRUE(says(expect_success({"score", "rubs.toml", "--forces", "log.csv", "--map", map}).error,
+                     "the oracle is the scene's law without its friction and vibration"));
     expect_failure(2, {"score", "scene.toml", "--forces", "log.csv", "--out", "other"},
                    {"no column is called", "--map"});
     expect_failure(2, {"score", "scene.toml", "--out", "other"}, {"--paths"});
@@ -165,7 +175,7 @@ TEST_F(Score, ACourseHasARowForEachRenderer) {
     const std::vector<std::string> command{"score", "course", "--renderer", PENALTY, "--forces", "mine,course/oracle",
                                            "--out", "out"};
     const Outcome outcome = expect_success(command);
-    EXPECT_TRUE(says(outcome.error, "needle", "plane"));
+    EXPECT_TRUE(says(outcome.out, "needle", "plane", "24 strokes"));
     const auto rows = table();
     for (const char* const name : {"mine", "oracle", "penalty"})
         ASSERT_TRUE(rows.contains(name)) << name;

@@ -320,7 +320,8 @@ class Scenes(InFolder):
         np.testing.assert_allclose(scores["spring"]["error_percent"], [0, 10], atol=1e-9)
         self.assertTrue((scores["spring"]["update_us"] > 0).all())
         np.testing.assert_array_equal(scores["spring"]["pop_throughs"], 0)
-        for wrong, words in (([], "at least one"), ([np.zeros((3, 2))], "stroke 0.*\\(n, 3\\)")):
+        for wrong, words in (([], "at least one"), ([np.zeros((3, 2))], "stroke 0.*\\(n, 3\\)"),
+                             ([1000 * press], "stroke 0: positions reach 100 m.*metres")):
             with self.assertRaisesRegex(forceshade.SceneError, words):
                 forceshade.score(scene, wrong, {})
         with self.assertRaisesRegex(forceshade.SceneError, "forces of stroke 0: 3, its positions are 400"):

@@ -58,7 +58,8 @@ TEST_F(StrokeFile, IsReadWhateverItsNamesUnitsAndForm) {
 
 TEST_F(StrokeFile, ThatIsWrongIsRefusedWithWhatWouldBeRight) {
     EXPECT_TRUE(testing::says(refusal("t,a,b,c\n0,0,0,0\n"),
-                              "no column is called x; the columns are t, a, b, c. Say which it is"));
+                              "no column is called x, y, z; the columns are t, a, b, c. Say which they are",
+                              "z=COLUMN mm"));
     EXPECT_TRUE(testing::says(refusal("x,y,z\n0,0,0\n"), "--rate"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n1,12,0,0\n"),
                               "positions reach 12 m, the scene 0.1 m. If the file is in mm"));

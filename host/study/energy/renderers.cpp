@@ -184,9 +184,8 @@ Finding finding_of(const RendererLoops& one, const RendererLoops& own, std::size
         return finding;
     }
     const double error = largest(own, &RendererLoops::Loop::rule);
-    finding.text =
-        fmt::format("{} {} (the scene's own law {}).", one.name, gives(largest(one, &RendererLoops::Loop::gain), error),
-                    gives(largest(own, &RendererLoops::Loop::gain), error));
+    finding.text = fmt::format("{} {} ({} {}).", one.name, gives(largest(one, &RendererLoops::Loop::gain), error),
+                               own_name(one.name), gives(largest(own, &RendererLoops::Loop::gain), error));
     finding.figure = "energy-renderers";
     finding.condition = fmt::format("the second round of a sampled path at {:.2g} mm/s, worse direction of travel",
                                     1e3 * bootstrap_median(values_of(one, &RendererLoops::Loop::speed)).median);

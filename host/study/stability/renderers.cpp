@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host/numbers.h"
 #include "host/study/stability/stability.h"
 
 namespace forceshade::study {
@@ -69,7 +70,7 @@ std::vector<LeastLimit> settings_over(const LoopSurface& surface, const std::vec
 void add_limits_of(const std::string& name, const MakePathForce& law, const LoopSurface& surface,
                    const std::vector<LeastLimit>& settings, std::vector<RendererLimit>& rows) {
     if (settings.empty())
-        rows.push_back({name, {}, {NAN, {}}, NAN, {NAN, {}}, "was not asked: the scene's own loop has no limit"});
+        rows.push_back({name, {}, {NAN, {}}, {}, {NAN, {}}, "was not asked: the scene's own loop has no limit"});
     for (const LeastLimit& there : settings) {
         RendererLimit& row = rows.emplace_back();
         row.renderer = name;
@@ -77,7 +78,7 @@ void add_limits_of(const std::string& name, const MakePathForce& law, const Loop
         row.limit.limit = NAN;
         try {
             row.limit = stepped_limit(surface, there, law);
-            row.unrest = stepped_unrest(surface, there, law, surface.stiffness);
+            row.rest = stepped_rest(surface, there, law, surface.stiffness);
             if (row.limit.end == LimitEnd::no_force)
                 row.status = "gives no force";
         } catch (const RendererError& error) {
@@ -144,10 +145,12 @@ Table renderer_limit_table(const std::vector<RendererLimit>& limits) {
          {"range", "",
           "within: the limit was found; above: stable at the end of the range, too; below: unstable at its begin",
           [](const R& r) { return range_of(r.limit); }},
-         {"unrest_um", "um",
-          "how far the probe still is from its place after a kick at the scene's own stiffness, root mean square; "
-          "infinite: it went away",
-          [](const R& r) { return 1e6 * r.unrest; }},
+         {"swing_um", "um",
+          "of the probe after a kick at the scene's own stiffness: about its mean place, root mean square, in the last "
+          "quarter of the time; infinite: it went away",
+          [](const R& r) { return 1e6 * r.rest.swing; }},
+         {"moved_um", "um", "from where it was kicked to that mean place, at which friction may hold it",
+          [](const R& r) { return 1e6 * r.rest.moved; }},
          {"own_law_N_per_m", "N/m", "the same limit of the scene's own law without friction and vibration",
           [](const R& r) { return r.own.limit; }},
          {"own_law_range", "", "where that lies", [](const R& r) { return range_of(r.own); }},
@@ -172,22 +175,25 @@ std::string stable_text(const SteppedLimit& limit) {
     }
 }
 
-// "; at the scene's 1000 N/m it shakes the probe by 2.1 um"; empty where the probe comes to rest there, or is as far
-// from its place as a static force holds it.
+// "; at the scene's 1000 N/m it shakes the probe by 2.1 um"; empty where the probe comes to rest there.
 std::string shakes_text(const RendererLimit& row, double stiffness) {
     if (row.limit.end == LimitEnd::no_force || std::isnan(row.limit.limit) || stiffness < row.limit.limit)
         return "";
-    if (std::isinf(row.unrest))
+    if (std::isinf(row.rest.swing))
         return fmt::format("; at the scene's {} the probe goes away", newtons(stiffness));
-    return fmt::format("; at the scene's {} the probe is shaken by {:.2g} um", newtons(stiffness), 1e6 * row.unrest);
+    const std::string moved = row.rest.moved > row.rest.swing
+                                  ? fmt::format("moves {} away and ", numbers::quantity_text(row.rest.moved, "m"))
+                                  : "";
+    return fmt::format("; at the scene's {} the probe {}swings by {}", newtons(stiffness), moved,
+                       numbers::quantity_text(row.rest.swing, "m"));
 }
 
 // At the place with the renderer's lowest limit with the hand's own damping.
 Finding finding_of(const LoopSurface& surface, const std::vector<RendererLimit>& limits, const std::string& renderer,
                    std::size_t number) {
     Finding finding{fmt::format("loop_renderer_{}", number), {}, "", {}, hand_text(surface)};
-    const RendererLimit* least = nullptr;
-    double low = INFINITY, high = 0; // of the ratios
+    const RendererLimit *least = nullptr, *own = nullptr; // the lowest of the law's own, perhaps at another place
+    double low = INFINITY, high = 0;                      // of the ratios
     for (const RendererLimit& row : limits) {
         if (row.renderer != renderer)
             continue;
@@ -199,13 +205,15 @@ Finding finding_of(const LoopSurface& surface, const std::vector<RendererLimit>&
         }
         if (row.there.own && (!least || row.limit.limit < least->limit.limit))
             least = &row;
+        if (row.there.own && (!own || row.own.limit < own->own.limit))
+            own = &row;
         if (const double ratio = ratio_of(row); !std::isnan(ratio)) {
             low = std::min(low, ratio);
             high = std::max(high, ratio);
         }
     }
-    finding.text = fmt::format("{} {}{} (the scene's own law {}).", renderer, stable_text(least->limit),
-                               shakes_text(*least, surface.stiffness), stable_text(least->own));
+    finding.text = fmt::format("{} {}{} ({} {}).", renderer, stable_text(least->limit),
+                               shakes_text(*least, surface.stiffness), own_name(renderer), stable_text(own->own));
     finding.figure = "loop-renderers";
     finding.place = place_text(least->there);
     if (high > 0)
@@ -280,7 +288,7 @@ void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std:
         "decay is found by bisection, each in a process of its own; the scene's own law takes the place of the "
         "renderer in the same loop. The law with the scene's friction or vibration is stepped alike: their bristle and "
         "their material stay as the scene has them. A vibration that is fed by the probe's own speed does not let it "
-        "come to rest; unrest_um says how much is left.");
+        "come to rest; swing_um says how much is left.");
 }
 
 } // namespace forceshade::study

@@ -192,7 +192,7 @@ struct RendererLimit {
     std::string renderer; /* "mine:fast", "own law with friction" */
     LeastLimit there;     /* place, hold and hand; its limit is of the linearised loop */
     SteppedLimit limit;
-    double unrest = NAN;       /* m: stepped_unrest at the scene's stiffness */
+    SteppedRest rest{};        /* at the scene's stiffness */
     SteppedLimit own;          /* of the scene's own law */
     std::string status = "ok"; /* or what the renderer did wrong, which ended its process */
 };
