@@ -47,7 +47,7 @@ FSR_API int fsr_version(void);
 /* Makes a renderer of the scene, which all other functions get. */
 FSR_API int fsr_open(const fsr_scene* scene, void** renderer);
 
-/* The next update begins a path: the past is forgotten. */
+/* The next update begins a path, perhaps the first: the past is forgotten. */
 FSR_API int fsr_reset(void* renderer);
 
 /* The probe's next place, m, a period after the last one. */
