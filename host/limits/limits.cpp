@@ -98,8 +98,9 @@ public:
                 squares += glm::dot(at - begin, at - begin);
             }
         }
-        const glm::dvec3 mean = sum / double(steps_ / 4);
-        rest_found_ = {std::sqrt(std::max(0.0, squares / double(steps_ / 4) - glm::dot(mean, mean))),
+        const std::size_t samples = steps_ / 4;
+        const glm::dvec3 mean = sum / double(samples);
+        rest_found_ = {std::sqrt(std::max(0.0, squares / double(samples) - glm::dot(mean, mean))),
                        glm::length(begin + mean)};
         const bool gone = last < disturbance_.gone * quick * begins * begins;
         return gone ? -1 : std::log(last / early);

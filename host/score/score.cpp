@@ -283,7 +283,7 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
         Scored scored{name, "recorded", track, {}, std::nullopt, ""};
         scored.strokes = score_track(yardstick, options.strokes, truths, track, {});
         if (const std::string doubt = doubt_of(track, truths); !doubt.empty())
-            scores.warnings.push_back(name + ": " + doubt);
+            scores.warnings.push_back(fmt::format("{}: {}", name, doubt));
         all.push_back(std::move(scored));
     }
     for (const RendererSource& source : options.renderers)

@@ -1,8 +1,11 @@
 // Renderers of the user's own, and the scene's law with friction and vibration, round the loops of a scene.
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "host/study/energy/energy.h"
 
