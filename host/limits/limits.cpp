@@ -91,7 +91,7 @@ public:
             if (step >= steps_ / 4 && step < steps_ / 2)
                 early = std::max(early, energy);
             if (step >= steps_ - steps_ / 4) {
-                if (last == 0)
+                if (step == steps_ - steps_ / 4)
                     begin = at;
                 last = std::max(last, energy);
                 sum += at - begin;

@@ -165,7 +165,7 @@ std::string doubt_of(const Track& forces, const std::vector<Truth>& truths) {
                 own += glm::dot(truths[i].force[j], truths[i].force[j]);
             }
     const double factor = both / own, size = std::abs(factor);
-    if (size > 300 || size < 1.0 / 300)
+    if (size > 300 || (size > 0 && size < 1.0 / 300))
         return fmt::format("its forces are some {:.3g} times the oracle's; are they in another unit? --map \"fx=COLUMN "
                            "mN, ...\"",
                            factor);

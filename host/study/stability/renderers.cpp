@@ -287,8 +287,8 @@ void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std:
         "is displaced by a thousandth of its depth. The least stiffness from 10 to 1e6 N/m at which that does not "
         "decay is found by bisection, each in a process of its own; the scene's own law takes the place of the "
         "renderer in the same loop. The law with the scene's friction or vibration is stepped alike: their bristle and "
-        "their material stay as the scene has them. A vibration that is fed by the probe's own speed does not let it "
-        "come to rest; swing_um says how much is left.");
+        "their material stay as the scene has them. A vibration is fed by the probe's own speed and may keep it from "
+        "rest; swing_um says how much is left.");
 }
 
 } // namespace forceshade::study
