@@ -118,6 +118,7 @@ const Family kFamilies[] = {
      {"computing the force and its safety", "late: woken after the sample was due",
       "jitter: the time between two samples off the period"}},
     {24, {"shaded mesh", "map of a bump", "shaded bump", "bump", "strokes", "map of a dip", "mesh", "plane"}},
+    {28, {"textured plane"}},
     {33, {"unshaded, normal depth", "shaded, normal depth"}}};
 
 constexpr std::size_t kFirstUnknown = 40; // no mark of a known name has its colour, too

@@ -74,21 +74,24 @@ std::string sentence_of(const Contents& contents, const char* study, const char*
     return otherwise;
 }
 
-// The benefit and the cost of shading; of a score what is measured.
-std::string opening(const Contents& contents) {
+// What shading is, with its benefit and cost where no table of shadings follows; of a score what is measured.
+std::string opening(const Contents& contents, bool table_follows) {
     if (is_score(contents))
         return "<p id=\"opening\">Forces of renderers along the same strokes, held against the oracle: how far they "
                "are "
                "from its forces, which contacts they lose, what they add in vibration, and how long an update "
                "takes.</p>\n";
-    const std::string buys =
-        sentence_of(contents, "error-time", "shading", "Edges are felt less, at some more time for each evaluation.");
-    const std::string costs = sentence_of(contents, "stability", "loop_shading",
-                                          "Such a force has no potential: a round can give the hand energy, and a "
-                                          "loop may come to rest only at lower stiffness.");
+    std::string buys_and_costs;
+    if (!table_follows)
+        buys_and_costs = sentence_of(contents, "error-time", "shading",
+                                     "Edges are felt less, at some more time for each evaluation.") +
+                         " " +
+                         sentence_of(contents, "stability", "loop_shading",
+                                     "Such a force has no potential: a round can give the hand energy, and a "
+                                     "loop may come to rest only at lower stiffness.");
     return fmt::format("<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
-                       "facet to facet, towards that on the smooth shape. {} {}</p>\n",
-                       escaped(buys), escaped(costs));
+                       "facet to facet, towards that on the smooth shape. {}</p>\n",
+                       escaped(buys_and_costs));
 }
 
 // The terms that the page assumes.
@@ -163,15 +166,16 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
     // The page fills it in.
     const std::string device =
         no_results.empty() && !is_score(contents) ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
+    const std::string verdict = verdict_section(contents), first_device = verdict.empty() ? "" : device;
     const std::string body =
         fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
-        (no_results.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
-        troubles_section(contents.troubles) + no_results + verdict_section(contents) +
+        (no_results.empty() ? opening(contents, !verdict.empty()) : "") + contents_list(contents, !viewer.empty()) +
+        "<main>\n" + troubles_section(contents.troubles) + no_results + verdict + first_device +
         (contents.studies.empty() ? "" : words_section(is_score(contents))) + glance(contents.studies) + studies +
-        sweeps + (contents.studies.empty() && no_results.empty() ? words_section(false) : "") + viewer + device +
-        "</main>\n";
+        sweeps + (contents.studies.empty() && no_results.empty() ? words_section(false) : "") + viewer +
+        (first_device.empty() ? device : "") + "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 

@@ -17,21 +17,25 @@ namespace {
 using study::StudyData;
 using study::Table;
 
-// A scheme, and its names in the studies.
+// A shading of the bump of 8 facets or of the mesh of 8 cells, and its names in the studies.
 struct Scheme {
     const char *name, *use_when;
-    const char *surface, *shading;     /* of error-time */
-    const char *felt_on, *energy_name; /* of stability, of energy */
-    double elements, energy_elements;  /* whose errors and whose energy are shown: coarse surfaces, as shading is for */
+    const char *surface, *shading; /* of error-time */
+    const char* pressed;           /* of stability */
+    const char* energy_name;
 };
+constexpr double kElements = 8;
 constexpr Scheme kSchemes[] = {
-    {"bump, unshaded", "its edges should be felt", "bump", "none", "bump", "unshaded", 16, 8},
-    {"bump, shaded", "it stands for a cylinder", "bump", "reference", "shaded bump", "shaded", 16, 8},
-    {"mesh, unshaded", "its edges should be felt", "mesh", "none", "mesh", "unshaded", 8, 16},
-    {"mesh, mean_value", "it should feel round", "mesh", "mean_value", "shaded mesh", "mean_value", 8, 16},
+    {"bump, unshaded", "people should perceive its edges", "bump", "none", "bump of 8 facets", "unshaded"},
+    {"bump, reference", "it stands for a cylinder", "bump", "reference", "shaded bump of 8 facets", "shaded"},
+    {"mesh, unshaded", "people should perceive its edges", "mesh", "none", "mesh", "unshaded"},
+    {"mesh, barycentric", "it stands for a round shape", "mesh", "barycentric", "barycentric mesh", "mean_value"},
+    {"mesh, mean_value", "so does it, and its facets have more than three corners", "mesh", "mean_value", "shaded mesh",
+     "mean_value"},
     {"mesh, morgenbesser", "the paper of 1996 is to be repeated", "mesh", "morgenbesser", "morgenbesser mesh",
-     "morgenbesser", 8, 16},
-    {"mesh, two_pass", "all of its edges are blunt", "mesh", "two_pass", "two_pass mesh", "two_pass", 8, 16}};
+     "morgenbesser"},
+    {"mesh, two_pass", "Ruspini's force (1997) is to be repeated, on blunt edges alone", "mesh", "two_pass",
+     "two_pass mesh", "two_pass"}};
 
 const StudyData* own_study(const Contents& contents, const char* name) {
     for (const StudyPart& part : contents.studies)
@@ -40,15 +44,16 @@ const StudyData* own_study(const Contents& contents, const char* name) {
     return nullptr;
 }
 
-// The row of the scheme in "ways", in double; of a mesh the god-object's.
-std::optional<std::size_t> way_of(const Table& ways, const Scheme& scheme) {
-    const std::string surface = scheme.surface, family = surface == "mesh" ? "god-object" : "direct";
+// The rows of "ways" of a shading in double, of a mesh by the god-object: by the number of elements.
+std::map<double, std::size_t> rows_of(const Table& ways, const std::string& surface, const std::string& shading) {
+    const std::string family = surface == "mesh" ? "god-object" : "direct";
+    std::map<double, std::size_t> rows;
     for (std::size_t row = 0; row < ways.rows.size(); ++row)
         if (ways.word(row, "surface") == surface && ways.word(row, "family") == family &&
-            ways.word(row, "precision") == "f64" && ways.word(row, "shading") == scheme.shading &&
-            ways.number(row, "elements") == scheme.elements)
-            return row;
-    return std::nullopt;
+            ways.word(row, "precision") == "f64" && ways.word(row, "shading") == shading)
+            if (const auto elements = ways.number(row, "elements"))
+                rows[*elements] = row;
+    return rows;
 }
 
 // Of two rows of "ways", in the same rounds.
@@ -86,47 +91,115 @@ std::optional<double> gain_of(const StudyData& energy, const Scheme& scheme) {
     const Table& gains = energy.table("energy");
     for (std::size_t row = 0; row < gains.rows.size(); ++row)
         if (gains.word(row, "surface") == scheme.surface && gains.word(row, "scheme") == scheme.energy_name &&
-            gains.word(row, "felt") != "god-object" && gains.number(row, "elements") == scheme.energy_elements)
+            gains.word(row, "felt") != "god-object" && gains.number(row, "elements") == kElements)
             return gains.number(row, "gain_mJ");
     return std::nullopt;
 }
 
 // Rounding is nothing.
-std::string shown(double value) {
-    return number_text(std::abs(value) < 1e-6 ? 0 : value, 2);
+std::string shown(std::optional<double> value) {
+    return value ? number_text(std::abs(*value) < 1e-6 ? 0 : *value, 2) : "–";
 }
 
-std::string verdict_rows(const Contents& contents) {
-    const StudyData *errors = own_study(contents, "error-time"), *stability = own_study(contents, "stability"),
-                    *energy = own_study(contents, "energy");
-    if (!errors)
-        return "";
-    const Table &ways = errors->table("ways"), &rounds = errors->table("rounds");
-    std::string rows;
+std::string percent(double share) {
+    return number_text(100 * share, 2);
+}
+
+struct Heading {
+    const char *words, *unit;
+};
+constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS"},
+                                 {"error of the force", "% of its RMS, RMS"},
+                                 {"places without a force", "%"},
+                                 {"time of an evaluation", "of unshaded [95 % interval]"},
+                                 {"largest stable force K·d", "N, 2 mm deep"},
+                                 {"energy that a loop gives the hand", "mJ, median"}};
+
+std::string verdict_rows(const StudyData& errors, const StudyData* stability, const StudyData* energy) {
+    const Table &ways = errors.table("ways"), &rounds = errors.table("rounds");
+    std::string html;
     for (const Scheme& scheme : kSchemes) {
-        const auto way = way_of(ways, scheme);
-        if (!way)
+        const auto rows = rows_of(ways, scheme.surface, scheme.shading), plain = rows_of(ways, scheme.surface, "none");
+        if (!rows.contains(kElements))
             continue;
-        Scheme plain = scheme;
-        plain.shading = "none";
-        const auto base = way_of(ways, plain);
+        const std::size_t row = rows.at(kElements);
         std::string time = "1";
-        if (base && base != way) {
-            const study::Interval ratio = time_ratio(rounds, *way, *base);
+        if (plain.contains(kElements) && plain.at(kElements) != row) {
+            const study::Interval ratio = time_ratio(rounds, row, plain.at(kElements));
             time = study::is_significant(ratio) ? study::ratio_text(ratio)
                                                 : fmt::format("no difference [{:.2f}, {:.2f}]", ratio.low, ratio.high);
         }
-        const auto force = stability ? stable_force(*stability, scheme.felt_on) : std::nullopt;
-        const auto gain = energy ? gain_of(*energy, scheme) : std::nullopt;
-        rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
-                            "class=\"n\">{}</td>"
-                            "<td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-                            scheme.name, scheme.use_when, shown(ways.needed(*way, "direction_rms_deg")),
-                            fmt::format("{} ({})", number_text(100 * ways.needed(*way, "local_median_1"), 2),
-                                        number_text(100 * ways.needed(*way, "local_p95_1"), 2)),
-                            time, force ? number_text(*force, 2) : "–", gain ? shown(*gain) : "–");
+        const std::string cells[] = {shown(ways.needed(row, "direction_rms_deg")),
+                                     percent(ways.needed(row, "typical_rms_1")),
+                                     percent(ways.needed(row, "missed")),
+                                     time,
+                                     shown(stability ? stable_force(*stability, scheme.pressed) : std::nullopt),
+                                     shown(energy ? gain_of(*energy, scheme) : std::nullopt)};
+        html += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", scheme.name, scheme.use_when);
+        for (std::size_t i = 0; i < std::size(cells); ++i) // the heading again, for narrow screens
+            html += fmt::format("<td class=\"n\" data-heading=\"{}, {}\">{}</td>", kHeadings[i].words,
+                                kHeadings[i].unit, cells[i]);
+        html += "</tr>\n";
     }
-    return rows;
+    return html;
+}
+
+// The fewest facets or cells whose direction errs by 1 deg at most without shading, against shading 8 of them.
+std::string more_elements(const Table& ways, const Table& rounds, const char* surface, const char* shading,
+                          const char* elements) {
+    const auto plain = rows_of(ways, surface, "none"), shaded = rows_of(ways, surface, shading);
+    const auto enough = std::ranges::find_if(
+        plain, [&](const auto& one) { return ways.number(one.second, "direction_rms_deg").value_or(NAN) <= 1; });
+    if (enough == plain.end() || !shaded.contains(kElements) || enough->first <= kElements)
+        return "";
+    return fmt::format("{} {} unshaded err by {} deg and {} % of the force, and take {} times as long as {} shaded",
+                       enough->first, elements, shown(ways.needed(enough->second, "direction_rms_deg")),
+                       percent(ways.needed(enough->second, "typical_rms_1")),
+                       study::ratio_text(time_ratio(rounds, enough->second, shaded.at(kElements))), kElements);
+}
+
+// What to take, and what it does.
+std::string advice(const Table& ways, const Table& rounds) {
+    const auto plain = rows_of(ways, "mesh", "none"), shaded = rows_of(ways, "mesh", "barycentric");
+    std::string html = "<p><strong>For a shape that should be perceived as round, shade it: <code>reference</code> on "
+                       "a bump, <code>barycentric</code> on a mesh of triangles.</strong> ";
+    if (plain.contains(kElements) && shaded.contains(kElements)) {
+        const std::size_t without = plain.at(kElements), with = shaded.at(kElements);
+        html +=
+            fmt::format("On the mesh below it brings the error of the direction from {} to {} deg. The size of "
+                        "the force stays that of the facets ({} instead of {} % off)",
+                        shown(ways.needed(without, "direction_rms_deg")), shown(ways.needed(with, "direction_rms_deg")),
+                        percent(ways.needed(with, "typical_rms_1")), percent(ways.needed(without, "typical_rms_1")));
+    } else {
+        html += "The size of the force stays that of the facets";
+    }
+    html += "; only <code>two_pass</code> changes it: it grows by 1/cos of the angle turned, without a bound.";
+    std::string finer;
+    for (const std::string& one : {more_elements(ways, rounds, "bump", "reference", "facets"),
+                                   more_elements(ways, rounds, "mesh", "barycentric", "cells")})
+        if (!one.empty())
+            finer += (finer.empty() ? "" : "; ") + one;
+    if (!finer.empty())
+        html += " <strong>If the number of facets is yours to choose, more of them mend direction and size:</strong> " +
+                finer + ".";
+    return html + "</p>\n";
+}
+
+// The findings of stability that decide whether a device can play it.
+std::string on_a_device(const StudyData& stability) {
+    std::string html, hand;
+    for (const char* name : {"loop_least", "loop_edges"})
+        for (const study::Finding& finding : stability.findings)
+            if (finding.name == name) {
+                html += fmt::format("<li>{}</li>\n", escaped(finding.text));
+                hand = hand.empty() ? finding.condition : hand;
+            }
+    if (html.empty())
+        return "";
+    return fmt::format("<h3>Is it stable on a device?</h3>\n<ul>\n{}</ul>\n<p class=\"note\">With the {}. Another "
+                       "hand: <a href=\"#device\">my device</a>; a scene of your own: <code>forceshade study "
+                       "stability SCENE</code>.</p>\n",
+                       html, escaped(hand));
 }
 
 constexpr double kHalf = 12.7, kRadius = 25.4; /* mm: the paper's width, and the radius of the studies' bump */
@@ -205,27 +278,31 @@ std::string surfaces_drawing() {
 } // namespace
 
 std::string verdict_section(const Contents& contents) {
-    std::string rows;
+    const StudyData *errors = own_study(contents, "error-time"), *stability = own_study(contents, "stability"),
+                    *energy = own_study(contents, "energy");
+    if (!errors)
+        return "";
+    std::string rows, text, device;
     try {
-        rows = verdict_rows(contents);
+        rows = verdict_rows(*errors, stability, energy);
+        text = advice(errors->table("ways"), errors->table("rounds"));
+        device = stability ? on_a_device(*stability) : "";
     } catch (const study::DataError&) { // of another version
     }
     if (rows.empty())
         return "";
-    return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n" + surfaces_drawing() +
-           "<div class=\"wide\" tabindex=\"0\" role=\"region\" "
-           "aria-label=\"Which shading?\"><table>\n<thead><tr><th scope=\"col\">scheme</th><th scope=\"col\">take it "
-           "when</th><th scope=\"col\" class=\"n\">error of the direction <small>deg RMS</small></th><th "
-           "scope=\"col\" class=\"n\">error of the force <small>% of it, median (95 % of places below)</small></th><th "
-           "scope=\"col\" "
-           "class=\"n\">time <small>of unshaded</small></th><th scope=\"col\" class=\"n\">largest stable force K·d "
-           "<small>N, 2 mm deep</small></th><th scope=\"col\" class=\"n\">energy given to the hand <small>mJ a "
-           "loop</small></th></tr></thead>\n<tbody>\n" +
-           rows +
-           "</tbody>\n</table></div>\n<p class=\"note\">Shading mends the direction, not the size of the force, which "
-           "stays that of the facets. Errors: a bump of 16 facets and a mesh of 8 cells over the width, where a hand "
-           "touches; stability: the default hand at 1 kHz on a bump of 2 facets and a mesh of 8 cells; energy: 8 "
-           "facets and 16 cells. In brackets: 95 % intervals.</p>\n</section>\n";
+    std::string headings;
+    for (const Heading& one : kHeadings)
+        headings += fmt::format("<th scope=\"col\" class=\"n\">{} <small>{}</small></th>", one.words, one.unit);
+    return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n" + text + surfaces_drawing() +
+           "<table>\n<thead><tr><th scope=\"col\">shading</th><th scope=\"col\">take it if</th>" + headings +
+           "</tr></thead>\n<tbody>\n" + rows +
+           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 600 mil and W = 1000 mil, K = 1000 N/m: "
+           "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it; "
+           "facets lie below it, so that a light touch may miss them. Times are of direct evaluations, of a mesh of a "
+           "god-object's updates. A force is stable if the loop is, with the hand below, at every place 2 mm deep "
+           "where the direction does not jump. Loops are strokes out and back at another depth.</p>\n" +
+           device + "</section>\n";
 }
 
 } // namespace forceshade::report

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include <glm/vector_relational.hpp>
 
@@ -154,8 +156,9 @@ std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCa
 
 namespace {
 
-constexpr double kBeyond = 1.5; /* of a */
-constexpr double kFloor = 4;    /* of a: how deep the block is */
+constexpr double kBeyond = 1.5;    /* of the angle of a */
+constexpr double kSteepest = 1.25; /* rad: of the top, where cells are small enough */
+constexpr double kFloor = 4;       /* of a: how deep the block is */
 
 using Corners = std::vector<std::uint32_t>;
 
@@ -195,12 +198,15 @@ void add_walls(PolygonSoup& block, const Lattice& lattice, double x, double y, d
 } // namespace
 
 std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift) {
-    const double a = bump.half_width, step = 2 * a / bump.cells, row = 2 * a / bump.rows; /* m */
-    const double foot = reference::circle_rise(bump.radius, a);                           /* m */
-    const auto margin = static_cast<std::uint32_t>(std::max(1.0, std::round((kBeyond - 1) * a / step)));
+    const double a = bump.half_width, row = 2 * a / bump.rows;  /* m */
+    const double foot = reference::circle_rise(bump.radius, a); /* m */
+    const double half = std::asin(a / bump.radius), arc = 2 * half / bump.cells;
+    const double beyond = std::min(kBeyond * half, kSteepest) - half;
+    const auto margin = static_cast<std::uint32_t>(std::max(1.0, std::round(beyond / arc)));
+    assert(half + margin * arc < std::numbers::pi / 2);
     const Lattice lattice{bump.cells + 2 * margin, bump.rows};
     const auto along = [&](std::uint32_t i) { // symmetric to the last bit
-        return step * (static_cast<double>(i) - static_cast<double>(lattice.columns) / 2);
+        return bump.radius * std::sin(arc * (static_cast<double>(i) - static_cast<double>(lattice.columns) / 2));
     };
     const auto across = [&](std::uint32_t j) {
         return row * (static_cast<double>(j) - static_cast<double>(lattice.rows) / 2);

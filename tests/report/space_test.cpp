@@ -123,6 +123,10 @@ TEST_F(Space, DeviceComputesTheLimits) {
                         delay ? late : at_once, 0.006)
                 << mass << ' ' << damping << ' ' << period;
     EXPECT_NEAR(number("passiveStiffness(1, 1e-3, 1)"), 1 / (1e-3 * 1.5), 1e-9);
+    const double radius = 0.01524,
+                 aside = 0.0127; // the rim of the paper's bump, and the limit that the study has there
+    EXPECT_NEAR(number("heldStiffness(500, 0.01524, Math.asin(0.0127 / 0.01524), 2e-3)"),
+                500 * (radius * radius - aside * aside) / radius / 2e-3, 1e-6);
 }
 
 TEST_F(Space, DeviceSaysWhetherAWallIsStable) {
@@ -131,8 +135,11 @@ TEST_F(Space, DeviceSaysWhetherAWallIsStable) {
     EXPECT_EQ(browser_->text("document.querySelector('#device label:last-child output').textContent"), "2000 N/m")
         << "the scene's stiffness";
     EXPECT_TRUE(says(browser_->text(verdict), "is passive"));
+    slide("device-spring", 1);
+    EXPECT_TRUE(says(browser_->text(verdict), "the grip holds the probe up to"));
     slide("device-stiffness", 1);
     EXPECT_TRUE(says(browser_->text(verdict), "does not come to rest"));
+    EXPECT_TRUE(says(browser_->text(verdict), "the grip does not hold the probe"));
     const std::string limits = browser_->text("document.getElementById('device-limits').textContent");
     slide("device-delay", 0.4);
     EXPECT_NE(browser_->text("document.getElementById('device-limits').textContent"), limits);

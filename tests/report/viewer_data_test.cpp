@@ -123,10 +123,12 @@ TEST(Viewers, AreLeftOutWithoutVolumes) {
 TEST(Verdict, SetsSchemesSideBySide) {
     struct Way {
         const char *surface, *family, *shading;
-        double elements, direction, median, p95;
+        double elements, direction, rms, missed;
     };
-    const std::vector<Way> ways{{"mesh", "god-object", "none", 8, 4.2, 0.33, 1},
-                                {"mesh", "god-object", "mean_value", 8, 0.2, 0.32, 1}};
+    const std::vector<Way> ways{{"mesh", "god-object", "none", 8, 4.2, 0.13, 0.26},
+                                {"mesh", "god-object", "barycentric", 8, 0.2, 0.11, 0.25},
+                                {"mesh", "god-object", "none", 16, 2.1, 0.05, 0.02},
+                                {"mesh", "god-object", "none", 64, 0.9, 0.009, 0}};
     StudyPart part;
     study::StudyData& data = part.data;
     data.study = "error-time";
@@ -137,8 +139,8 @@ TEST(Verdict, SetsSchemesSideBySide) {
                                                 {"shading", "", "", &Way::shading},
                                                 {"elements", "1", "", &Way::elements},
                                                 {"direction_rms_deg", "deg", "", &Way::direction},
-                                                {"local_median_1", "1", "", &Way::median},
-                                                {"local_p95_1", "1", "", &Way::p95}},
+                                                {"typical_rms_1", "1", "", &Way::rms},
+                                                {"missed", "1", "", &Way::missed}},
                                                ways));
     const auto with_times = [&](double shaded) {
         struct Time {
@@ -148,6 +150,7 @@ TEST(Verdict, SetsSchemesSideBySide) {
         for (int round = 0; round < 9; ++round) {
             times.push_back({double(round), 1, 100.0 + round});
             times.push_back({double(round), 2, shaded * (100.0 + round) * (1 + 0.02 * (round % 3 - 1))});
+            times.push_back({double(round), 4, 2 * shaded * (100.0 + round)});
         }
         Contents contents{{}, {part}, {}};
         contents.studies[0].data.tables.push_back(study::table_of<Time>(
@@ -157,10 +160,12 @@ TEST(Verdict, SetsSchemesSideBySide) {
         return verdict_section(contents);
     };
     const std::string slower = with_times(1.5);
-    EXPECT_TRUE(says(slower, "mesh, mean_value</th><td>it should feel round</td><td class=\"n\">0.2</td><td "
-                             "class=\"n\">32 (100)</td><td "
-                             "class=\"n\">1.50 [1.47, 1.53]"));
-    EXPECT_FALSE(says(slower, "two_pass"));
+    for (const char* cell : {"deg RMS\">0.2</td>", "RMS\">11</td>", "%\">25</td>", "interval]\">1.50 [1.47, 1.53]</td>",
+                             "from 4.2 to 0.2 deg",
+                             "64 cells unshaded err by 0.9 deg and 0.9 % of the force, and take "
+                             "2.00 [1.96, 2.04] times as long as 8 shaded"})
+        EXPECT_TRUE(says(slower, cell)) << cell;
+    EXPECT_FALSE(says(slower, "mesh, two_pass"));
     EXPECT_TRUE(says(with_times(1), "no difference [0.98, 1.02]"));
     EXPECT_EQ(verdict_section({{}, {part}, {}}), "") << "without its rounds";
     EXPECT_EQ(verdict_section({}), "");

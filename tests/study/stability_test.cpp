@@ -440,8 +440,12 @@ TEST(Loops, MeshIsTheWallOfItsFacet) {
     LoopRun run;
     run.patience = 120;
     run.disturbance = 0.01;
-    const auto outcomes = run_cells(engine(), mesh, first_place("mesh", PlaceKind::slope),
-                                    {damped(mesh, 10, 0.95 * limit), damped(mesh, 10, 1.15 * limit)}, run);
+    // Of a facet next to the crest: under the edges of steeper ones the probe slips to the next.
+    const auto away = std::ranges::find_if(places_on("mesh"), [](const RestPlace& place) {
+        return place.kind == PlaceKind::slope && std::abs(place.force.x) < 0.2 * place.force.z;
+    });
+    const auto outcomes =
+        run_cells(engine(), mesh, *away, {damped(mesh, 10, 0.95 * limit), damped(mesh, 10, 1.15 * limit)}, run);
     EXPECT_EQ(outcomes[0].state, LoopState::stable);
     EXPECT_NE(outcomes[1].state, LoopState::stable);
 }

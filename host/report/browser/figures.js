@@ -73,6 +73,14 @@ const tickText = (value) => value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(v
 // As wide as there is room, so that words keep their size.
 const widthIn = (element) => Math.max(NARROWEST, Math.min(WIDTH, element.clientWidth || WIDTH));
 
+// A label in one line, or in two where it is longer than `room`, px.
+function inLines(label, room) {
+  if (label.length * 6.8 <= room || !label.includes(" "))
+    return [label];
+  const spaces = [...label.matchAll(/ /g)].map((space) => space.index), cut = spaces.sort((a, b) => Math.abs(a - label.length / 2) - Math.abs(b - label.length / 2))[0];
+  return [label.slice(0, cut), label.slice(cut + 1)];
+}
+
 class FigureFrame {
   // `left`, `below`: px that words on the left and below take.
   constructor(element, figure, { height = figure.height || HEIGHT, left = PLOT.left, below = PLOT.bottom } = {}) {
@@ -103,8 +111,9 @@ class FigureFrame {
     svg.append("rect").attr("class", "frame").attr("x", left).attr("y", PLOT.top).attr("width", right - left)
       .attr("height", bottom - PLOT.top);
     svg.append("text").attr("class", "axis").attr("x", (left + right) / 2).attr("y", this.height - 8).attr("text-anchor", "middle").text(figure.x.label);
-    svg.append("text").attr("class", "axis").attr("transform", `translate(15,${(PLOT.top + bottom) / 2}) rotate(-90)`).attr("text-anchor", "middle")
-      .text(figure.y.label);
+    const lines = inLines(figure.y.label, bottom - PLOT.top);
+    lines.forEach((line, i) => svg.append("text").attr("class", "axis").attr("text-anchor", "middle").text(line)
+      .attr("transform", `translate(${15 * (i + 1) - 4 * (lines.length - 1)},${(PLOT.top + bottom) / 2}) rotate(-90)`));
     this.body = svg.append("g").attr("clip-path", `url(#${this.clip})`);
   }
 
@@ -216,7 +225,8 @@ function drawScatter(element, study, figure) {
       frame.addLegend(name, (key) => addMark(key, styleOf(name).symbol).attr("fill", "var(--plot-quiet)"));
   over.forEach((draw) => draw());
   placeLabels(frame, rows.filter((row) => figure.label && row[figure.label]).map((row) =>
-    ({ text: String(row[figure.label]), x: x(row[figure.x.column]), y: y(row[figure.y.column]) })), rows.map((row) => [x(row[figure.x.column]), y(row[figure.y.column])]));
+    ({ text: String(row[figure.label]), x: x(row[figure.x.column]), y: y(row[figure.y.column]) })),
+  [...rows.map((row) => [x(row[figure.x.column]), y(row[figure.y.column])]), ...curves.flatMap((curve) => curve.points.map(([a, b]) => [x(a), y(b)]))]);
   if (rows.length < all.length)
     d3.select(element).append("p").attr("class", "note").text(`${all.length - rows.length} of the ${all.length} rows have no number to be drawn here; the table has them.`);
 }
@@ -250,6 +260,14 @@ function markWord(body, number, x, y, reach) {
   body.append("path").attr("class", "word-mark").attr("d", path);
 }
 
+// Of cells at even steps or ratios: a scale through their middles, for round ticks; null for others.
+function evenScale(band, sorted) {
+  const middle = (value) => band(value) + band.bandwidth() / 2, ends = [sorted[0], sorted[sorted.length - 1]];
+  const fits = (scale) => sorted.every((value) => Math.abs(scale(value) - middle(value)) < 0.1 * band.step());
+  const scales = [d3.scaleLinear(), ...ends[0] > 0 ? [d3.scaleLog()] : []].map((scale) => scale.domain(ends).range(ends.map(middle)));
+  return sorted.length > 2 && scales.find(fits) || null;
+}
+
 function drawMap(element, study, figure) {
   const whole = (where) => rowsOf(study, figure.table, where).filter((row) => row[figure.x.column] !== null && row[figure.y.column] !== null);
   const rows = whole(figure.where), spanned = figure.span ? whole(figure.span) : rows;
@@ -261,7 +279,9 @@ function drawMap(element, study, figure) {
     : { below, height: PLOT.top + below + 20 * ys.length, left: Math.min(0.6 * widthIn(element), 14 + 7 * d3.max(ys, (name) => name.length)) });
   const x = d3.scaleBand().domain(xs).range([frame.left, frame.right]), y = d3.scaleBand().domain(ys).range([frame.bottom, PLOT.top]);
   const some = (all, most) => all.filter((_, i) => i % Math.ceil(all.length / most) === 0);
-  frame.drawAxes(x, y, isWord(xs) ? xs : some(xs, frame.width / 75), words ? ys : some(ys, 9), (value) => typeof value === "number" ? numberText(value, 2) : value);
+  const evenX = isWord(xs) ? null : evenScale(x, xs), evenY = words ? null : evenScale(y, ys);
+  frame.drawAxes(evenX || x, evenY || y, evenX ? ticksOf(evenX, { logarithmic: evenX.base }, frame.width / 90) : isWord(xs) ? xs : some(xs, frame.width / 75),
+    evenY ? ticksOf(evenY, { logarithmic: evenY.base }, 7) : words ? ys : some(ys, 9), (value) => typeof value !== "number" ? value : evenX && evenY ? tickText(value) : numberText(value, 2));
   if (isWord(xs) && x.bandwidth() < 7 * d3.max(xs, (name) => name.length))
     frame.svg.selectAll(".tick").filter(function () { return this.getAttribute("text-anchor") === "middle"; }).attr("text-anchor", "end")
       .attr("transform", function () { return `rotate(-30 ${this.getAttribute("x")} ${frame.bottom + 12})`; });
@@ -297,10 +317,11 @@ function drawMap(element, study, figure) {
   // Curves lie between the middles of cells.
   const along = (band, sorted) => d3.scaleLinear().domain(sorted).range(sorted.map((value) => band(value) + band.bandwidth() / 2));
   frame.body.node().place = { x: along(x, xs), y: along(y, ys), columns: [figure.x.column, figure.y.column] };
+  const free = [0, 1, 2, 3, 4], dashes = figure.curves.map((curve) => CURVE_DASHES[free.splice(curve.dashed && free.length > 1 ? free.indexOf(free.find((k) => k > 0)) : 0, 1)[0] || 0]);
   figure.curves.forEach((curve, i) => {
     const points = rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
       .filter(([a, b]) => a !== null && b !== null && a >= xs[0] && a <= xs[xs.length - 1] && b >= ys[0] && b <= ys[ys.length - 1]);
-    const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
+    const dash = dashes[i];
     if (points.length)
       drawLine(frame.body, points, along(x, xs), along(y, ys), "var(--plot-ink)", dash, 1.8);
     frame.addLegend(curve.label, (key) => drawKey(key, "var(--plot-ink)", dash, 1.8));

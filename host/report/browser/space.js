@@ -62,7 +62,8 @@ class Space {
     const { viewer } = this, { a, b } = viewer, shown = this.shown();
     const most = Math.max(...shown.map((one) => one.about.paths ? one.about.paths.size[1] : 0));
     byId("path").replaceChildren(...d3.range(most).map((i) => new Option(String(i + 1), i)));
-    byId("path-fields").hidden = byId("path-scale").parentElement.hidden = !most;
+    byId("path-fields").hidden = byId("path-scale").parentElement.hidden = byId("help-path").hidden = !most;
+    byId("help-smooth").hidden = !shown.some(({ about }) => about.surface !== undefined && viewer.surfaces[about.surface].smooth);
     this.makeRoom(shown.length);
     if (!this.renderer)
       return;

@@ -55,8 +55,12 @@ const DEVICE = {
   mass: { label: "mass m", unit: "kg", low: 0.01, high: 2, value: 0.1, factor: 1 },
   damping: { label: "damping b", unit: "N s/m", low: 0.05, high: 50, value: 1, factor: 1 },
   grip: { label: "damping of the grip", unit: "N s/m", low: 0, high: 20, step: 0.1, value: 2, factor: 1 },
+  spring: { label: "spring of the grip", unit: "N/m", low: 20, high: 5000, value: 500, factor: 1 },
   period: { label: "period T", unit: "ms", low: 0.1, high: 10, value: 1, factor: 1e-3 },
   delay: { label: "delay", unit: "samples", low: 0, high: 5, step: 1, value: 0, factor: 1 },
+  radius: { label: "radius of what is pressed", unit: "mm", low: 1, high: 1000, value: 15.24, factor: 1e-3 },
+  slope: { label: "its slope there", unit: "deg", low: 0, high: 85, step: 0.1, value: 56.4, factor: Math.PI / 180 },
+  depth: { label: "depth", unit: "mm", low: 0.05, high: 10, value: 2, factor: 1e-3 },
   stiffness: { label: "stiffness K", unit: "N/m", low: 10, high: 1e5, value: 1000, factor: 1 },
 };
 
@@ -94,6 +98,12 @@ function passiveStiffness(damping, period, delay) {
   return damping / (period * (0.5 + delay));
 }
 
+// N/m: above it the grip's spring does not hold a probe that is pressed onto a shaded cylinder: the force K depth turns
+// faster with x than the spring pulls back, K depth R / (R^2 - x^2) = spring. Neither damping nor rate helps.
+function heldStiffness(spring, radius, slope, depth) {
+  return spring * radius * Math.cos(slope) ** 2 / depth;
+}
+
 class Device {
   constructor(element, loop) {
     this.element = d3.select(element);
@@ -124,16 +134,18 @@ class Device {
   }
 
   draw() {
-    const { mass, damping, grip, period, delay, stiffness } = this.values, b = damping + grip;
+    const { mass, damping, grip, spring, period, delay, radius, slope, depth, stiffness } = this.values, b = damping + grip;
     const late = (samples) => samples === 0 ? "at once" : samples === 1 ? "one sample late" : samples + " samples late";
-    const rows = [...new Set([0, 1, delay])].map((samples) => ["comes to rest below; force " + late(samples), criticalStiffness(mass, b, period, samples)]);
-    rows.push(["passive with any hand below (the device's own damping alone); force " + late(delay), passiveStiffness(damping, period, delay)]);
+    const rows = [...new Set([0, 1, delay])].map((samples) => ["a wall comes to rest below; force " + late(samples), criticalStiffness(mass, b, period, samples)]);
+    rows.push(["the grip's spring holds a probe on that shaded cylinder below", heldStiffness(spring, radius, slope, depth)]);
+    rows.push(["a wall is passive with any hand below (the device's own damping alone); force " + late(delay), passiveStiffness(damping, period, delay)]);
     const cells = this.table.select("tbody").selectAll("tr").data(rows).join("tr").selectAll("td")
       .data(([words, limit]) => [words, numberText(limit, 4), numberText(100 * stiffness / limit, 3) + " %"]).join("td");
     cells.classed("n", (_, i) => i > 0).text((text) => text);
-    const critical = criticalStiffness(mass, b, period, delay), passive = passiveStiffness(damping, period, delay);
+    const critical = criticalStiffness(mass, b, period, delay), passive = passiveStiffness(damping, period, delay), held = heldStiffness(spring, radius, slope, depth);
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
-      : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m.");
+      : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. On the shaded cylinder the grip "
+      + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m.");
     this.mark();
   }
 
@@ -151,7 +163,7 @@ class Device {
       marked += within;
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
-    d3.select("#device-note").text("A mass with damping on a plane wall, its force held from sample to sample; the grip adds its damping; its spring is left out, which sets the limit where a pressed surface turns fast, as at the rim of a shaded bump." +
+    d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the default hand and the rim of the paper's bump." +
       (maps ? ` A cross marks it on ${marked} of ${maps} map${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));
   }
 }

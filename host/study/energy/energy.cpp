@@ -48,7 +48,7 @@ void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<do
     }
 }
 
-// The paper's bump of R = 1000 mil over its facets.
+// The paper's bump of R = 600 mil over its facets.
 EnergySurface own_bump(bool quick) {
     EnergySurface surface{"bump", "facets", {{-kOwnHalfWidth, -0.005}, {kOwnHalfWidth, 0.005}}};
     const std::vector<Scheme> schemes{{"unshaded", Shading::none},
@@ -57,7 +57,7 @@ EnergySurface own_bump(bool quick) {
                                       {"shaded, normal depth", Shading::reference, DepthReading::normal}};
     for (const unsigned facets :
          quick ? std::vector<unsigned>{1, 2, 8, 32, 512} : std::vector<unsigned>{1, 2, 3, 4, 8, 16, 32, 128, 512})
-        add_laws(surface, own_case({.facets = facets}), facets, schemes);
+        add_laws(surface, own_case({.radius = kOwnRadius, .facets = facets}), facets, schemes);
     return surface;
 }
 
@@ -65,8 +65,9 @@ EnergySurface own_bump(bool quick) {
 EnergySurface own_mesh(bool quick) {
     constexpr double kAcross = 0.8 * kOwnHalfWidth;
     EnergySurface surface{"mesh", "cells", {{-kOwnHalfWidth, -kAcross}, {kOwnHalfWidth, kAcross}}};
-    for (const unsigned cells : quick ? std::vector<unsigned>{4, 16} : std::vector<unsigned>{4, 8, 16, 32}) {
-        const PreparedCase mesh = own_case({.kind = SurfaceKind::mesh, .facets = cells, .rows = cells});
+    for (const unsigned cells : quick ? std::vector<unsigned>{8, 16} : std::vector<unsigned>{4, 8, 16, 32}) {
+        const PreparedCase mesh =
+            own_case({.kind = SurfaceKind::mesh, .radius = kOwnRadius, .facets = cells, .rows = cells});
         add_laws(surface, mesh, cells, schemes_of(mesh.one.scene));
     }
     return surface;

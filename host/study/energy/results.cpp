@@ -28,7 +28,7 @@ const LoopRow* unshaded_of(const std::vector<LoopRow>& loops, const LoopRow& row
 // The columns that identify a row's law, then `more`.
 template <typename Row> std::vector<ColumnOf<Row>> law_columns(std::initializer_list<ColumnOf<Row>> more) {
     std::vector<ColumnOf<Row>> columns{
-        {"surface", "", "bump: R = W = 1000 mil; mesh: its cylinder as triangles; scene: the scene's",
+        {"surface", "", "bump: R = 600 mil, W = 1000 mil; mesh: its cylinder as triangles; scene: the scene's",
          [](const Row& row) { return row.law->surface; }},
         {"elements", "1", "facets of the bump, cells of the mesh over its width",
          [](const Row& row) { return row.law->elements; }},
@@ -202,7 +202,7 @@ void add_depth_finding(std::vector<Finding>& findings, const EnergyResults& resu
              "More facets do not remove the gain: with {} facets, unshaded, it is {}; with depth read along the "
              "normal, {}.",
              kFacets, milli(vertical->gain.median), milli(normal->gain.median)),
-         "energy-bump", "the bump of 512 facets, R = 1000 mil", kWhere,
+         "energy-bump", "the bump of 512 facets, R = 600 mil", kWhere,
          fmt::format("vertical: {}; normal: {}", interval_of(*vertical), interval_of(*normal))});
 }
 
@@ -237,7 +237,7 @@ void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& resul
          fmt::format("Median energy gained per loop on a mesh of {} cells over the bump: {}{}.", kCells,
                      fmt::join(parts, ", "),
                      ties.empty() ? "" : fmt::format("; no significant difference between {}", fmt::join(ties, ", "))),
-         "energy-mesh", "triangles of the cylinder R = 1000 mil", kWhere,
+         "energy-mesh", "triangles of the cylinder R = 600 mil", kWhere,
          fmt::format("95 % of bootstrap medians: {}", fmt::join(intervals, ", "))});
 }
 
@@ -249,7 +249,7 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
              fmt::format("Force shading adds {} per loop on the 8-facet bump (median of the paired differences, worse "
                          "direction of travel; median gains with and without shading: {} and {}).",
                          milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
-             "energy-bump", "the bump of 8 facets, R = 1000 mil", kWhere,
+             "energy-bump", "the bump of 8 facets, R = 600 mil", kWhere,
              fmt::format(
                  "{} loops; 95 % of bootstrap medians of the difference: {:.2g} to {:.2g} mJ; efforts {} and {}",
                  shaded->loops, 1e3 * shaded->more->low, 1e3 * shaded->more->high, milli(shaded->effort),
@@ -274,7 +274,7 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
                          significant && *significant < *last->law->elements
                              ? fmt::format("; beyond {} facets it is not significant", *significant)
                              : ""),
-             "energy-bump", "the bump of 1 to 512 facets, R = 1000 mil", kWhere,
+             "energy-bump", "the bump of 1 to 512 facets, R = 600 mil", kWhere,
              fmt::format("with {} facets 95 % of bootstrap medians: {:.1g} to {:.1g} mJ", *last->law->elements,
                          1e3 * last->more->low, 1e3 * last->more->high)});
     add_depth_finding(findings, results);
@@ -321,7 +321,7 @@ void add_history_finding(std::vector<Finding>& findings, const EnergyResults& re
     findings.push_back({"energy_history",
                         fmt::format("Median energy gained per loop with the god-object, unshaded: {}; with {}: {}.",
                                     fmt::join(unshaded, ", "), most->law->scheme, fmt::join(shaded, ", ")),
-                        "", first->law->elements ? "meshes of the cylinder R = 1000 mil" : "the scene's mesh",
+                        "", first->law->elements ? "meshes of the cylinder R = 600 mil" : "the scene's mesh",
                         "the second loop, worse direction of travel",
                         fmt::format("{}: {}", first->law->scheme, interval_of(*first))});
 }

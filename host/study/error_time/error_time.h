@@ -136,6 +136,7 @@ struct LoopRun {
     Precision precision = Precision::f32;
     double force_error = 0;    /* 1: RMS difference of the force from that at kFinestRate in double, over its RMS */
     double position_error = 0; /* m: RMS difference of the probe's position */
+    Interval by_stroke{};      /* 1: force_error of single strokes, median */
     double seconds = 0;        /* that a second of a stroke takes, median of the rounds */
 };
 

@@ -46,7 +46,7 @@ std::optional<LookUpErrors> lookup_errors(const MethodErrors& errors) {
 }
 
 std::string percents(const Interval& share) {
-    return fmt::format("{} [{}, {}]", percent(share.median), percent(share.low), percent(share.high));
+    return fmt::format("{} ({} to {})", percent(share.median), percent(share.low), percent(share.high));
 }
 
 // Of the finest volume, wherever its grid lies; and of one that holds depth and direction in place of the force.
@@ -68,7 +68,7 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     std::string text = fmt::format("Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force",
                                    1e3 * *method.spacing, percents(errors->rms));
     if (errors->rim)
-        text += fmt::format("; at the rim that of the direction is {:.0f} deg [{:.0f}, {:.0f}]", errors->rim->median,
+        text += fmt::format("; at the rim that of the direction is {:.0f} deg ({:.0f} to {:.0f})", errors->rim->median,
                             errors->rim->low, errors->rim->high);
     text += fmt::format("; up to {:.2g} mm above the surface {} of the places have a force, where there is none.",
                         1e3 * method.subject->scale.skin(), percent(errors->phantom.median));
@@ -87,13 +87,14 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         if (const auto adaptive = lookup_errors(*measured.methods[i].errors); adaptive && adaptive->rim)
             text +=
                 fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}, at the rim by {:.0f} "
-                            "deg [{:.0f}, {:.0f}].",
+                            "deg ({:.0f} to {:.0f}).",
                             percents(adaptive->rms), adaptive->rim->median, adaptive->rim->low, adaptive->rim->high);
-    findings.push_back({"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method),
-                        touched_depths(*method.subject),
-                        fmt::format("{} places; least and largest of {} random offsets and orientations of the volume",
-                                    measured.methods[*finest].errors->shared.places,
-                                    measured.methods[*finest].errors->by_draw.size())});
+    findings.push_back(
+        {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
+         fmt::format("{} places; in round brackets the least and largest of {} random offsets and orientations of the "
+                     "volume",
+                     measured.methods[*finest].errors->shared.places,
+                     measured.methods[*finest].errors->by_draw.size())});
 }
 
 // Benefit and cost of shading a mesh.
@@ -118,7 +119,7 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     const auto degrees = [&](std::size_t i) {
         const MethodErrors& errors = *measured.methods[i].errors;
         const auto spread = rms_over_draws(errors, &ForceErrors::direction);
-        return spread ? fmt::format("{:.2g} [{:.2g}, {:.2g}]", spread->median, spread->low, spread->high)
+        return spread ? fmt::format("{:.2g} ({:.2g} to {:.2g})", spread->median, spread->low, spread->high)
                       : fmt::format("{:.2g}", errors.shared.direction.rms);
     };
     const std::size_t draws = measured.methods[shaded[0]].errors->by_draw.size();
@@ -129,7 +130,9 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
                      degrees(plain[0]), degrees(shaded[0]), times_as_long(cost, "without it")),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
          fmt::format("{}; {} places{}", kBootstrap, with.places,
-                     draws > 0 ? fmt::format("; least and largest of {} random tessellations", draws) : "")});
+                     draws > 0
+                         ? fmt::format("; in round brackets the least and largest of {} random tessellations", draws)
+                         : "")});
 }
 
 // Of the first surface; the table has the others.
@@ -148,12 +151,11 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
             {"cheapest_" + subject.name,
              fmt::format(
                  "Of {} methods within 1 deg RMS and, at 95 % of the places, within 10 % of the force there, the "
-                 "cheapest is {}{}.",
-                 within.size(), measured.methods[cheapest].name,
-                 ties.empty() ? std::string(", without a tie")
-                              : fmt::format(", tied with {} other{}", ties.size(), ties.size() == 1 ? "" : "s")),
+                 "cheapest is {}.",
+                 within.size(), measured.methods[cheapest].name),
              "error-time-" + subject.name, subject.name, touched_depths(subject) + ", one place after the other",
-             fmt::format("cheaper: {} of their ratio below 1", kBootstrap)});
+             fmt::format("cheaper: {} of their ratio below 1; of {} others this run does not show it", kBootstrap,
+                         ties.size())});
         return;
     }
 }

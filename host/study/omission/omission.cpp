@@ -154,11 +154,15 @@ std::string name_of(const Row& row) {
     return fmt::format("{} ({})", row.comparison.feature, row.comparison.scene);
 }
 
-// "takes 15 times as long", "takes 12 % longer".
-std::string longer(double ratio) {
-    return ratio >= 10    ? fmt::format("{:.0f} times as long", ratio)
-           : ratio >= 1.5 ? fmt::format("{:.2g} times as long", ratio)
-                          : fmt::format("{:.2g} % longer", 100 * (ratio - 1));
+// "takes 15 [14, 17] times as long", "takes 12 [9.1, 15] % longer".
+std::string longer(const Interval& ratio) {
+    const bool times = ratio.median >= 1.5;
+    const auto number = [&](double value) {
+        return fmt::format(fmt::runtime(value >= 10 || (!times && value >= 1.1) ? "{:.0f}" : "{:.2g}"),
+                           times ? value : 100 * (value - 1));
+    };
+    return fmt::format("{} [{}, {}] {}", number(ratio.median), number(ratio.low), number(ratio.high),
+                       times ? "times as long" : "% longer");
 }
 
 std::string interval_of(const std::vector<Row>& rows, const Row& row) {
@@ -173,7 +177,6 @@ const char* const kCondition = "forces bit for bit or number for number the same
 
 void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) {
     std::vector<const Row*> program, scene, file;
-    std::vector<std::string> free;
     for (const Row& row : rows) {
         if (!row.same_forces())
             continue;
@@ -183,14 +186,12 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
             continue;
         if (costs(rows, row, &Row::whole_ratio))
             (row.comparison.always ? program : scene).push_back(&row);
-        else if (!costs(rows, row, &Row::kernel_ratio))
-            free.push_back(name_of(row));
     }
     const auto listed = [](std::vector<const Row*>& some) {
         std::ranges::stable_sort(some, {}, [](const Row* row) { return -row->whole_ratio().median; });
         std::vector<std::string> parts;
-        for (std::size_t i = 0; i < std::min<std::size_t>(some.size(), 3); ++i)
-            parts.push_back(fmt::format("{} with {}", longer(some[i]->whole_ratio().median), name_of(*some[i])));
+        for (std::size_t i = 0; i < std::min<std::size_t>(some.size(), 2); ++i)
+            parts.push_back(fmt::format("{} with {}", longer(some[i]->whole_ratio()), name_of(*some[i])));
         return fmt::format("{}", fmt::join(parts, ", "));
     };
     if (!program.empty()) {
@@ -207,7 +208,7 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
              fmt::format("Optional outputs that do not change the force cost time: the whole evaluation takes "
                          "{}; the kernel alone {} with {}.",
                          list,
-                         costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio().median)
+                         costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio())
                                                                 : "not significantly longer",
                          name_of(first)),
              "whole", name_of(first), kCondition, interval_of(rows, first)});
@@ -218,9 +219,6 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
                             fmt::format("The volume's file is {:.2g} times as large with the {}.", file_ratio(*largest),
                                         name_of(**largest)),
                             "", name_of(**largest), "as a sweep writes it, compressed", ""});
-    if (!free.empty())
-        findings.push_back(
-            {"free", fmt::format("No measurable cost: {}.", fmt::join(free, ", ")), "kernel", "", kCondition, ""});
 }
 
 constexpr Rounds kFull{15, 0.1, 6}, kQuick{9, 0.02, 1};

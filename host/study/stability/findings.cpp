@@ -1,6 +1,7 @@
 // Findings of the loops.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -167,28 +168,38 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
          fmt::format("the largest of eight feet of each surface; {} surfaces have one", all)});
 }
 
-// "grip (20 to 5000 N/m: 46.7 to 5570 N/m)"
+// "grip (20 to 5000 N/m: 46.7 N/m to 5570 N/m)"
 struct Span {
     const Quantity* quantity;
-    double from, to;  // SI: of the quantity
-    double low, high; // N/m: of the limit
+    double from, to;       // SI: of the quantity
+    double at_from, at_to; // N/m: of the limit there
+    double low, high;      // N/m: least and largest limit
 
+    // A limit that is largest or least in between is said, too.
     std::string text() const {
-        return fmt::format("{} ({:g} to {:g} {}: {} to {})", quantity->name, from, to, quantity->unit, newtons(low),
-                           newtons(high));
+        constexpr double kSame = 0.99;
+        std::string text = fmt::format("{} ({:g} to {:g} {}: {} to {}", quantity->name, from, to, quantity->unit,
+                                       newtons(at_from), newtons(at_to));
+        if (low < kSame * std::min(at_from, at_to))
+            text += fmt::format(", {} in between", newtons(low));
+        if (high * kSame > std::max(at_from, at_to))
+            text += fmt::format(", {} in between", newtons(high));
+        return text + ")";
     }
 };
 
 std::vector<Span> spans_of(const LoopResults& results, const LeastLimit& worst) {
     std::vector<Span> spans;
     for (const Quantity& quantity : quantities()) {
-        Span span{&quantity, INFINITY, 0, INFINITY, 0};
+        Span span{&quantity, INFINITY, 0, 0, 0, INFINITY, 0};
         for (const AtlasPoint& point : results.atlas) {
             if (point.quantity != quantity.name || point.least.surface != worst.surface ||
                 point.least.place.kind != worst.place.kind || !point.least.limit)
                 continue;
-            span.from = std::min(span.from, point.value);
-            span.to = std::max(span.to, point.value);
+            if (point.value < span.from)
+                std::tie(span.from, span.at_from) = std::pair(point.value, *point.least.limit);
+            if (point.value > span.to)
+                std::tie(span.to, span.at_to) = std::pair(point.value, *point.least.limit);
             span.low = std::min(span.low, *point.least.limit);
             span.high = std::max(span.high, *point.least.limit);
         }

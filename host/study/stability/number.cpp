@@ -358,19 +358,20 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, 
                     "where both meet the same facet",
                     same->error);
     if (other)
-        text += fmt::format(", and by up to {:.2g} where two facets are equally near and rounding chooses: the static "
-                            "field jumps there whatever the shading",
-                            other->error);
+        text += fmt::format(
+            ", and by up to {:.2g} times that force where two facets are equally near and rounding chooses: the static "
+            "field jumps there whatever the shading",
+            other->error);
     std::string laws = same->law + (other ? "; " + other->law : std::string());
     if (const LawRounding* stroke = worst(true, true)) {
-        text += fmt::format(". A god-object's differs by up to {:.2g} at the ends of strokes", stroke->error);
+        text += fmt::format(". A god-object's differs by up to {:.2g} of it at the ends of strokes", stroke->error);
         laws += "; " + stroke->law;
     }
     if (const LawRounding* fork = worst(true, false)) {
-        text +=
-            fmt::format(", and by up to {:.2g} where two strokes fork at an edge: along each of them its force does "
-                        "not jump",
-                        fork->error);
+        text += fmt::format(
+            ", and by up to {:.2g} times it where two strokes fork at an edge: along each of them its force does "
+            "not jump",
+            fork->error);
         laws += "; " + fork->law;
     }
     data.figures.push_back(make_figure(

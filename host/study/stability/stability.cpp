@@ -18,15 +18,18 @@ struct StudiedSurface {
 };
 
 // The box of a bump or map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
+constexpr glm::dvec3 kBumpLow{-0.0152, -0.005, -0.003}, kBumpHigh{0.0152, 0.005, 0.008};
 constexpr glm::dvec3 kMeshLow{-0.0105, -0.008, -0.003}, kMeshHigh{0.0105, 0.008, 0.008};
+constexpr OwnSurface mesh_of(Shading shading) {
+    return {.kind = SurfaceKind::mesh, .radius = kOwnRadius, .shading = shading};
+}
 const StudiedSurface kStudied[] = {
     {"plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
     {"textured plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}, 1e-5},
-    {"bump", {.radius = 0.01524, .facets = 2}, {-0.0152, -0.005, -0.003}, {0.0152, 0.005, 0.008}},
-    {"shaded bump",
-     {.shaded = true, .radius = 0.01524, .facets = 2},
-     {-0.0152, -0.005, -0.003},
-     {0.0152, 0.005, 0.008}},
+    {"bump", {.radius = kOwnRadius, .facets = 2}, kBumpLow, kBumpHigh},
+    {"shaded bump", {.shaded = true, .radius = kOwnRadius, .facets = 2}, kBumpLow, kBumpHigh},
+    {"bump of 8 facets", {.radius = kOwnRadius}, kBumpLow, kBumpHigh, 0, true},
+    {"shaded bump of 8 facets", {.shaded = true, .radius = kOwnRadius}, kBumpLow, kBumpHigh, 0, true},
     {"map of a bump",
      {.kind = SurfaceKind::height_map, .shaded = true},
      {-0.0152, -0.005, -0.003},
@@ -35,11 +38,11 @@ const StudiedSurface kStudied[] = {
      {.kind = SurfaceKind::height_map, .function = MapFunction::dip, .shaded = true},
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.002}},
-    {"mesh", {.kind = SurfaceKind::mesh}, kMeshLow, kMeshHigh},
-    {"shaded mesh", {.kind = SurfaceKind::mesh, .shaded = true}, kMeshLow, kMeshHigh},
-    {"morgenbesser mesh", {.kind = SurfaceKind::mesh, .shading = Shading::morgenbesser}, kMeshLow, kMeshHigh, 0, true},
-    {"barycentric mesh", {.kind = SurfaceKind::mesh, .shading = Shading::barycentric}, kMeshLow, kMeshHigh, 0, true},
-    {"two_pass mesh", {.kind = SurfaceKind::mesh, .shading = Shading::two_pass}, kMeshLow, kMeshHigh, 0, true},
+    {"mesh", mesh_of(Shading::none), kMeshLow, kMeshHigh},
+    {"shaded mesh", mesh_of(Shading::mean_value), kMeshLow, kMeshHigh},
+    {"morgenbesser mesh", mesh_of(Shading::morgenbesser), kMeshLow, kMeshHigh, 0, true},
+    {"barycentric mesh", mesh_of(Shading::barycentric), kMeshLow, kMeshHigh, 0, true},
+    {"two_pass mesh", mesh_of(Shading::two_pass), kMeshLow, kMeshHigh, 0, true},
 };
 
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.

@@ -166,7 +166,8 @@ inline constexpr int kUsualFilter = 5;
 std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places);
 
 /// With the program's default hand: plane, the same textured, bump of 2 facets with and without shading, height map of
-/// a bump and of a dip, mesh with and without shading, and of the other shadings of a mesh the limits alone.
+/// a bump and of a dip, mesh of 8 cells with and without shading; of the bump with 8 facets and of the other shadings
+/// of a mesh the limits alone.
 std::vector<LoopSurface> own_surfaces();
 
 struct LoopResults {

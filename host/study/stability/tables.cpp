@@ -79,6 +79,10 @@ Table atlas_table(const LoopResults& results) {
          {"kind", "", "of place, the worst of its kind with the hand's own",
           [](const R& r) { return name_of(r.least.place.kind); }},
          {"series", "", "surface and kind", [](const R& r) { return series_of(r); }},
+         {"worst", "", "yes: of the surface's kinds the one with the lowest limit",
+          [&](const R& r) {
+              return worst_of(results.limits, r.least.surface)->place.kind == r.least.place.kind ? "yes" : "no";
+          }},
          {"depth_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.least.place.depth; }},
          {"varied", "", "quantity that is varied; all else is the hand's own", &R::quantity},
          {"value", "SI", "of that quantity: kg, N/m, N s/m, Hz, samples or s", &R::value},
@@ -225,7 +229,7 @@ Table worst_table(const LoopResults& results) {
     std::vector<R> rows;
     for (const LoopSurface& surface : results.surfaces)
         if (const LeastLimit* worst = worst_of(results.limits, surface.name);
-            worst && *worst->limit < 0.99 * worst->wall) {
+            worst && !surface.limits_alone && *worst->limit < 0.99 * worst->wall) {
             const double x = worst->place.at.x;
             const ProfilePoint* nearest = nullptr;
             for (const ProfilePoint& point : results.profile)
@@ -320,10 +324,11 @@ std::vector<Figure> figures_of(const LoopResults& results) {
         if (!results.atlas.empty())
             figures.push_back(make_figure(
                 fmt::format("loop-atlas-{}", quantity), title,
-                "At the worst place of each kind with the hand's own; T is a sample, b the damping of device and hand. "
-                "2 is what is passive without delay.",
-                FigureKind::scatter, "loop_atlas", {{"varied", quantity}}, x, {"K_T_over_b_1", "limit K T / b", true},
-                "series", "", {.joined = true}));
+                "At the worst place of each surface with the hand's own; T is a sample, b the damping of device and "
+                "hand. "
+                "2 is what is passive without delay. The table has the worst place of each kind.",
+                FigureKind::scatter, "loop_atlas", {{"varied", quantity}, {"worst", "yes"}}, x,
+                {"K_T_over_b_1", "limit K T / b", true}, "surface", "", {.joined = true}));
     if (!results.couplings.empty())
         figures.push_back(
             make_figure("loop-couplings", "Stiffness displayed through a virtual coupling, in a scene of 1e6 N/m",
