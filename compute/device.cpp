@@ -69,6 +69,28 @@ std::vector<std::string> find_refusals(const vk::raii::PhysicalDevice& physical,
     return reasons;
 }
 
+bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view name) {
+    const auto all = physical.enumerateDeviceExtensionProperties();
+    return std::ranges::any_of(all, [&](const auto& one) { return name == one.extensionName.data(); });
+}
+
+// What may be asked of each width alone: where a device has one behaviour for some widths together, these are left out.
+void describe_floats(const vk::raii::PhysicalDevice& physical, DeviceReport& report) {
+    if (!has_extension(physical, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME))
+        return;
+    using Properties = vk::PhysicalDeviceFloatControlsProperties;
+    using Independence = vk::ShaderFloatControlsIndependence;
+    const auto of = physical.getProperties2<vk::PhysicalDeviceProperties2, Properties>().get<Properties>();
+    const bool one = of.denormBehaviorIndependence != Independence::eNone,
+               each = of.denormBehaviorIndependence == Independence::eAll,
+               one_rounds = of.roundingModeIndependence != Independence::eNone,
+               each_rounds = of.roundingModeIndependence == Independence::eAll;
+    report.single = {one && of.shaderDenormPreserveFloat32, bool(of.shaderSignedZeroInfNanPreserveFloat32),
+                     one_rounds && of.shaderRoundingModeRTEFloat32};
+    report.twice = {each && of.shaderDenormPreserveFloat64, bool(of.shaderSignedZeroInfNanPreserveFloat64),
+                    each_rounds && of.shaderRoundingModeRTEFloat64};
+}
+
 DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t index, const DeviceLimits& taken) {
     const vk::PhysicalDeviceProperties properties = physical.getProperties();
     DeviceReport report;
@@ -105,6 +127,7 @@ DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t in
         if (driver.driverInfo[0] != 0)
             report.driver += fmt::format(" {}", driver.driverInfo.data());
     }
+    describe_floats(physical, report);
     apply(taken, report);
     return report;
 }
@@ -206,11 +229,6 @@ struct Cache {
     }
 };
 
-bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view name) {
-    const auto all = physical.enumerateDeviceExtensionProperties();
-    return std::ranges::any_of(all, [&](const auto& one) { return name == one.extensionName.data(); });
-}
-
 void make_device(Device::Implementation& self, const DeviceOptions& options) {
     const Cache cache(options.cache);
     self.queue_family = compute_family(self.physical).value();
@@ -227,6 +245,8 @@ void make_device(Device::Implementation& self, const DeviceOptions& options) {
     self.tells_budget = has_extension(self.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
     if (self.tells_budget)
         extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    if (self.report.single.any() || self.report.twice.any())
+        extensions.push_back(VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME);
     self.device = self.physical.createDevice({{}, queue, {}, extensions, &features});
     const bool tries = !self.report.software || options.try_groups_on_software;
     self.groups = GroupSizes(std::min(self.report.group_invocations, self.limits.maxComputeWorkGroupSize[0]),

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "compute/float_controls.h"
+
 namespace forceshade::compute {
 
 /// What went wrong on or with a device, in words for the user.
@@ -33,6 +35,7 @@ struct DeviceReport {
     bool software = false;
     bool f64 = false;                    /* double precision in kernels */
     bool int64 = false;                  /* 64-bit integers in kernels: stores travel in pairs */
+    FloatControls single{}, twice{};     /* kernels ask for these of floats and of doubles */
     bool nearest = false;                /* its quotients and roots of floats are the nearest: software's are */
     std::uint64_t memory = 0;            /* bytes of the largest device-local heap */
     std::uint64_t buffer_range = 0;      /* bytes that one storage buffer may span */

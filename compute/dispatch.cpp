@@ -204,7 +204,9 @@ vk::Pipeline Dispatcher::Implementation::compile(Pipeline& kernel, std::uint32_t
     const Clock::time_point start = Clock::now();
     kernel.constants[layout::kSpecLocalX] = group;
     return checked("compiling a kernel", [&] {
-        const vk::raii::ShaderModule module(device.device, {{}, kernel.code.size_bytes(), kernel.code.data()});
+        const std::vector<std::uint32_t> code =
+            with_float_controls(kernel.code, device.report.single, device.report.twice);
+        const vk::raii::ShaderModule module(device.device, {{}, code.size() * sizeof(std::uint32_t), code.data()});
         std::vector<vk::SpecializationMapEntry> entries;
         for (std::uint32_t id = 0; id < kernel.constants.size(); ++id)
             entries.emplace_back(id, id * std::uint32_t(sizeof(std::uint32_t)), sizeof(std::uint32_t));

@@ -174,8 +174,14 @@ void Commands::submit() {
 }
 
 void Commands::wait() {
-    if (device_->device.waitForFences(*fence_, true, UINT64_MAX) != vk::Result::eSuccess)
-        throw DeviceError(DeviceError::Kind::device_lost, "the device did not finish its work");
+    // Dispatches of hardware take a fraction of a second; software has no driver that would end a long one.
+    constexpr std::uint64_t kStep = 2'000'000'000, kPatience = 60 * kStep / 2; // ns
+    for (std::uint64_t waited = 0; device_->device.waitForFences(*fence_, true, kStep) != vk::Result::eSuccess;
+         waited += kStep)
+        if (!device_->report.software && waited >= kPatience)
+            throw DeviceError(DeviceError::Kind::device_lost,
+                              "the device did not finish its work within a minute: its driver hangs, or other programs "
+                              "keep it busy; run again, or choose another with --gpu");
 }
 
 } // namespace forceshade::compute

@@ -286,6 +286,8 @@ nlohmann::ordered_json json_of(const compute::DeviceReport& device) {
             {"vulkan", device.api},
             {"f64", device.f64},
             {"int64", device.int64},
+            {"floats", compute::text_of(device.single)},
+            {"doubles", compute::text_of(device.twice)},
             {"memory_bytes", device.memory},
             {"storage_buffer_bytes", device.buffer_range},
             {"group_invocations", device.group_invocations},
