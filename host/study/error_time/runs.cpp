@@ -315,7 +315,7 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
                                   const std::vector<LoopRun>& loops) {
     std::vector<Finding> findings;
     const auto in_percent = [](const Interval& share) {
-        return fmt::format("{:.2g} [{:.2g}, {:.2g}]", 100 * share.median, 100 * share.low, 100 * share.high);
+        return fmt::format("{:.3g} [{:.3g}, {:.3g}]", 100 * share.median, 100 * share.low, 100 * share.high);
     };
     const auto in_double = [&](double rate) {
         return std::ranges::find_if(loops,
