@@ -142,7 +142,8 @@ int run_one(const KnownStudy& known, const StudyArguments& arguments, const Comm
             fmt::format("{} is of an earlier run and was changed since, so it stays; this run does not name it",
                         (options.folder / name).string()));
     print_warnings(warnings, common);
-    return show(data, "in " + clock_text(data.seconds));
+    const int shown = show(data, "in " + clock_text(data.seconds));
+    return data.failed_renderers > 0 ? static_cast<int>(ExitCode::failed) : shown;
 }
 
 // One study after the other; a later run goes on with those that are not there yet.
@@ -170,9 +171,10 @@ void describe(Options& options, StudyArguments& arguments) {
     options.optional("SCENE", arguments.scene,
                      "scene file (TOML) to study, for perception also one of many scenes; without it the study's own");
     options.required("--out DIR", arguments.out, "folder of the results; each study has a folder of its name in it");
-    options.repeated("--renderer LIBRARY[:OPTIONS]", arguments.renderers,
-                     "error-time, stability and energy of a scene: a shared library of your own, measured too "
-                     "(forceshade_renderer.h); once for each");
+    options.repeated(
+        "--renderer LIBRARY[:OPTIONS]", arguments.renderers,
+        "error-time, stability and energy of a scene: a shared library of your own, measured too "
+        "(forceshade_renderer.h); once for each; if one fails, the rest is measured and the exit code is 1");
     options.flag("--quick", arguments.quick, "coarse, within a minute each");
     options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
     options.example("study all --quick --out results", "which shading? in some two minutes")

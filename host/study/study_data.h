@@ -186,8 +186,9 @@ struct StudyData : RunFacts {
     std::vector<Table> tables;
     std::vector<Figure> figures;
     std::vector<Finding> findings;
-    std::vector<FileRecord> files;   /* CSV and SVG files, by name in the study's folder */
-    std::vector<FileRecord> volumes; /* EXR files, by name in the study's folder */
+    std::vector<FileRecord> files;    /* CSV and SVG files, by name in the study's folder */
+    std::vector<FileRecord> volumes;  /* EXR files, by name in the study's folder */
+    std::size_t failed_renderers = 0; /* of the user's own, in this run; not in the file */
 
     /// \throws DataError without it.
     const Table& table(std::string_view name) const;

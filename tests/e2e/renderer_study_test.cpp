@@ -12,6 +12,8 @@ namespace {
 
 using Row = std::map<std::string, std::string>;
 
+const std::string kCrash = std::string(BAD_RENDERER) + ":crash";
+
 class RendererStudy : public Workplace {
 protected:
     void write_scene(const std::string& mesh) const {
@@ -42,7 +44,7 @@ protected:
         Launch launched = launch(all);
         launched.timeout = 300;
         const Outcome outcome = run(launched);
-        EXPECT_EQ(outcome.code, 0) << outcome.error;
+        EXPECT_EQ(outcome.code, std::ranges::count(renderers, kCrash) > 0 ? 1 : 0) << outcome.error;
         said_ = outcome.error;
         std::vector<Row> rows;
         const std::vector<std::string> lines = lines_of(read_text(path("out/" + name + "/" + table + ".csv")));
@@ -59,8 +61,6 @@ protected:
 
     mutable std::string said_;
 };
-
-const std::string kCrash = std::string(BAD_RENDERER) + ":crash";
 
 TEST_F(RendererStudy, OnAPlaneAPenaltyIsAsStableAsTheOracle) {
     write_box();

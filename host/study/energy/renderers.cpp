@@ -225,6 +225,8 @@ std::vector<Part> renderer_parts(const StudyRun& run, const EnergySurface& surfa
 void add_renderers(StudyData& data, const std::vector<RendererLoops>& found) {
     if (found.empty())
         return;
+    data.failed_renderers = static_cast<std::size_t>(
+        std::ranges::count_if(found, [](const RendererLoops& one) { return one.status != "ok"; }));
     data.tables.push_back(renderer_table(found));
     data.tables.push_back(renderer_loop_table(found));
     if (!data.tables.back().rows.empty())

@@ -279,6 +279,7 @@ StudyData study_error_time(StudyRun& run) {
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);
     add_other_times(data, measured, others);
+    data.failed_renderers = failures.size();
     append(data.findings, std::move(failures));
     return data;
 }

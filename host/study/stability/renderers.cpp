@@ -270,6 +270,8 @@ void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std:
                          const std::vector<RendererLimit>& limits) {
     if (limits.empty())
         return;
+    data.failed_renderers = static_cast<std::size_t>(
+        std::ranges::count_if(limits, [](const RendererLimit& row) { return row.status != "ok"; }));
     data.tables.push_back(renderer_limit_table(limits));
     const auto varied = std::ranges::find_if(limits, [](const RendererLimit& row) { // of a renderer with all rows
         return !row.there.own && row.status == "ok";
