@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 
 #include "host/long_run.h"
+#include "host/output/write_behind.h"
 #include "host/program.h"
 #include "host/spelling.h"
 
@@ -57,8 +58,6 @@ std::string advice(const std::filesystem::path& path, bool writing, int number) 
     }
 }
 
-constexpr std::size_t kBufferBytes = 1 << 20;
-constexpr std::uint64_t kWriteBack = 8 << 20; /* bytes */
 constexpr std::size_t kLongestName = 170; /* bytes of NAME kept in a temporary's name: file systems allow 255 in all */
 constexpr std::size_t kLongestHost = 32;
 
@@ -141,16 +140,17 @@ IoError file_error(const char* verb, const std::filesystem::path& path, int numb
                    advice(path, writing, number));
 }
 
-TemporaryFile::TemporaryFile(std::filesystem::path final_path) : path_(std::move(final_path)) {
+TemporaryFile::TemporaryFile(std::filesystem::path final_path, bool hashed) : path_(std::move(final_path)) {
     const std::string name = path_.filename().string();
     struct stat status {};
     if (name.empty() || name == "." || name == ".." || (::stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)))
         throw file_error("write", path_, EISDIR); // now rather than after an hour of computing
-    buffer_.reserve(kBufferBytes);
     while (descriptor_ < 0) {
         open_unique();
         lock_or_discard();
     }
+    disk_ = std::make_unique<WriteBehind>(descriptor_, hashed);
+    buffer_ = disk_->free_buffer();
 }
 
 void TemporaryFile::open_unique() {
@@ -182,6 +182,7 @@ TemporaryFile::~TemporaryFile() {
         ::unlink(temporary_path_.c_str());
         keep_at_end(temporary_path_);
     }
+    disk_.reset();
     ::close(descriptor_);
 }
 
@@ -195,35 +196,33 @@ void TemporaryFile::throw_if_failed() const {
         throw *failure_;
 }
 
-void TemporaryFile::flush_buffer() {
-    std::size_t done = 0;
-    while (done < buffer_.size()) {
-        const ssize_t put = ::pwrite(descriptor_, buffer_.data() + done, buffer_.size() - done,
-                                     static_cast<off_t>(buffer_position_ + done));
-        if (put < 0 && errno == EINTR)
-            continue;
-        if (put <= 0)
-            fail(put < 0 ? errno : ENOSPC);
-        done += static_cast<std::size_t>(put);
-    }
-    buffer_position_ += done;
+void TemporaryFile::hand_over() {
+    if (const int number = disk_->hand_over(buffer_.first(filled_), buffer_position_); number != 0)
+        fail(number);
+    buffer_ = disk_->free_buffer();
+    buffer_position_ += std::exchange(filled_, 0);
     size_ = std::max(size_, buffer_position_);
-    buffer_.clear();
-    if (buffer_position_ >= written_back_ + kWriteBack) { // the disk begins now, not at the end
-        ::sync_file_range(descriptor_, static_cast<off_t>(written_back_), kWriteBack, SYNC_FILE_RANGE_WRITE);
-        written_back_ += kWriteBack;
-    }
 }
 
+void TemporaryFile::flush_buffer() {
+    if (const int number = disk_->put(buffer_.first(filled_), buffer_position_); number != 0)
+        fail(number);
+    buffer_position_ += std::exchange(filled_, 0);
+    size_ = std::max(size_, buffer_position_);
+}
+
+// Buffers end at multiples of their size, wherever one begins.
 void TemporaryFile::write(std::span<const std::byte> bytes) {
     throw_if_failed();
     on_disk_ = false;
     while (!bytes.empty()) {
-        const std::size_t part = std::min(bytes.size(), kBufferBytes - buffer_.size());
-        buffer_.insert(buffer_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
+        const std::size_t most = buffer_.size() - buffer_position_ % buffer_.size();
+        const std::size_t part = std::min(bytes.size(), most - filled_);
+        std::memcpy(&buffer_[filled_], bytes.data(), part);
+        filled_ += part;
         bytes = bytes.subspan(part);
-        if (buffer_.size() == kBufferBytes)
-            flush_buffer();
+        if (filled_ == most)
+            hand_over();
     }
 }
 
@@ -262,6 +261,11 @@ void TemporaryFile::flush_to_disk() {
         fail(errno);
     ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
     on_disk_ = true;
+}
+
+std::string TemporaryFile::sha256() {
+    const std::string hash = disk_->sha256(size_);
+    return hash.empty() ? sha256_of_file(temporary_path_) : hash;
 }
 
 void TemporaryFile::publish() {

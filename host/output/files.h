@@ -15,6 +15,8 @@
 
 namespace forceshade {
 
+class WriteBehind;
+
 /// `cannot write results/a.exr: No space left on device; free space there or choose another folder`.
 /// `verb` is "write" or "read" (it decides the advice), `number` an errno. English in every locale.
 IoError file_error(const char* verb, const std::filesystem::path& path, int number);
@@ -31,10 +33,12 @@ inline bool is_plain_name(const std::string& name) {
 /// Written as `.NAME.fs.HOST.PROCESS.<16 hex digits>.tmp` next to NAME and locked while alive, so that what a killed
 /// process left can be distinguished from what a live one is writing, on the same machine. Several processes may write
 /// the same NAME at once: the last rename stands. Every failure is an IoError that names NAME, and once one occurred
-/// publish() fails, too.
+/// publish() fails, too. A thread of its own hands large files to the disk, some MiB behind write(), which may so throw
+/// what an earlier call met.
 class TemporaryFile {
 public:
-    explicit TemporaryFile(std::filesystem::path final_path);
+    /// `hashed`: sha256() will be asked for.
+    explicit TemporaryFile(std::filesystem::path final_path, bool hashed = false);
     /// Removes the temporary unless it was published.
     ~TemporaryFile();
     TemporaryFile(const TemporaryFile&) = delete;
@@ -43,13 +47,15 @@ public:
     void write(std::span<const std::byte> bytes);
     void write(std::string_view text);
     void seek(std::uint64_t position); /* bytes from the start */
-    std::uint64_t tell() const noexcept { return buffer_position_ + buffer_.size(); }
+    std::uint64_t tell() const noexcept { return buffer_position_ + filled_; }
 
     /// Everything written so far is on the disk, and the kernel forgets its copy, so that reading reads the disk.
     /// \throws Interrupted too, of a file of 64 MiB or more.
     void flush_to_disk();
     /// flush_to_disk() if that is still due, then renames to the final name and makes the rename durable.
     void publish();
+    /// Of all that was written, once, after flush_to_disk(). Reads the file if seek() was used.
+    std::string sha256();
 
     const std::filesystem::path& path() const noexcept { return path_; }
     const std::filesystem::path& temporary_path() const noexcept { return temporary_path_; }
@@ -57,6 +63,7 @@ public:
 private:
     void open_unique();
     void lock_or_discard();
+    void hand_over();
     void flush_buffer();
     void wait_for_disk();
     [[noreturn]] void fail(int number);
@@ -65,10 +72,11 @@ private:
     std::filesystem::path path_;
     std::filesystem::path temporary_path_;
     int descriptor_ = -1;
+    std::size_t filled_ = 0;            /* bytes of the buffer */
     std::uint64_t buffer_position_ = 0; /* where in the file the buffer belongs */
     std::uint64_t size_ = 0;            /* bytes in the file */
-    std::uint64_t written_back_ = 0;    /* bytes that the kernel was asked to put on the disk */
-    std::vector<std::byte> buffer_;
+    std::unique_ptr<WriteBehind> disk_;
+    std::span<std::byte> buffer_; /* one of those */
     bool on_disk_ = false;
     bool published_ = false;
     std::optional<IoError> failure_;

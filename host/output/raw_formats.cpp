@@ -55,7 +55,7 @@ void write_rows(Target& file, const AnyFieldChunk& any, std::uint32_t channel, s
 VolumeResult publish_raw(TemporaryFile& file) {
     VolumeResult result;
     timed(result.timings.flush, [&] { file.flush_to_disk(); });
-    timed(result.timings.hash, [&] { result.sha256 = sha256_of_file(file.temporary_path()); });
+    timed(result.timings.hash, [&] { result.sha256 = file.sha256(); });
     result.bytes = std::filesystem::file_size(file.temporary_path());
     file.publish();
     return result;
@@ -68,8 +68,8 @@ std::string npy_header(std::vector<std::uint64_t> shape, std::uint32_t channel, 
         shape.push_back(3);
     const bool is_double = precision == Precision::f64 || is_moved(channel, origin);
     const char* type = channel == layout::kChannelFacet ? "<u4" : is_double ? "<f8" : "<f4";
-    std::string text =
-        fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
+    std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}", type,
+                                   fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
     constexpr std::size_t kPreamble = 10;
     text.resize((kPreamble + text.size() + 1 + 63) / 64 * 64 - kPreamble - 1, ' ');
     text += '\n';
@@ -81,7 +81,7 @@ std::string npy_header(std::vector<std::uint64_t> shape, std::uint32_t channel, 
 
 NpyWriter::NpyWriter(const std::filesystem::path& path, const std::array<std::uint64_t, 3>& size, std::uint32_t channel,
                      Precision precision, const glm::dvec3& origin)
-    : file_(path), order_(size), channel_(channel), precision_(precision), origin_(origin) {
+    : file_(path, true), order_(size), channel_(channel), precision_(precision), origin_(origin) {
     file_.write(npy_header({size.rbegin(), size.rend()}, channel, precision, origin));
 }
 

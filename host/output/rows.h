@@ -225,7 +225,7 @@ public:
 // a batch of one path goes on as it comes.
 
 /// Most bytes of rows that are held at once.
-inline constexpr std::size_t kRowBytes = std::size_t(64) << 20;
+inline constexpr std::size_t kRowBytes = std::size_t(16) << 20;
 /// Most samples of a batch whose metrics alone are asked for: an interrupt is noticed between two batches.
 inline constexpr std::size_t kMetricSamples = std::size_t(1) << 24;
 /// The same on a mesh, where a sample takes longer.

@@ -103,7 +103,11 @@ TEST(DiskFull, EndsInAnErrorForTheOtherFormats) {
         EXPECT_TRUE(says(write_all(vti, field), "a.vti: File too large"));
         VtkFile vtp(folder / "a.vtp", "PolyData",
                     {{"small", "Float32", 1, 1}, {"large", "Float32", 1, field.force.size()}}, "");
-        EXPECT_TRUE(says(message_of<IoError>([&] { vtp.write("large", std::as_bytes(std::span(field.force))); }),
+        EXPECT_TRUE(says(message_of<IoError>([&] {
+                             vtp.write("large", std::as_bytes(std::span(field.force)));
+                             vtp.write("small", std::as_bytes(std::span(field.force).first(1)));
+                             vtp.finish();
+                         }),
                          "a.vtp.large: File too large"))
             << "an array that is compressed beside the file";
     }

@@ -60,6 +60,31 @@ TEST(TemporaryFile, WritesWhereItWasToldTo) {
     EXPECT_TRUE(read_file(folder / "a") == expected + "end");
 }
 
+TEST(TemporaryFile, KnowsItsHashHoweverItWasWritten) {
+    const Folder folder;
+    std::string text(9'000'001, 'x');
+    for (std::size_t i = 0; i < text.size(); ++i)
+        text[i] = static_cast<char>(i * i / 977);
+    for (const std::size_t piece : {std::size_t(777), std::size_t(1) << 20, text.size()}) {
+        TemporaryFile file(folder / "a", true);
+        for (std::size_t at = 0; at < text.size(); at += piece)
+            file.write(std::string_view(text).substr(at, piece));
+        file.flush_to_disk();
+        EXPECT_EQ(file.sha256(), sha256_of(text)) << piece;
+        EXPECT_TRUE(read_file(file.temporary_path()) == text) << piece;
+    }
+    TemporaryFile again(folder / "a", true);
+    again.write(text);
+    again.seek(3 << 20);
+    again.write(std::string_view("abc"));
+    again.flush_to_disk();
+    EXPECT_EQ(again.sha256(), sha256_of(text.replace(3 << 20, 3, "abc")));
+    TemporaryFile without(folder / "a");
+    without.write(text);
+    without.flush_to_disk();
+    EXPECT_EQ(without.sha256(), sha256_of(text));
+}
+
 TEST(TemporaryFile, TakesTwoWritersOfOneName) {
     const Folder folder;
     TemporaryFile first(folder / "a"), second(folder / "a");
