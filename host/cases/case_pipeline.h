@@ -53,9 +53,9 @@ void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& 
 // `--also` asks for, the record.
 
 struct PathRunOptions {
-    std::filesystem::path samples;                 /* .exr or .csv; empty: metrics alone */
-    std::filesystem::path stem;                    /* STEM.paths.csv and what else is asked for */
-    std::string label;                             /* between stem and kind of further files: "" or ".paths" */
+    std::filesystem::path samples; /* .exr or .csv; .npy: arrays alone, as of also.npy; empty: metrics alone */
+    std::filesystem::path stem;    /* STEM.paths.csv and what else is asked for */
+    std::string label;             /* between stem and kind of further files: "" or ".paths" */
     std::optional<std::filesystem::path> recorded; /* in place of the scene's paths */
     AlsoFormats also;   /* not with metrics alone, and no VTI; VTP are polylines for ParaView */
     picture::Look look; /* of the picture; without a title: the case in words */

@@ -138,6 +138,9 @@ Forecast forecast(const Scene& scene, AlsoFormats also) {
         add_files(scene, sum.samples, reals(channels, {layout::kChannelForce, layout::kChannelPosition}), ids, false,
                   also.npy, sum);
         sum.most_bytes += kSummaryBytes * static_cast<double>(scene.paths->count);
+        if (also.npy) // times
+            add_volume(scene.paths->kind == PathKind::recorded ? sum.samples : static_cast<double>(scene.paths->steps),
+                       sizeof(double), Compression::none, sum);
         if (also.vtp)
             add_polylines(scene, sum.samples, sum);
     }

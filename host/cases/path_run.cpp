@@ -28,6 +28,16 @@ bool is_csv(const std::filesystem::path& path) {
     return path.extension() == ".csv";
 }
 
+// The arrays alone: no file has the name itself.
+bool is_npy(const std::filesystem::path& path) {
+    return path.extension() == ".npy";
+}
+bool makes_arrays(const PathRunOptions& options) {
+    return options.also.npy || is_npy(options.samples);
+}
+
+constexpr const char* kTimes = ".time.npy";
+
 } // namespace
 
 layout::uint path_channels(const PathRunOptions& options, layout::uint asked) {
@@ -40,13 +50,15 @@ layout::uint path_channels(const PathRunOptions& options, layout::uint asked) {
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
     std::vector<std::string> names;
     const std::string stem = options.stem.filename().string();
-    if (!options.samples.empty())
+    if (!options.samples.empty() && !is_npy(options.samples))
         names.push_back(options.samples.filename().string());
     names.push_back(stem + ".paths.csv");
-    if (options.also.npy)
+    if (makes_arrays(options)) {
         for (const layout::uint channel : kPathChannels)
             if (path_channels(options, channels) & channel)
                 names.push_back(stem + options.label + npy_kind(channel));
+        names.push_back(stem + options.label + kTimes);
+    }
     if (options.also.vtp)
         names.push_back(stem + options.label + ".vtp");
     std::ranges::move(picture::names_with(stem + ".paths", options.also.pictures), std::back_inserter(names));
@@ -72,7 +84,8 @@ struct WrittenPaths {
     std::uint64_t samples;      /* in all */
     double rate;                /* 1/s; 0: samples come at times of their own */
     PathLabels labels;
-    std::string title; /* what paths they are, for a picture */
+    bool recorded = false; /* each path has times of its own */
+    std::string title;     /* what paths they are, for a picture */
 };
 
 class PathOutput {
@@ -88,13 +101,16 @@ public:
         const glm::dvec3 origin = scene_origin(prepared);
         if (is_csv(options.samples))
             output_.open<PathCsvWriter>(options.samples, written_.labels, origin, compared);
-        else if (!options.samples.empty())
+        else if (!options.samples.empty() && !is_npy(options.samples))
             output_.open<PathVolumeWriter>(options.samples, header(channels));
-        if (options.also.npy)
+        if (makes_arrays(options)) {
             for (const layout::uint channel : kPathChannels)
                 if (channels & channel)
                     output_.open<PathNpyWriter>(output_.path_of(options.label + npy_kind(channel)), written_.paths,
                                                 written_.steps, channel, precision, origin);
+            output_.open<PathTimesWriter>(output_.path_of(options.label + kTimes), written_.recorded * written_.paths,
+                                          written_.steps, written_.labels);
+        }
         if (options.also.vtp)
             output_.open<PathVtpWriter>(output_.path_of(options.label + ".vtp"),
                                         PathVtpHeader{written_.paths, written_.samples,
@@ -270,6 +286,7 @@ private:
                 own_times ? 0 : rate_,
                 {[this](std::uint64_t path) { return id_of(path); },
                  [this](std::uint64_t path, std::uint64_t step) { return time_of(path, step); }},
+                file_ != nullptr,
                 file_ ? "recorded paths" : picture::paths_title(*scene.paths)};
     }
 

@@ -38,11 +38,15 @@ struct ExploreArguments {
 
 void check(const ExploreArguments& arguments, const std::string& recorded) {
     const std::string extension = std::filesystem::path(arguments.out).extension().string();
-    if (extension != ".csv" && extension != ".exr")
-        throw UsageError("--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr or .csv",
+    if (extension != ".csv" && extension != ".exr" && extension != ".npy")
+        throw UsageError("--out {}: explored paths are an OpenEXR or a CSV file or NumPy arrays, so its name ends in "
+                         ".exr, .csv or .npy",
                          arguments.out);
     const std::string name = "--out " + arguments.out;
     refuse_replacing({{name, arguments.out}, {name, arguments.summary()}}, {recorded, arguments.scene});
+    if (extension == ".npy" && std::ranges::count(arguments.also, "html") > 0)
+        throw UsageError("--also html draws what an EXR or a CSV file holds: write --out {}.exr --also npy,html",
+                         arguments.stem().filename().string());
     if (arguments.metrics_only && !arguments.also.empty())
         throw UsageError("--metrics-only and --also exclude each other: there are no samples then");
 }
@@ -249,7 +253,8 @@ void describe(Options& options, ExploreArguments& arguments) {
                      "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, y, "
                      "z (s, m); others are not read, and times of a path increase");
     options.required("--out FILE", arguments.out,
-                     "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv next to it has a line a path");
+                     "OUT.exr (a row a path), OUT.csv (a line a sample) or OUT.npy (arrays alone, one a file: "
+                     "OUT.force.npy and others); OUT.paths.csv next to it has a line a path");
     options.list("--also vtp|npy|html|png|svg|pdf", arguments.also,
                  "further files next to it: vtp (ParaView); npy (NumPy); html (force and position over time and "
                  "place); png, svg, pdf (paths over the surface, direction of the force)");

@@ -92,7 +92,8 @@ std::string path_summary_header() {
     return names;
 }
 
-PathSummary::PathSummary(const std::filesystem::path& path, Precision precision) : file_(path), precision_(precision) {
+PathSummary::PathSummary(const std::filesystem::path& path, Precision precision)
+    : file_(path, true), precision_(precision) {
     file_.write(path_summary_header());
 }
 
@@ -117,7 +118,7 @@ VolumeResult PathSummary::finish() {
 }
 
 PathWriter::PathWriter(const std::filesystem::path& path, const glm::dvec3& origin, bool compared)
-    : file_(path), origin_(origin) {
+    : file_(path, true), origin_(origin) {
     file_.write(
         fmt::format("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet{}\n", compared ? ",angle,magnitude_error" : ""));
 }
@@ -126,20 +127,25 @@ namespace {
 
 /// A sample, places in m from the origin; `compared` as PathWriter::add has it.
 template <typename T>
-void add_sample(NumberRows& row, const glm::dvec3& origin, std::uint64_t path, double time,
-                const reference::Vector<T>& probe, const reference::Contact<T>& contact, std::span<const T> compared) {
-    row.add(path);
-    row.add(time);
-    for (const reference::Vector<T>& place : {probe, contact.proxy})
-        for (int axis = 0; axis < 3; ++axis)
-            origin[axis] != 0 ? row.add(origin[axis] + double(place[axis])) : row.add(place[axis]);
-    for (const T component : {contact.force.x, contact.force.y, contact.force.z})
-        row.add(component);
-    row.add(contact.depth);
+void add_sample(NumberRows& row, SampleTexts& texts, NumberText& time_text, const glm::dvec3& origin,
+                std::uint64_t path, double time, const reference::Vector<T>& probe,
+                const reference::Contact<T>& contact, std::span<const T> compared) {
+    NumberText* text = texts.columns.data();
+    row.add(path, *text++);
+    row.add(time, time_text);
+    row.keep(time_text);
+    for (int i = 0; i < 6; ++i, ++text) {
+        const int axis = i % 3;
+        const T place = i < 3 ? probe[axis] : contact.proxy[axis];
+        NumberText* const of_probe = i < 3 ? nullptr : text - 3;
+        origin[axis] != 0 ? row.add(origin[axis] + double(place), *text, of_probe) : row.add(place, *text, of_probe);
+    }
+    for (const T component : {contact.force.x, contact.force.y, contact.force.z, contact.depth})
+        row.add(component, *text++);
     if (contact.facet == layout::kNoFacet)
-        row.add(-1);
+        row.add(-1, *text);
     else
-        row.add(contact.facet);
+        row.add(contact.facet, *text);
     for (const T number : compared)
         std::isnan(number) ? row.add_empty() : row.add(number);
     row.end_row();
@@ -150,59 +156,66 @@ void add_sample(NumberRows& row, const glm::dvec3& origin, std::uint64_t path, d
 template <typename T>
 void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>& probe,
                      const reference::Contact<T>& contact, std::span<const T> compared) {
-    add_sample(row_, origin_, path, time, probe, contact, compared);
-    row_.write(file_);
+    constexpr std::size_t kMost = 1 << 16; // bytes
+    if (rows_.size() > kMost) {
+        rows_.write(file_);
+        texts_.forget_rows();
+    }
+    add_sample(rows_, texts_, texts_.times.front(), origin_, path, time, probe, contact, compared);
 }
 template void PathWriter::add<float>(std::uint64_t, double, const reference::Vector<float>&,
                                      const reference::Contact<float>&, std::span<const float>);
 template void PathWriter::add<double>(std::uint64_t, double, const reference::Vector<double>&,
                                       const reference::Contact<double>&, std::span<const double>);
 
-VolumeResult PathWriter::finish() {
-    return publish_raw(file_);
+namespace {
+
+/// Samples of rows, counted path after path, from `first` to before `last`; `ends` of the paths.
+template <typename T>
+void add_samples(NumberRows& text, SampleTexts& texts, const PathLabels& labels, const glm::dvec3& origin,
+                 const PathRows<T>& rows, const std::vector<std::size_t>& ends, std::size_t first, std::size_t last) {
+    texts.forget_rows();
+    auto row = static_cast<std::size_t>(std::ranges::upper_bound(ends, first) - ends.begin());
+    for (std::size_t sample = first; sample < last; ++row) {
+        const std::uint64_t path = rows.path_first + row, id = labels.id(path);
+        const std::size_t begin = row > 0 ? ends[row - 1] : 0;
+        for (; sample < std::min(last, ends[row]); ++sample) {
+            const std::size_t at = row * rows.pitch + sample - begin, step = rows.step_first + sample - begin;
+            const reference::Contact<T> contact{rows.depth[at],
+                                                reference::vector_at(rows.force, at),
+                                                {},
+                                                reference::vector_at(rows.proxy, at),
+                                                rows.facet[at]};
+            std::array<T, 2> compared{};
+            if (!rows.angle.empty())
+                compared = {rows.angle[at], rows.magnitude_error[at]};
+            add_sample<T>(text, texts, texts.times[step % texts.times.size()], origin, id, labels.time(path, step),
+                          reference::vector_at(rows.position, at), contact,
+                          std::span(compared).first(rows.angle.empty() ? 0 : compared.size()));
+        }
+    }
 }
 
+} // namespace
+
 void PathCsvWriter::write(const AnyPathRows& any) {
-    constexpr std::size_t kBlock = 4096, kBlocks = 32; // samples of a block; blocks that are in memory at a time
-    struct Place {
-        std::size_t at; /* in the rows' arrays */
-        std::uint64_t path;
-        double time;
-    };
+    constexpr std::size_t kBlock = 1024; // samples
+    const std::size_t at_once = blocks_.size() * kBlock;
     const auto add = [&]<typename T>(const PathRows<T>& rows) {
-        const auto write = [&](const std::vector<Place>& places) {
-            const std::size_t blocks = (places.size() + kBlock - 1) / kBlock;
-            texts_.resize(std::max(texts_.size(), blocks));
-            crew_.share_out(blocks, [&](std::size_t, std::size_t block) {
-                for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, places.size()); ++i) {
-                    const auto [at, path, time] = places[i];
-                    const reference::Contact<T> contact{rows.depth[at],
-                                                        reference::vector_at(rows.force, at),
-                                                        {},
-                                                        reference::vector_at(rows.proxy, at),
-                                                        rows.facet[at]};
-                    std::array<T, 2> compared{};
-                    if (!rows.angle.empty())
-                        compared = {rows.angle[at], rows.magnitude_error[at]};
-                    add_sample<T>(texts_[block], writer_.origin_, path, time, reference::vector_at(rows.position, at),
-                                  contact, std::span(compared).first(rows.angle.empty() ? 0 : compared.size()));
-                }
+        ends_.clear();
+        for (std::size_t row = 0; row < rows.path_count; ++row)
+            ends_.push_back((row > 0 ? ends_.back() : 0) + rows.samples(row));
+        const std::size_t all = ends_.empty() ? 0 : ends_.back();
+        for (std::size_t done = 0; done < all; done += at_once) {
+            const std::size_t end = std::min(done + at_once, all);
+            crew_.share_out((end - done + kBlock - 1) / kBlock, [&](std::size_t thread, std::size_t block) {
+                const std::size_t first = done + block * kBlock;
+                add_samples(blocks_[block], texts_[thread], labels_, writer_.origin_, rows, ends_, first,
+                            std::min(first + kBlock, end));
             });
-            for (std::size_t block = 0; block < blocks; ++block)
-                texts_[block].write(writer_.file_);
-        };
-        std::vector<Place> places;
-        for (std::size_t row = 0; row < rows.path_count; ++row) {
-            const std::uint64_t path = rows.path_first + row;
-            for (std::size_t i = 0; i < rows.samples(row); ++i) {
-                places.push_back({row * rows.pitch + i, labels_.id(path), labels_.time(path, rows.step_first + i)});
-                if (places.size() == kBlock * kBlocks) {
-                    write(places);
-                    places.clear();
-                }
-            }
+            for (NumberRows& block : blocks_)
+                block.write(writer_.file_);
         }
-        write(places);
     };
     std::visit(add, any);
 }
@@ -223,7 +236,7 @@ void write_row(TemporaryFile& file, std::span<const Value> samples, std::size_t 
 
 PathNpyWriter::PathNpyWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps,
                              std::uint32_t channel, Precision precision, const glm::dvec3& origin)
-    : file_(path), steps_(steps), channel_(channel), origin_(origin) {
+    : file_(path, true), steps_(steps), channel_(channel), origin_(origin) {
     file_.write(npy_header({paths, steps}, channel, precision, origin));
 }
 
@@ -247,8 +260,29 @@ void PathNpyWriter::write(const AnyPathRows& any) {
         any);
 }
 
-VolumeResult PathNpyWriter::finish() {
-    return publish_raw(file_);
+PathTimesWriter::PathTimesWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps,
+                                 const PathLabels& labels)
+    : file_(path, true), paths_(paths), steps_(steps), labels_(labels) {
+    std::vector<std::uint64_t> shape{steps};
+    if (paths > 0)
+        shape.insert(shape.begin(), paths);
+    file_.write(npy_header(shape, layout::kChannelDepth, Precision::f64, glm::dvec3(0))); // one number a sample
+}
+
+void PathTimesWriter::write(const AnyPathRows& any) {
+    std::visit(
+        [&](const auto& rows) {
+            for (std::size_t path = 0; path < rows.path_count; ++path) {
+                if (paths_ == 0 && rows.path_first + path > 0)
+                    return;
+                times_.clear();
+                for (std::size_t i = 0; i < rows.samples(path); ++i)
+                    times_.push_back(labels_.time(rows.path_first + path, rows.step_first + i));
+                write_row(file_, std::span<const double>(times_), rows.ends(path) ? steps_ - rows.steps[path] : 0,
+                          std::numeric_limits<double>::quiet_NaN());
+            }
+        },
+        any);
 }
 
 namespace {

@@ -3,12 +3,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "host/output/files.h"
@@ -120,16 +124,47 @@ template <typename Add> void for_each_figure(std::uint64_t path, const PathFigur
     add("unfinished_samples", figures.unfinished);
 }
 
+/// A number as it was written last, with its comma: to copy it takes a tenth of the time that writing it again does.
+struct NumberText {
+    std::uint64_t bits = 0;
+    std::size_t at = 0;    /* in the rows */
+    std::uint8_t size = 0; /* of the text; 0: none yet */
+    bool kept = false;     /* here, too, since it came again */
+    std::array<char, 32> text{};
+};
+
 /// Rows of a CSV file of numbers, each the shortest that reads back as the same number.
 class NumberRows {
 public:
     template <typename T> void add(T value) {
-        constexpr std::size_t kMost = 40; // the shortest form of a double has 24 at most
-        if (text_.size() - size_ <= kMost)
-            text_.resize(2 * text_.size() + 2 * kMost);
-        char* const begin = text_.data() + size_;
+        char* const begin = room();
         size_ += static_cast<std::size_t>(std::to_chars(begin, begin + kMost, value).ptr - begin);
         text_[size_++] = ',';
+    }
+    /// The same, sooner if it is what `last` or `other` hold: numbers of the same type. `last` then holds it, unless
+    /// `other` does.
+    template <typename T> void add(T value, NumberText& last, NumberText* other = nullptr) {
+        const std::uint64_t bits = bits_of(value);
+        char* const begin = room();
+        for (NumberText* const known : {&last, other})
+            if (known && known->size > 0 && known->bits == bits) {
+                keep(*known);
+                std::memcpy(begin, known->text.data(), known->text.size());
+                size_ += known->size;
+                return;
+            }
+        const std::size_t before = size_;
+        add(value);
+        last.bits = bits;
+        last.at = before;
+        last.size = static_cast<std::uint8_t>(size_ - before);
+        last.kept = false;
+    }
+    /// Reads a text that will be asked for after write(). One that was written just now is better read later.
+    void keep(NumberText& last) const {
+        if (!last.kept)
+            std::memcpy(last.text.data(), text_.data() + last.at, last.text.size());
+        last.kept = true;
     }
     void add_empty() {
         text_.resize(std::max(text_.size(), size_ + 1));
@@ -137,6 +172,7 @@ public:
     }
     template <typename T> void add(const std::optional<T>& value) { value ? add(*value) : add_empty(); }
     void end_row() { text_[size_ - 1] = '\n'; } // in place of the last comma
+    std::size_t size() const { return size_; }  /* bytes that write() would write */
     /// Writes what there is, and begins anew.
     void write(TemporaryFile& file) {
         file.write(std::string_view(text_).substr(0, size_));
@@ -144,8 +180,37 @@ public:
     }
 
 private:
+    static constexpr std::size_t kMost = 40; // the shortest form of a double has 24 at most
+
+    template <typename T> static std::uint64_t bits_of(T value) {
+        if constexpr (std::is_same_v<T, float>)
+            return std::bit_cast<std::uint32_t>(value);
+        else if constexpr (std::is_same_v<T, double>)
+            return std::bit_cast<std::uint64_t>(value);
+        else
+            return static_cast<std::uint64_t>(value);
+    }
+    char* room() {
+        if (text_.size() - size_ <= kMost)
+            text_.resize(2 * text_.size() + 2 * kMost);
+        return text_.data() + size_;
+    }
+
     std::string text_;
     std::size_t size_ = 0; /* bytes of the text in use */
+};
+
+/// What the rows of samples so far hold that comes again: many columns stay as they are for a while, a proxy is above
+/// its probe, and every path has the times of the one before.
+struct SampleTexts {
+    std::array<NumberText, 12> columns;
+    std::vector<NumberText> times = std::vector<NumberText>(4096); // of steps, in turn
+
+    /// For rows that begin anew.
+    void forget_rows() {
+        for (NumberText& column : columns)
+            column.size = column.kept ? column.size : 0;
+    }
 };
 
 /// Columns carry their unit in their name; a cell is empty where a number has no meaning.
@@ -181,22 +246,28 @@ public:
     template <typename T>
     void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact,
              std::span<const T> compared = {});
-    void publish() { file_.publish(); }
-    /// Publishes, and reads the file once more for its hash.
-    VolumeResult finish();
+    void publish() {
+        rows_.write(file_);
+        file_.publish();
+    }
+    VolumeResult finish() {
+        rows_.write(file_);
+        return publish_raw(file_);
+    }
 
 private:
     friend class PathCsvWriter;
 
     TemporaryFile file_;
-    NumberRows row_;
+    NumberRows rows_;
+    SampleTexts texts_;
     glm::dvec3 origin_; /* m */
 };
 
-/// What a sample is called by.
+/// What a sample of the rows that are being written is called by. Any thread may ask.
 struct PathLabels {
     std::function<std::uint64_t(std::uint64_t path)> id;
-    std::function<double(std::uint64_t path, std::uint64_t step)> time; /* s; asked path after path, step after step */
+    std::function<double(std::uint64_t path, std::uint64_t step)> time; /* s */
 };
 
 /// Rows as PathWriter's, path after path. Needs all five channels.
@@ -205,14 +276,16 @@ public:
     /// Throws IoError, as do the others.
     PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels, const glm::dvec3& origin = glm::dvec3(0),
                   bool compared = false)
-        : writer_(path, origin, compared), labels_(labels) {}
+        : writer_(path, origin, compared), labels_(labels), blocks_(32 * most_threads()), texts_(most_threads()) {}
     void write(const AnyPathRows& rows) override;
     VolumeResult finish() override { return writer_.finish(); }
 
 private:
     PathWriter writer_;
     PathLabels labels_;
-    std::vector<NumberRows> texts_; // of blocks
+    std::vector<std::size_t> ends_;  // of the rows' paths, in samples
+    std::vector<NumberRows> blocks_; // written by the crew
+    std::vector<SampleTexts> texts_; // of its threads
     reference::Crew crew_{most_threads()};
 };
 
@@ -226,13 +299,30 @@ public:
     PathNpyWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps, std::uint32_t channel,
                   Precision precision, const glm::dvec3& origin = glm::dvec3(0));
     void write(const AnyPathRows& rows) override;
-    VolumeResult finish() override;
+    VolumeResult finish() override { return publish_raw(file_); }
 
 private:
     TemporaryFile file_;
     std::uint64_t steps_;
     std::uint32_t channel_;
     glm::dvec3 origin_; /* m */
+};
+
+/// When the samples were, s, as '<f8'.
+class PathTimesWriter final : public PathSink {
+public:
+    /// `paths` with times of their own: shape (paths, steps), NaN behind a path's end; 0: shape (steps), for all paths.
+    /// Throws IoError, as do the others.
+    PathTimesWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps,
+                    const PathLabels& labels);
+    void write(const AnyPathRows& rows) override;
+    VolumeResult finish() override { return publish_raw(file_); }
+
+private:
+    TemporaryFile file_;
+    std::uint64_t paths_, steps_;
+    PathLabels labels_;
+    std::vector<double> times_; /* s: of the rows of a path */
 };
 
 // Explored paths as polylines for ParaView (.vtp), one a path, streamed.

@@ -156,6 +156,7 @@ class Bench:
         self.series("paths of 100 steps, their lines alone", sizes, command("csv", ["--metrics-only"]))
         self.series("paths of 100 steps, samples as CSV", sizes, command("csv", []))
         self.series("paths of 100 steps, samples as EXR", sizes, command("exr", []))
+        self.series("paths of 100 steps, samples as NPY", sizes, command("npy", []))
 
     def cases(self):
         def command(count):

@@ -141,6 +141,7 @@ TEST_F(InterruptedCommand, EndsSoonWith130AndLeavesNoFile) {
           {explore("plain.toml", "a.csv", {"--paths", "in.csv"}), true, 50},
           {explore("long.toml", "a.exr", {}), true, 300},
           {explore("long.toml", "a.csv", {}), true, 300},
+          {explore("long.toml", "a.npy", {}), true, 300},
           {explore("long.toml", "a.csv", {"--metrics-only"}), true, 300},
           {{"validate"}, false, 500}}) // half a minute of work
         for (const int signal : {SIGINT, SIGTERM}) {

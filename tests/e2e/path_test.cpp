@@ -92,13 +92,13 @@ TEST_F(Paths, OfMetricsAloneTakeNoMemoryForSteps) {
 
 TEST_F(Paths, LeaveNothingWhereTheyCannotBeWritten) {
     expect_refused(explore("open.toml", "nosuch/a.exr"), {"nosuch"}, 4);
-    expect_refused(explore("open.toml", "a.png"), {".exr", ".csv"});
+    expect_refused(explore("open.toml", "a.png"), {".exr", ".csv", ".npy"});
     expect_refused(explore("open.toml", "a.exr", {"--also", "vti"}), {"vtp", "npy", "png"});
     write("long.toml", scene("count = 2000\nsteps = 500\n[output]\ncompression = \"none\"\n"));
-    for (const char* out : {"a.exr", "a.csv"}) {
+    for (const auto& [out, file] : {std::pair{"a.exr", "a.exr"}, {"a.csv", "a.csv"}, {"a.npy", "a.force.npy"}}) {
         Launch launch = this->launch(explore("long.toml", out));
         launch.most_file_bytes = kMebibyte;
-        expect_refused(launch, {out}, 4);
+        expect_refused(launch, {file}, 4);
     }
 }
 
@@ -109,7 +109,7 @@ TEST_F(Paths, LeaveNothingWhereNobodyMayWrite) {
     std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
     const std::vector<std::vector<std::string>> ways{{"--metrics-only"}, {"--also", "npy"}, {"--paths", "in.csv"}};
     for (const std::vector<std::string>& way : ways)
-        for (const char* out : {"theirs/a.exr", "theirs/a.csv"}) {
+        for (const char* out : {"theirs/a.exr", "theirs/a.csv", "theirs/a.npy"}) {
             Launch launch = this->launch(explore("open.toml", out, way));
             if (is_root())
                 launch.user = kNobody;

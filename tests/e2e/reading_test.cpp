@@ -56,6 +56,49 @@ TEST_F(Reading, WithNumpyGivesTheArraysBesideIt) {
     EXPECT_EQ(outcome.out, "good\n") << outcome.error << "packages python3-numpy and python3-openimageio";
 }
 
+// Paths' columns as arrays, held against the CSV.
+constexpr const char* kPythonPaths = R"(
+import csv, numpy
+rows = list(csv.DictReader(open("all.csv")))
+load = lambda name: numpy.load(f"{name}.npy", mmap_mode="r")
+paths, steps = load("felt.facet").shape
+assert len(rows) == paths * steps
+for name, columns in (("position", "xyz"), ("proxy", ("gx", "gy", "gz")), ("force", ("fx", "fy", "fz"))):
+    array = load("felt." + name)
+    assert array.shape == (paths, steps, 3) and array.dtype == numpy.float32, name
+    for i, column in enumerate(columns):
+        assert (array[..., i].ravel() == numpy.array([row[column] for row in rows], numpy.float32)).all(), column
+assert (load("felt.depth").ravel() == numpy.array([row["depth"] for row in rows], numpy.float32)).all()
+assert (load("felt.facet").astype(numpy.int32).ravel() == numpy.array([row["facet"] for row in rows], numpy.int32)).all()
+time = load("felt.time")
+assert time.shape == (steps,) and time.dtype == numpy.float64
+assert (numpy.tile(time, paths) == numpy.array([row["t"] for row in rows], float)).all()
+# Recorded paths have times of their own, and end where they end.
+rows = list(csv.DictReader(open("in.csv")))
+time = load("again.time")
+assert time.shape == load("again.force").shape[:2] == (2, 3)
+assert time[0].tolist() == [float(row["t"]) for row in rows[:3]]
+assert time[1, 0] == 7 and numpy.isnan(time[1, 1:]).all() and numpy.isnan(load("again.force")[1, 1:]).all()
+print("good")
+)";
+
+TEST_F(Reading, OfPathsWithNumpyGivesTheColumnsOfTheirCsv) {
+    write("paths.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[paths]\ncount = 12\nsteps = 150\n"
+                        "press = \"1 N\"\n[output]\nchannels = [\"force\", \"depth\", \"facet\", \"proxy\"]\n");
+    write("in.csv", "path,t,x,y,z\n4,0.25,0,0,0.003\n4,0.5,0.001,0,0.003\n4,1,0.002,0,0.003\n9,7,0,0,0.003\n");
+    write("plain.toml", "[surface]\nfacets = 3\n");
+    expect_success({"explore", "paths.toml", "--out", "all.csv", "--quiet"});
+    const Outcome outcome = expect_success({"explore", "paths.toml", "--out", "felt.npy"});
+    EXPECT_TRUE(says(outcome.error, "wrote felt.force.npy", "felt.time.npy"));
+    EXPECT_FALSE(std::filesystem::exists(path("felt.npy")));
+    EXPECT_EQ(read_text(path("felt.paths.csv")), read_text(path("all.paths.csv")));
+    expect_success({"explore", "plain.toml", "--paths", "in.csv", "--out", "again.npy", "--quiet"});
+    write("read.py", kPythonPaths);
+    const Outcome read = tool("python3", {"read.py"});
+    EXPECT_EQ(read.out, "good\n") << read.error;
+    expect_failure(2, {"explore", "paths.toml", "--out", "felt.npy", "--also", "html"}, {"felt.exr --also npy,html"});
+}
+
 // Width and height of a PNG.
 std::pair<unsigned, unsigned> size_of_png(const std::string& bytes) {
     const auto number = [&](std::size_t at) {

@@ -1,6 +1,10 @@
 // The files that explored paths are written to: what stands where, the same bytes however paths arrive.
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <random>
 
 #include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
@@ -195,6 +199,75 @@ TEST_F(PathFiles, CsvHoldsWhatWasFeltPathAfterPath) {
                                  "1000.501,4000.001,0\n"
                                  "1,0,2001,2001.25,2001.5,3001,3001.25,3001.5,1001,1001.25,1001.5,4001,-1\n");
     }
+}
+
+// Numbers that come again are copied: of the row before, of the probe, of the path before.
+TEST_F(PathFiles, CsvWritesNumbersThatComeAgainAsTheFirstTime) {
+    constexpr std::size_t kPaths = 7, kSteps = 1500; // blocks end within paths
+    const std::vector<double> values{0,    -0.0,  1,        -1,        0.1,     1e-7,     123456.75, 5e-324, 1e-40,
+                                     3e38, 1e300, 16777216, -0.000123, 1.0 / 3, 1e17 / 3, HUGE_VAL,  -NAN};
+    const auto expect_same = [&]<typename T>(T) {
+        std::mt19937 random(5);
+        const auto value = [&] { return static_cast<T>(values[random() % values.size()]); };
+        std::vector<T> position(3 * kPaths * kSteps), force(position.size()), proxy, depth(kPaths * kSteps);
+        std::ranges::generate(position, value);
+        proxy = position;
+        for (std::vector<T>* channel : {&force, &proxy, &depth})
+            for (std::size_t i = 0; i < channel->size(); ++i)
+                if (random() % 3 == 0)
+                    (*channel)[i] = value();
+                else if (channel != &proxy && i > 0)
+                    (*channel)[i] = (*channel)[i - 1];
+        const std::vector<layout::uint> steps(kPaths, kSteps);
+        std::vector<layout::uint> facet(kPaths * kSteps);
+        std::ranges::generate(facet, [&] { return random() % 3 == 0 ? layout::kNoFacet : random() % 2; });
+        std::string expected = "path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n";
+        const auto add = [&](auto number) {
+            std::array<char, 64> text{};
+            expected.append(text.data(), std::to_chars(text.begin(), text.end(), number).ptr) += ',';
+        };
+        for (std::size_t i = 0; i < kPaths * kSteps; ++i) {
+            add(i / kSteps + 3);
+            add(double(i % kSteps) / 1000);
+            for (const std::vector<T>* channel : {&position, &proxy, &force})
+                for (std::size_t c = 0; c < 3; ++c)
+                    add((*channel)[3 * i + c]);
+            add(depth[i]);
+            facet[i] == layout::kNoFacet ? add(-1) : add(facet[i]);
+            expected.back() = '\n';
+        }
+        PathCsvWriter writer(folder_ / "a.csv",
+                             {[](std::uint64_t path) { return path + 3; },
+                              [](std::uint64_t, std::uint64_t step) { return double(step) / 1000; }});
+        writer.write(PathRows<T>{0, kPaths, kSteps, steps, position, force, depth, facet, proxy});
+        EXPECT_EQ(writer.finish().sha256, sha256_of(expected));
+        EXPECT_TRUE(read("a.csv") == expected);
+    };
+    expect_same(float());
+    expect_same(double());
+}
+
+TEST_F(PathFiles, NpyHasTheTimesOfAllPathsOrOfEach) {
+    const auto values = [&](const char* name) {
+        const std::string text = read(name);
+        std::vector<double> found((text.size() - 128) / sizeof(double));
+        std::memcpy(found.data(), text.data() + 128, found.size() * sizeof(double));
+        return found;
+    };
+    const PathLabels labels{[](std::uint64_t path) { return path; },
+                            [](std::uint64_t path, std::uint64_t step) { return double(path) + double(step) / 128; }};
+    PathTimesWriter each(folder_ / "each.npy", kLengths.size(), kLongest, labels);
+    write_paths<float>(each, kLengths, kLongest, 6, 3);
+    EXPECT_TRUE(says(read("each.npy"), "'<f8', 'fortran_order': False, 'shape': (20, 7), }"));
+    const std::vector<double> times = values("each.npy");
+    ASSERT_EQ(times.size(), 20 * 7u);
+    EXPECT_EQ(times[7 + 6], 1 + 6.0 / 128);
+    EXPECT_TRUE(std::isnan(times[5])) << "behind the first path's end";
+    PathTimesWriter all(folder_ / "all.npy", 0, kLongest, labels);
+    write_paths<float>(all, {7, 7, 7}, kLongest, 1, 2);
+    EXPECT_TRUE(says(read("all.npy"), "'shape': (7,), }"));
+    EXPECT_EQ(values("all.npy"),
+              (std::vector<double>{0, 1.0 / 128, 2.0 / 128, 3.0 / 128, 4.0 / 128, 5.0 / 128, 6.0 / 128}));
 }
 
 TEST_F(PathFiles, NpyIsShapedByPathAndStep) {
