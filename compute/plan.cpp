@@ -120,7 +120,7 @@ void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk
               bool voxel_by_voxel, MeshChunkPlan& part) {
     const std::vector<uint> order = ordered_blocks(plan, chunk);
     // A chunk of one layer may begin within blocks.
-    const uint wanted = chunk.z_first % kMeshBlock != 0 ? 0xF0u : 0xFFu;
+    const uint in_chunk = chunk.z_first % kMeshBlock != 0 ? 0xF0u : 0xFFu;
     const uint parts = voxel_by_voxel ? kMeshBlock * kMeshBlock * kMeshBlock : 1;
     part.blocks = static_cast<std::uint32_t>(order.size() * parts);
     const std::size_t begin = std::size_t(layout::kMeshBlockWords) * part.blocks;
@@ -132,6 +132,7 @@ void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk
     for (const uint index : order) {
         const layout::MeshBlock& block = plan.blocks[index];
         const uint inside = plan.inside.empty() ? 0 : plan.inside[index];
+        const uint wanted = in_chunk & (plan.wanted.empty() ? 0xFFu : plan.wanted[index]);
         for (uint i = 0; i < parts; ++i) {
             part.words[at++] = block.x;
             part.words[at++] = block.y - chunk.y_first;

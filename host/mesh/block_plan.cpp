@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/long_run.h"
+#include "host/mesh/solid_scan.h"
 #include "host/mesh/structure.h"
 #include "host/mesh/triangle_list.h"
 #include "host/reference/chunks.h"
@@ -417,6 +418,7 @@ void put_in_order(const std::vector<BlockWorker<T>>& workers, const std::vector<
 template <typename T> struct BlockPlanner<T>::Implementation {
     PlanInput<T> input;
     unsigned threads;
+    std::unique_ptr<const SolidScan<T>> scan; /* instead of the rest, where it serves */
 };
 
 template <typename T>
@@ -427,7 +429,13 @@ BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T
     for (const auto axis : {x, y, z})
         largest = std::max({largest, std::abs(axis.front()), std::abs(axis.back())});
     auto made = std::make_unique<Implementation>(Implementation{
-        {mesh, {x, y, z}, inside, reference::prune_slack(largest), {}, free == FreeSpace::visited}, threads});
+        {mesh, {x, y, z}, inside, reference::prune_slack(largest), {}, free == FreeSpace::visited}, threads, nullptr});
+    if (free == FreeSpace::skipped)
+        made->scan = SolidScan<T>::make(mesh, x, y, z, inside, threads);
+    if (made->scan) {
+        implementation_ = std::move(made);
+        return;
+    }
     constexpr std::size_t kRun = 4096;
     auto& rows = made->input.rows;
     rows.resize(mesh.triangle_facets.size());
@@ -442,6 +450,8 @@ template <typename T> BlockPlanner<T>::~BlockPlanner() = default;
 
 template <typename T> BlockPlan BlockPlanner<T>::plan(std::size_t z_first, std::size_t z_count) const {
     const Stage stage("finding the blocks that may be inside");
+    if (implementation_->scan)
+        return implementation_->scan->plan(z_first, z_count);
     const PlanInput<T>& input = implementation_->input;
     const unsigned threads = implementation_->threads;
     const std::array<std::size_t, 3> ends{input.axes[0].size(), input.axes[1].size(), z_first + z_count};

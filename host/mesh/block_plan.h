@@ -17,9 +17,10 @@ struct BlockPlan {
     std::vector<layout::MeshBlock> blocks; /* by z */
     std::vector<layout::uint> candidates;  /* triangles */
     std::vector<layout::uint> inside;      /* layout::kInsideWinding: 8 bits a block */
+    std::vector<layout::uint> wanted;      /* 8 bits a block, of the voxels that may be in contact; none: all may */
     std::uint64_t voxels_evaluated = 0;    /* of the grid, in listed blocks */
 
-    layout::MeshPlan view() const { return {blocks, candidates, inside}; }
+    layout::MeshPlan view() const { return {blocks, candidates, inside, wanted}; }
 };
 
 /// A run of candidates is no longer, whatever the mesh: where more triangles might be nearest, the planner finds the

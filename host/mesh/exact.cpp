@@ -114,6 +114,10 @@ bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
     return true;
 }
 
+int turn_of(const std::array<double, 2>& a, const std::array<double, 2>& b, const std::array<double, 2>& c) {
+    return CGAL::orientation(Kernel::Point_2(a[0], a[1]), Kernel::Point_2(b[0], b[1]), Kernel::Point_2(c[0], c[1]));
+}
+
 bool triangles_meet(const std::array<glm::dvec3, 3>& one, const std::array<glm::dvec3, 3>& other) {
     const auto triangle = [](const std::array<glm::dvec3, 3>& corners) {
         return Kernel::Triangle_3(point(corners[0]), point(corners[1]), point(corners[2]));

@@ -22,6 +22,9 @@ glm::dvec3 exact_cross_direction(const glm::dvec3& a, const glm::dvec3& b, const
 bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
                      std::vector<std::array<std::uint32_t, 3>>& triangles);
 
+/// Which way a, b, c turn in the plane: 1 counterclockwise, -1 clockwise, 0 if they are collinear.
+int turn_of(const std::array<double, 2>& a, const std::array<double, 2>& b, const std::array<double, 2>& c);
+
 /// Whether two triangles that have an area touch or cross.
 bool triangles_meet(const std::array<glm::dvec3, 3>& one, const std::array<glm::dvec3, 3>& other);
 

@@ -241,6 +241,7 @@ template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
                              reals->facet_normals,
                              reals->vertex_normals,
                              solid,
+                             apart,
                              {},
                              {},
                              {},
@@ -273,7 +274,8 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
                          "cannot hold; a normal number of newtons would be right",
                          stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double");
     MeshTables<T> tables{
-        {}, structure.parts, reals_as<T>(structure.reals, *structure.parts), structure.winding, structure.solid, {}};
+        {}, structure.parts, reals_as<T>(structure.reals, *structure.parts), structure.winding, structure.solid,
+        structure.apart, {}};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;
     tables.params.centre_z = centre.z;
@@ -304,6 +306,7 @@ void assume_solid(MeshStructure& structure) {
         structure.solid =
             (neighbours[edge] & layout::kMeshManyBit) == 0 && // nor a border
             is_firm(vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, neighbours[edge]));
+    structure.apart = structure.solid && keeps_apart(structure, kLeastGap);
 }
 
 namespace {

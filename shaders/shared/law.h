@@ -51,6 +51,7 @@ template <typename real> struct MeshView {
     std::span<const real> vertex_normals;       // 3 a vertex: unit, what L7 interpolates; 0 where they cancel
     // For the winding number (host only); empty unless asked for.
     bool solid = false;                  // bounds one solid, whose surface nowhere meets itself
+    bool apart = false;                  // and has neither thin walls nor narrow slits, such as rounding confuses
     std::span<const MeshMoment> moments; // 1 a node
     std::span<const uint> rims;          // 3 an edge where the surface ends: its vertices, how often more one way
     // For god-objects (host only); empty unless asked for.
@@ -63,6 +64,7 @@ struct MeshPlan {
     std::span<const MeshBlock> blocks; // by z
     std::span<const uint> candidates;  // triangles
     std::span<const uint> inside;      // kInsideWinding: 1 word a block, bit (z * 2 + y) * 2 + x of each voxel
+    std::span<const uint> wanted{};    // 1 word a block, the same bits: voxels that may be in contact; empty: all
 };
 
 // The features that a scene uses; the compiled kernel has no others.

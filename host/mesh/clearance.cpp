@@ -1,0 +1,133 @@
+// How far a surface keeps from itself: whether two triangles that no corner joins come near each other, as about narrow
+// slits and in thin walls, and whether slits narrow down to a corner or an edge.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "host/mesh/structure.h"
+#include "host/reference/chunks.h"
+#include "host/reference/elementary.h"
+#include "host/reference/mesh_nearest.h"
+
+namespace forceshade {
+
+namespace {
+
+using glm::dvec3;
+using layout::uint;
+using reference::cross;
+using reference::dot;
+
+struct Corners {
+    std::array<dvec3, 3> at;
+    std::array<uint, 3> vertices;
+    dvec3 normal;
+};
+
+Corners corners_of(const MeshStructure& structure, uint triangle) {
+    Corners corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+        corners.vertices[i] = structure.parts->triangle_corners[3 * std::size_t(triangle) + i];
+        corners.at[i] = reference::vector_at<double>(structure.reals->vertices, corners.vertices[i]);
+    }
+    corners.normal = reference::vector_at<double>(structure.reals->triangle_normals, triangle);
+    return corners;
+}
+
+// Whether a plane across this direction has more than `gap` between the triangles.
+bool separates(const dvec3& direction, const Corners& one, const Corners& other, double gap) {
+    const double square = dot(direction, direction);
+    const auto extent = [&](const Corners& corners) {
+        return std::minmax(
+            {dot(direction, corners.at[0]), dot(direction, corners.at[1]), dot(direction, corners.at[2])});
+    };
+    const auto [low, high] = extent(one);
+    const auto [other_low, other_high] = extent(other);
+    const double between = std::max(other_low - high, low - other_high);
+    return between > 0 && between * between > gap * gap * square;
+}
+
+// Along the normals, across edges in the planes, across pairs of edges: where no such plane separates two triangles,
+// they meet (Gottschalk et al. 1996), or come about as near as the gap.
+bool are_apart(const Corners& one, const Corners& other, double gap) {
+    if (separates(one.normal, one, other, gap) || separates(other.normal, one, other, gap))
+        return true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const dvec3 edge = one.at[(i + 1) % 3] - one.at[i], its = other.at[(i + 1) % 3] - other.at[i];
+        if (separates(cross(one.normal, edge), one, other, gap) || separates(cross(other.normal, its), one, other, gap))
+            return true;
+        for (std::size_t j = 0; j < 3; ++j)
+            if (separates(cross(edge, dvec3(other.at[(j + 1) % 3] - other.at[j])), one, other, gap))
+                return true;
+    }
+    return false;
+}
+
+// Whether two triangles with a common corner face each other across a slit sharper than about 11 degrees.
+bool is_slit(const Corners& one, const Corners& other) {
+    constexpr double kSharp = -0.98; // cosine between the normals
+    if (!(dot(one.normal, other.normal) < kSharp))
+        return false;
+    const auto in_front = [](const Corners& of, const Corners& which) {
+        return std::ranges::any_of(which.at, [&](const dvec3& at) { return dot(of.normal, dvec3(at - of.at[0])) > 0; });
+    };
+    return in_front(one, other) && in_front(other, one);
+}
+
+bool share_a_corner(const Corners& one, const Corners& other) {
+    return std::ranges::find_first_of(one.vertices, other.vertices) != one.vertices.end();
+}
+
+} // namespace
+
+bool keeps_apart(const MeshStructure& structure, double gap, unsigned threads) {
+    layout::MeshView<double> mesh;
+    mesh.nodes = structure.parts->nodes;
+    std::vector<uint> leaves; // as their nodes have them
+    for (const layout::MeshNode& node : structure.parts->nodes)
+        for (const uint child : node.child)
+            if (child != layout::kMeshNoChild && (child & layout::kMeshLeaf) != 0)
+                leaves.push_back(child);
+    std::atomic<bool> apart{true};
+    constexpr std::size_t kRun = 64;
+    reference::share_out(
+        reference::threads_for(threads), (leaves.size() + kRun - 1) / kRun, [&](std::size_t, std::size_t run) {
+            std::vector<Corners> own;
+            for (std::size_t i = run * kRun; i < std::min(leaves.size(), (run + 1) * kRun) && apart; ++i) {
+                own.clear();
+                dvec3 low(2), high(-2);
+                uint end = 0;
+                reference::visit_leaf(leaves[i], [&](uint triangle, uint leaf_end) {
+                    for (end = leaf_end; triangle < leaf_end; ++triangle) {
+                        own.push_back(corners_of(structure, triangle));
+                        for (const dvec3& at : own.back().at)
+                            for (int axis = 0; axis < 3; ++axis) {
+                                low[axis] = std::min(low[axis], at[axis] - gap);
+                                high[axis] = std::max(high[axis], at[axis] + gap);
+                            }
+                    }
+                });
+                const auto meets = [&](const layout::MeshNode& node, uint child) {
+                    return double(node.low_x[child]) <= high.x && double(node.high_x[child]) >= low.x &&
+                           double(node.low_y[child]) <= high.y && double(node.high_y[child]) >= low.y &&
+                           double(node.low_z[child]) <= high.z && double(node.high_z[child]) >= low.z;
+                };
+                const auto begin = end - static_cast<uint>(own.size());
+                reference::visit_tree(
+                    mesh, [&](uint) { return apart.load(); }, meets,
+                    [&](uint triangle, uint leaf_end) {
+                        for (triangle = std::max(triangle, begin); triangle < leaf_end; ++triangle) {
+                            const Corners other = corners_of(structure, triangle);
+                            for (std::size_t k = 0; k < own.size(); ++k)
+                                if (triangle > begin + k &&
+                                    (share_a_corner(own[k], other) ? is_slit(own[k], other)
+                                                                   : !are_apart(own[k], other, gap)))
+                                    apart = false;
+                        }
+                    });
+            }
+        });
+    return apart;
+}
+
+} // namespace forceshade
