@@ -21,7 +21,7 @@ using reference::dot;
 struct Corners {
     std::array<dvec3, 3> at;
     std::array<uint, 3> vertices;
-    dvec3 normal;
+    dvec3 normal, low, high; /* 1; of its box */
 };
 
 Corners corners_of(const MeshStructure& structure, uint triangle) {
@@ -30,6 +30,12 @@ Corners corners_of(const MeshStructure& structure, uint triangle) {
         corners.vertices[i] = structure.parts->triangle_corners[3 * std::size_t(triangle) + i];
         corners.at[i] = reference::vector_at<double>(structure.reals->vertices, corners.vertices[i]);
     }
+    corners.low = corners.high = corners.at[0];
+    for (std::size_t i = 1; i < 3; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            corners.low[axis] = std::min(corners.low[axis], corners.at[i][axis]);
+            corners.high[axis] = std::max(corners.high[axis], corners.at[i][axis]);
+        }
     corners.normal = reference::vector_at<double>(structure.reals->triangle_normals, triangle);
     return corners;
 }
@@ -75,7 +81,57 @@ bool is_slit(const Corners& one, const Corners& other) {
 }
 
 bool share_a_corner(const Corners& one, const Corners& other) {
-    return std::ranges::find_first_of(one.vertices, other.vertices) != one.vertices.end();
+    bool shared = false;
+    for (const uint vertex : one.vertices)
+        for (const uint its : other.vertices)
+            shared |= vertex == its;
+    return shared;
+}
+
+bool overlap(const dvec3& low, const dvec3& high, const Corners& other) {
+    return other.low.x <= high.x && other.high.x >= low.x && other.low.y <= high.y && other.high.y >= low.y &&
+           other.low.z <= high.z && other.high.z >= low.z;
+}
+
+bool keep_apart(const Corners& one, const Corners& other, double gap) {
+    if (share_a_corner(one, other))
+        return !is_slit(one, other);
+    return !overlap(one.low - gap, one.high + gap, other) || are_apart(one, other, gap);
+}
+
+// A leaf of the tree against all triangles that come after its own.
+bool leaf_keeps_apart(const MeshStructure& structure, const layout::MeshView<double>& mesh, uint leaf, double gap) {
+    std::array<Corners, layout::kMeshLeafTriangles> own;
+    std::size_t count = 0;
+    const uint begin = reference::leaf_begin(leaf);
+    dvec3 low(2), high(-2);
+    reference::visit_leaf(leaf, [&](uint triangle, uint end) {
+        for (; triangle < end; ++triangle) {
+            const Corners& added = own[count++] = corners_of(structure, triangle);
+            for (int axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], added.low[axis] - gap);
+                high[axis] = std::max(high[axis], added.high[axis] + gap);
+            }
+        }
+    });
+    bool apart = true;
+    const auto meets = [&](const layout::MeshNode& node, uint child) {
+        return double(node.low_x[child]) <= high.x && double(node.high_x[child]) >= low.x &&
+               double(node.low_y[child]) <= high.y && double(node.high_y[child]) >= low.y &&
+               double(node.low_z[child]) <= high.z && double(node.high_z[child]) >= low.z;
+    };
+    reference::visit_tree(
+        mesh, [&](uint) { return apart; }, meets,
+        [&](uint triangle, uint end) {
+            for (triangle = std::max(triangle, begin); triangle < end; ++triangle) {
+                const Corners other = corners_of(structure, triangle);
+                if (!overlap(low, high, other))
+                    continue;
+                for (std::size_t k = 0; k < count && begin + k < triangle; ++k)
+                    apart = apart && keep_apart(own[k], other, gap);
+            }
+        });
+    return apart;
 }
 
 } // namespace
@@ -90,43 +146,13 @@ bool keeps_apart(const MeshStructure& structure, double gap, unsigned threads) {
                 leaves.push_back(child);
     std::atomic<bool> apart{true};
     constexpr std::size_t kRun = 64;
-    reference::share_out(
-        reference::threads_for(threads), (leaves.size() + kRun - 1) / kRun, [&](std::size_t, std::size_t run) {
-            std::vector<Corners> own;
-            for (std::size_t i = run * kRun; i < std::min(leaves.size(), (run + 1) * kRun) && apart; ++i) {
-                own.clear();
-                dvec3 low(2), high(-2);
-                uint end = 0;
-                reference::visit_leaf(leaves[i], [&](uint triangle, uint leaf_end) {
-                    for (end = leaf_end; triangle < leaf_end; ++triangle) {
-                        own.push_back(corners_of(structure, triangle));
-                        for (const dvec3& at : own.back().at)
-                            for (int axis = 0; axis < 3; ++axis) {
-                                low[axis] = std::min(low[axis], at[axis] - gap);
-                                high[axis] = std::max(high[axis], at[axis] + gap);
-                            }
-                    }
-                });
-                const auto meets = [&](const layout::MeshNode& node, uint child) {
-                    return double(node.low_x[child]) <= high.x && double(node.high_x[child]) >= low.x &&
-                           double(node.low_y[child]) <= high.y && double(node.high_y[child]) >= low.y &&
-                           double(node.low_z[child]) <= high.z && double(node.high_z[child]) >= low.z;
-                };
-                const auto begin = end - static_cast<uint>(own.size());
-                reference::visit_tree(
-                    mesh, [&](uint) { return apart.load(); }, meets,
-                    [&](uint triangle, uint leaf_end) {
-                        for (triangle = std::max(triangle, begin); triangle < leaf_end; ++triangle) {
-                            const Corners other = corners_of(structure, triangle);
-                            for (std::size_t k = 0; k < own.size(); ++k)
-                                if (triangle > begin + k &&
-                                    (share_a_corner(own[k], other) ? is_slit(own[k], other)
-                                                                   : !are_apart(own[k], other, gap)))
-                                    apart = false;
-                        }
-                    });
-            }
-        });
+    reference::share_out(reference::threads_for(threads), (leaves.size() + kRun - 1) / kRun,
+                         [&](std::size_t, std::size_t run) {
+                             const std::size_t end = std::min(leaves.size(), (run + 1) * kRun);
+                             for (std::size_t i = run * kRun; i < end && apart; ++i)
+                                 if (!leaf_keeps_apart(structure, mesh, leaves[i], gap))
+                                     apart = false;
+                         });
     return apart;
 }
 

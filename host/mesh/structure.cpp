@@ -273,9 +273,13 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
         throw UsageError("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
                          "cannot hold; a normal number of newtons would be right",
                          stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double");
-    MeshTables<T> tables{
-        {}, structure.parts, reals_as<T>(structure.reals, *structure.parts), structure.winding, structure.solid,
-        structure.apart, {}};
+    MeshTables<T> tables{{},
+                         structure.parts,
+                         reals_as<T>(structure.reals, *structure.parts),
+                         structure.winding,
+                         structure.solid,
+                         structure.apart,
+                         {}};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;
     tables.params.centre_z = centre.z;

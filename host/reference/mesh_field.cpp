@@ -208,8 +208,8 @@ private:
         const uint wanted = plan.wanted.empty() ? 0xFFu : plan.wanted[index];
         for (std::size_t i = 0; i < kProbes; ++i) {
             const std::size_t x = block.x + (i & 1), y = block.y + (i >> 1 & 1), z = block.z + (i >> 2);
-            if ((wanted >> i & 1u) == 0 || x >= input_.x.size() || y < chunk_.y_first || y >= chunk_.y_first + chunk_.y_count ||
-                z < chunk_.z_first || z >= chunk_.z_first + chunk_.z_count)
+            if ((wanted >> i & 1u) == 0 || x >= input_.x.size() || y < chunk_.y_first ||
+                y >= chunk_.y_first + chunk_.y_count || z < chunk_.z_first || z >= chunk_.z_first + chunk_.z_count)
                 continue;
             const Vector<T> probe = probes.at(i);
             const TrianglePoint<T> point = nearest_on_triangle(probe, triangle_at(mesh, nearest[i]));
