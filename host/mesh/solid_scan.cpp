@@ -35,14 +35,12 @@ constexpr double kMostUneven = 1e-3; // samples: how far a grid's samples are fr
 constexpr float kFarthest = 2;       // 1: from within a mesh, no surface is further than its corners are apart
 constexpr double kMostTilt = 5e-4;   // of a normal against its triangle: as a squared distance less than slack
 
-// What rounding in single precision makes of a distance d, with u half an epsilon and e the longest edge, to first
-// order:
+// What rounding in single precision makes of a distance d, to first order, u half an epsilon and e the longest edge:
 // - of a corner or an edge, whose coordinates are differences no larger than d + e: below 12 u (d + e);
-// - of a face the same, and its foot is within 28 u (d + e) of the triangle (see prune_slack()): the square of that
-// over
-//   2 d, or where d is that small all of it, below 42 u (d + e).
-// So 12 u d + 42 u e. Of double, tables rounded to single are 1.8 u off, samples too; in single precision the law's
-// normals and corners fit each other to 3.5 u. Twice each: of the least distance and of the nearest triangle's.
+// - of a face the same. Its foot is within 28 u (d + e) of the triangle (see prune_slack()): that is of second order,
+//   unless d is about as small, and then all is below 42 u e.
+// So 12 u d + 42 u e; twice, of the least distance and of that to the nearest triangle. And in all 8 u, where double
+// tables are rounded to single or, in single precision, the law's normals fit its corners to 3.5 u.
 template <typename T> DistanceSlack slack_of(float longest) {
     constexpr float u = std::numeric_limits<float>::epsilon() / 2;
     constexpr float kTimes = std::is_same_v<T, float> ? 4 : 2; // by the sweeps, and by the law in single precision

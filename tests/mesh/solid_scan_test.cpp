@@ -264,9 +264,9 @@ TEST(SolidScan, GivesTheFieldOfTheOtherPlanner) {
 TEST(SolidScan, DoesNotDependOnThreadsNorOnSlabs) {
     const SolidMesh<float> mesh(random_solid(18));
     const Samples<float> grid = samples<float>({50, 52, 70}, glm::dvec3(-1.04), glm::dvec3(1.04));
-    const auto& [x, y, z] = grid.axes;
     const auto scan = [&](unsigned threads) {
-        return SolidScan<float>::make(mesh.view(), x, y, z, layout::kInsidePseudonormal, threads);
+        return SolidScan<float>::make(mesh.view(), grid.axes[0], grid.axes[1], grid.axes[2],
+                                      layout::kInsidePseudonormal, threads);
     };
     const auto same = [](const layout::MeshBlock& p, const layout::MeshBlock& q) {
         return p.x == q.x && p.y == q.y && p.z == q.z && p.count == q.count;
