@@ -150,7 +150,7 @@ bool is_left(const Flat& a, const Flat& b, const Flat& p) {
 struct LayerPlan {
     std::vector<layout::MeshBlock> blocks; /* runs of `candidates` */
     std::vector<uint> candidates, wanted;
-    std::uint64_t samples = 0, asked = 0; /* in all; those of which the tree was asked */
+    std::uint64_t samples = 0;
 };
 
 // The ties of each block.
@@ -342,7 +342,6 @@ void SolidScan<T>::Implementation::add_block(const std::array<std::size_t, 3>& b
             hint = reference::nearest(mesh, probe, hint).triangle;
             if (std::find(plan.candidates.begin() + first, plan.candidates.end(), hint) == plan.candidates.end())
                 plan.candidates.push_back(hint);
-            ++plan.asked;
         }
     }
     std::sort(plan.candidates.begin() + first, plan.candidates.end());

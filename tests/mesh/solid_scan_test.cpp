@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -124,7 +125,7 @@ template <typename T> void hold_on_all(const PolygonSoup& polygons, std::uint32_
 // A sphere with bumps, dents and spikes of some size.
 PolygonSoup random_solid(std::uint32_t seed) {
     std::mt19937 random(seed);
-    PolygonSoup solid = shapes::icosphere(random() % 5);
+    PolygonSoup solid = shapes::icosphere(static_cast<unsigned>(random() % 5));
     const double roughness = 0.3 * std::pow(shapes::uniform(random), 2), waves = 0.25 * shapes::uniform(random);
     const glm::dvec3 turns = shapes::anywhere(random, 6),
                      scale(1 + 0.9 * shapes::uniform(random), 1, 1 + 0.9 * shapes::uniform(random));
@@ -180,6 +181,25 @@ TEST(SolidScan, ListsWhatIsNearestAboutSlits) {
             EXPECT_FALSE(HasFailure()) << width << ' ' << lean;
         }
     report("slits", counts);
+}
+
+// Where more are as near as a list takes, the tree says which comes first.
+TEST(SolidScan, ListsWhatComesFirstOfVeryMany) {
+    constexpr std::uint32_t kSides = 700;
+    PolygonSoup spindle;
+    spindle.vertices = {{0, 0, 1}, {0, 0, -1}};
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kSides;
+        spindle.vertices.push_back({std::cos(angle), std::sin(angle), 0});
+        const std::uint32_t next = (i + 1) % kSides;
+        shapes::add_facet(spindle, {i + 2, next + 2, 0});
+        shapes::add_facet(spindle, {next + 2, i + 2, 1});
+    }
+    for (const auto& grid : {samples<float>({9, 9, 9}, glm::dvec3(-0.5), glm::dvec3(0.5)),
+                             samples<float>({10, 8, 4}, glm::dvec3(-0.7), glm::dvec3(0.7))}) {
+        Counts counts;
+        EXPECT_TRUE(SolidMesh<float>(spindle).hold(grid, counts));
+    }
 }
 
 TEST(SolidScan, ListsWhatIsInsideAndNearestOfShapes) {
