@@ -281,8 +281,8 @@ TEST(SolidScan, GivesTheFieldOfTheOtherPlanner) {
     hold_fields<float>(shapes::open_cube());
 }
 
-TEST(SolidScan, DoesNotDependOnThreadsNorOnSlabs) {
-    const SolidMesh<float> mesh(random_solid(18));
+void hold_in_parts(const PolygonSoup& polygons) {
+    const SolidMesh<float> mesh(polygons);
     const Samples<float> grid = samples<float>({50, 52, 70}, glm::dvec3(-1.04), glm::dvec3(1.04));
     const auto scan = [&](unsigned threads) {
         return SolidScan<float>::make(mesh.view(), grid.axes[0], grid.axes[1], grid.axes[2],
@@ -308,6 +308,11 @@ TEST(SolidScan, DoesNotDependOnThreadsNorOnSlabs) {
     EXPECT_TRUE(std::ranges::equal(one.blocks, slabs.blocks, same));
     EXPECT_EQ(one.candidates, slabs.candidates);
     EXPECT_EQ(one.wanted, slabs.wanted);
+}
+
+TEST(SolidScan, DoesNotDependOnThreadsNorOnSlabs) {
+    hold_in_parts(random_solid(18));
+    hold_in_parts(shapes::icosphere(4)); // with many ties
 }
 
 TEST(SolidScan, ServesSolidsThatKeepApartOnEvenGrids) {
