@@ -28,6 +28,8 @@ using reference::dot;
 using reference::Vector;
 
 constexpr std::size_t kBlockSamples = kMeshBlock * kMeshBlock * kMeshBlock;
+constexpr std::size_t kMostSamples = std::size_t(1) << 23,
+                      kLayers = 16;  // at once: 8 bytes each, and 16 layers at least
 constexpr double kMargin = 5e-3;     // samples: how far sweeps reach beyond their regions
 constexpr double kNear = 16;         // times the slack: outside, but so near that the law may find it inside
 constexpr double kMostMargin = 0.25; // where slack makes it more, the grid is too fine
@@ -192,6 +194,8 @@ template <typename T> struct SolidScan<T>::Implementation {
     BlockTies sweep(const SweptGrid& slab, std::vector<std::uint64_t>& cells) const;
     void add_block(const std::array<std::size_t, 3>& block, std::span<const std::uint64_t, kBlockSamples> cells,
                    std::span<const SweptTie> ties, LayerPlan& plan) const;
+    /// Appends what a slab comes to.
+    void plan_slab(std::size_t z_first, std::size_t z_count, BlockPlan& plan) const;
 };
 
 template <typename T>
@@ -392,31 +396,30 @@ std::unique_ptr<const SolidScan<T>> SolidScan<T>::make(const layout::MeshView<T>
     return std::unique_ptr<const SolidScan>(new SolidScan(std::move(made)));
 }
 
-template <typename T> BlockPlan SolidScan<T>::plan(std::size_t z_first, std::size_t z_count) const {
-    const Implementation& scan = *implementation_;
+template <typename T>
+void SolidScan<T>::Implementation::plan_slab(std::size_t z_first, std::size_t z_count, BlockPlan& plan) const {
     const auto blocks_of = [](std::size_t samples) { return (samples + kMeshBlock - 1) / kMeshBlock; };
-    const std::size_t across = blocks_of(scan.axes[0].size()), along = blocks_of(scan.axes[1].size()),
+    const std::size_t across = blocks_of(axes[0].size()), along = blocks_of(axes[1].size()),
                       layers = blocks_of(z_count);
-    SweptGrid slab = scan.grid;
+    SweptGrid slab = grid;
     slab.z_first = static_cast<int>(z_first);
     slab.z_end = static_cast<int>(z_first + z_count);
-    const std::array<std::size_t, 3> counts{scan.axes[0].size(), scan.axes[1].size(), z_count};
+    const std::array<std::size_t, 3> counts{axes[0].size(), axes[1].size(), z_count};
     const std::array<std::size_t, 3> strides{1, across, across * along};
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t i = 0; i < counts[axis]; ++i)
             slab.part[axis].push_back(
                 static_cast<std::uint32_t>(i / kMeshBlock * strides[axis] * kBlockSamples + (i % kMeshBlock << axis)));
     std::vector<std::uint64_t> cells(across * along * layers * kBlockSamples, kOutsideCell);
-    scan.find_inside(slab, cells);
-    const BlockTies ties = scan.sweep(slab, cells);
+    find_inside(slab, cells);
+    const BlockTies ties = sweep(slab, cells);
     std::vector<LayerPlan> parts(layers);
-    reference::share_out(scan.threads, layers, [&](std::size_t, std::size_t layer) {
+    reference::share_out(threads, layers, [&](std::size_t, std::size_t layer) {
         for (std::size_t block = layer * strides[2]; block < (layer + 1) * strides[2]; ++block)
-            scan.add_block({block % across, block / across % along, z_first / kMeshBlock + layer},
-                           std::span<const std::uint64_t, kBlockSamples>(&cells[block * kBlockSamples], kBlockSamples),
-                           ties.of(block), parts[layer]);
+            add_block({block % across, block / across % along, z_first / kMeshBlock + layer},
+                      std::span<const std::uint64_t, kBlockSamples>(&cells[block * kBlockSamples], kBlockSamples),
+                      ties.of(block), parts[layer]);
     });
-    BlockPlan plan;
     for (const LayerPlan& part : parts) {
         const auto first = static_cast<uint>(plan.candidates.size());
         for (layout::MeshBlock block : part.blocks) {
@@ -427,6 +430,15 @@ template <typename T> BlockPlan SolidScan<T>::plan(std::size_t z_first, std::siz
         plan.wanted.insert(plan.wanted.end(), part.wanted.begin(), part.wanted.end());
         plan.voxels_evaluated += part.samples;
     }
+}
+
+template <typename T> BlockPlan SolidScan<T>::plan(std::size_t z_first, std::size_t z_count) const {
+    const Implementation& scan = *implementation_;
+    const std::size_t layer = scan.axes[0].size() * scan.axes[1].size(), end = z_first + z_count;
+    const std::size_t step = std::max<std::size_t>(1, kMostSamples / layer / kLayers) * kLayers;
+    BlockPlan plan;
+    for (std::size_t z = z_first; z < end; z += step)
+        scan.plan_slab(z, std::min(step, end - z), plan);
     return plan;
 }
 
