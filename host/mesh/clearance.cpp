@@ -1,10 +1,12 @@
-// How far a surface keeps from itself: whether two triangles that no corner joins come near each other, as about narrow
-// slits and in thin walls, and whether slits narrow down to a corner or an edge.
+// Whether two triangles that no corner joins come near each other, as about narrow slits and in thin walls, and whether
+// slits narrow down to a corner or an edge.
+#include "host/mesh/clearance.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
-#include "host/mesh/structure.h"
 #include "host/reference/chunks.h"
 #include "host/reference/elementary.h"
 #include "host/reference/mesh_nearest.h"
@@ -24,11 +26,11 @@ struct Corners {
     dvec3 normal, low, high; /* 1; of its box */
 };
 
-Corners corners_of(const MeshStructure& structure, uint triangle) {
+Corners corners_of(const MeshParts& parts, const MeshReals<double>& reals, uint triangle) {
     Corners corners;
     for (std::size_t i = 0; i < 3; ++i) {
-        corners.vertices[i] = structure.parts->triangle_corners[3 * std::size_t(triangle) + i];
-        corners.at[i] = reference::vector_at<double>(structure.reals->vertices, corners.vertices[i]);
+        corners.vertices[i] = parts.triangle_corners[3 * std::size_t(triangle) + i];
+        corners.at[i] = reference::vector_at<double>(reals.vertices, corners.vertices[i]);
     }
     corners.low = corners.high = corners.at[0];
     for (std::size_t i = 1; i < 3; ++i)
@@ -36,7 +38,7 @@ Corners corners_of(const MeshStructure& structure, uint triangle) {
             corners.low[axis] = std::min(corners.low[axis], corners.at[i][axis]);
             corners.high[axis] = std::max(corners.high[axis], corners.at[i][axis]);
         }
-    corners.normal = reference::vector_at<double>(structure.reals->triangle_normals, triangle);
+    corners.normal = reference::vector_at<double>(reals.triangle_normals, triangle);
     return corners;
 }
 
@@ -100,14 +102,15 @@ bool keep_apart(const Corners& one, const Corners& other, double gap) {
 }
 
 // A leaf of the tree against all triangles that come after its own.
-bool leaf_keeps_apart(const MeshStructure& structure, const layout::MeshView<double>& mesh, uint leaf, double gap) {
+bool leaf_keeps_apart(const MeshParts& parts, const MeshReals<double>& reals, const layout::MeshView<double>& mesh,
+                      uint leaf, double gap) {
     std::array<Corners, layout::kMeshLeafTriangles> own;
     std::size_t count = 0;
     const uint begin = reference::leaf_begin(leaf);
     dvec3 low(2), high(-2);
     reference::visit_leaf(leaf, [&](uint triangle, uint end) {
         for (; triangle < end; ++triangle) {
-            const Corners& added = own[count++] = corners_of(structure, triangle);
+            const Corners& added = own[count++] = corners_of(parts, reals, triangle);
             for (int axis = 0; axis < 3; ++axis) {
                 low[axis] = std::min(low[axis], added.low[axis] - gap);
                 high[axis] = std::max(high[axis], added.high[axis] + gap);
@@ -124,7 +127,7 @@ bool leaf_keeps_apart(const MeshStructure& structure, const layout::MeshView<dou
         mesh, [&](uint) { return apart; }, meets,
         [&](uint triangle, uint end) {
             for (triangle = std::max(triangle, begin); triangle < end; ++triangle) {
-                const Corners other = corners_of(structure, triangle);
+                const Corners other = corners_of(parts, reals, triangle);
                 if (!overlap(low, high, other))
                     continue;
                 for (std::size_t k = 0; k < count && begin + k < triangle; ++k)
@@ -134,13 +137,11 @@ bool leaf_keeps_apart(const MeshStructure& structure, const layout::MeshView<dou
     return apart;
 }
 
-} // namespace
-
-bool keeps_apart(const MeshStructure& structure, double gap, unsigned threads) {
+bool keeps_apart(const MeshParts& parts, const MeshReals<double>& reals, double gap, unsigned threads) {
     layout::MeshView<double> mesh;
-    mesh.nodes = structure.parts->nodes;
+    mesh.nodes = parts.nodes;
     std::vector<uint> leaves; // as their nodes have them
-    for (const layout::MeshNode& node : structure.parts->nodes)
+    for (const layout::MeshNode& node : parts.nodes)
         for (const uint child : node.child)
             if (child != layout::kMeshNoChild && (child & layout::kMeshLeaf) != 0)
                 leaves.push_back(child);
@@ -150,10 +151,20 @@ bool keeps_apart(const MeshStructure& structure, double gap, unsigned threads) {
                          [&](std::size_t, std::size_t run) {
                              const std::size_t end = std::min(leaves.size(), (run + 1) * kRun);
                              for (std::size_t i = run * kRun; i < end && apart; ++i)
-                                 if (!leaf_keeps_apart(structure, mesh, leaves[i], gap))
+                                 if (!leaf_keeps_apart(parts, reals, mesh, leaves[i], gap))
                                      apart = false;
                          });
     return apart;
+}
+
+} // namespace
+
+Clearance::Clearance(std::shared_ptr<const MeshParts> parts, std::shared_ptr<const MeshReals<double>> reals)
+    : parts_(std::move(parts)), reals_(std::move(reals)) {}
+
+bool Clearance::is_enough(unsigned threads) const {
+    std::call_once(once_, [&] { is_enough_ = keeps_apart(*parts_, *reals_, kLeastGap, threads); });
+    return is_enough_;
 }
 
 } // namespace forceshade

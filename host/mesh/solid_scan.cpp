@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/mesh/clearance.h"
 #include "host/mesh/exact.h"
 #include "host/mesh/near_triangles.h"
 #include "host/mesh/region_sweep.h"
@@ -365,7 +366,7 @@ template <typename T>
 std::unique_ptr<const SolidScan<T>> SolidScan<T>::make(const layout::MeshView<T>& mesh, std::span<const T> x,
                                                        std::span<const T> y, std::span<const T> z, uint inside,
                                                        unsigned threads) {
-    if (inside != layout::kInsidePseudonormal || !mesh.apart)
+    if (inside != layout::kInsidePseudonormal || !mesh.clearance)
         return nullptr;
     auto made = std::make_unique<Implementation>();
     made->mesh = mesh;
@@ -388,7 +389,7 @@ std::unique_ptr<const SolidScan<T>> SolidScan<T>::make(const layout::MeshView<T>
     if (!(made->slack.at(kFarthest) < kLeastGap))
         return nullptr;
     made->margin = kMargin + 2 * kNear * double(made->slack.base) / spacing;
-    if (!(made->margin < kMostMargin))
+    if (!(made->margin < kMostMargin) || !mesh.clearance->is_enough(threads))
         return nullptr;
     surface.vertices.assign(mesh.vertices.begin(), mesh.vertices.end());
     surface.pseudonormals.assign(mesh.vertex_pseudonormals.begin(), mesh.vertex_pseudonormals.end());

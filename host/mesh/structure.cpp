@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/mesh/clearance.h"
 #include "host/mesh/places.h"
 #include "host/reference/chunks.h"
 #include "host/reference/elementary.h"
@@ -218,8 +219,13 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
         step == 0 ? sum_pseudonormals(parts, reals, places) : connect_edges(parts, reals, places);
     });
     reals.edge_pseudonormals.shrink_to_fit();
-    MeshStructure structure{frame.centre, frame.scale, std::make_shared<const MeshParts>(std::move(parts)),
-                            std::make_shared<const MeshReals<double>>(std::move(reals)), nullptr};
+    MeshStructure structure{frame.centre,
+                            frame.scale,
+                            std::make_shared<const MeshParts>(std::move(parts)),
+                            std::make_shared<const MeshReals<double>>(std::move(reals)),
+                            nullptr,
+                            false,
+                            nullptr};
     if (options.winding)
         structure.winding = make_winding(structure);
     return structure;
@@ -241,7 +247,7 @@ template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
                              reals->facet_normals,
                              reals->vertex_normals,
                              solid,
-                             apart,
+                             clearance.get(),
                              {},
                              {},
                              {},
@@ -278,7 +284,7 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
                          reals_as<T>(structure.reals, *structure.parts),
                          structure.winding,
                          structure.solid,
-                         structure.apart,
+                         structure.clearance,
                          {}};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;
@@ -310,7 +316,8 @@ void assume_solid(MeshStructure& structure) {
         structure.solid =
             (neighbours[edge] & layout::kMeshManyBit) == 0 && // nor a border
             is_firm(vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, neighbours[edge]));
-    structure.apart = structure.solid && keeps_apart(structure, kLeastGap);
+    structure.clearance =
+        structure.solid ? std::make_shared<const Clearance>(structure.parts, structure.reals) : nullptr;
 }
 
 namespace {

@@ -52,7 +52,8 @@ struct MeshStructure {
     std::shared_ptr<const MeshParts> parts;
     std::shared_ptr<const MeshReals<double>> reals;
     std::shared_ptr<const MeshWinding> winding; /* null unless asked for */
-    bool solid = false, apart = false;          /* see assume_solid */
+    bool solid = false;                         /* see assume_solid */
+    std::shared_ptr<const Clearance> clearance; /* of a solid; else null */
 
     std::size_t triangles() const { return parts->triangle_facets.size(); }
     std::size_t bytes() const;
@@ -71,15 +72,8 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options 
 
 /// Of a mesh that is known to be closed, of one piece, consistently oriented and nowhere to meet itself: no side
 /// changes where there is no surface, which `solid` then says. Not where a pseudonormal is so short that rounding could
-/// turn it. Its surface is `apart`, too, if it keeps kLeastGap from itself: no rounding takes one wall for another.
+/// turn it.
 void assume_solid(MeshStructure& structure);
-
-/// Of the mesh's frame.
-constexpr double kLeastGap = 0x1p-14;
-
-/// Whether triangles without a common corner are further than a gap, in units of the mesh's frame, from each other, and
-/// none of those with one face each other across a sharp slit. Not if in doubt.
-bool keeps_apart(const MeshStructure& structure, double gap, unsigned threads = 0);
 
 /// The winding number just behind the facets: the median over 256 of them. 1 for closed surfaces that face outward, 1/2
 /// for sheets. Of a structure with `winding`.
@@ -92,7 +86,8 @@ template <typename T> struct MeshTables {
     std::shared_ptr<const MeshParts> parts;
     std::shared_ptr<const MeshReals<T>> reals;
     std::shared_ptr<const MeshWinding> winding;
-    bool solid, apart;
+    bool solid;
+    std::shared_ptr<const Clearance> clearance;     /* of a solid; else null */
     std::shared_ptr<const MeshObstacles> obstacles; /* null unless asked for */
 
     /// Valid as long as any copy of these tables.

@@ -7,6 +7,9 @@
 
 #include "shaders/shared/layout.h"
 
+namespace forceshade {
+class Clearance;
+}
 namespace forceshade::reference {
 template <typename T> class SurfaceForces;
 }
@@ -50,10 +53,10 @@ template <typename real> struct MeshView {
     std::span<const real> facet_normals;        // 3 a facet: unit Newell normal, 0 where it has no area
     std::span<const real> vertex_normals;       // 3 a vertex: unit, what L7 interpolates; 0 where they cancel
     // For the winding number (host only); empty unless asked for.
-    bool solid = false;                  // bounds one solid, whose surface nowhere meets itself
-    bool apart = false;                  // and has neither thin walls nor narrow slits, such as rounding confuses
-    std::span<const MeshMoment> moments; // 1 a node
-    std::span<const uint> rims;          // 3 an edge where the surface ends: its vertices, how often more one way
+    bool solid = false;                   // bounds one solid, whose surface nowhere meets itself
+    const Clearance* clearance = nullptr; // of a solid, for planning
+    std::span<const MeshMoment> moments;  // 1 a node
+    std::span<const uint> rims;           // 3 an edge where the surface ends: its vertices, how often more one way
     // For god-objects (host only); empty unless asked for.
     std::span<const uint> obstacle_begins; // triangles + 1: where the list of a triangle begins
     std::span<const uint> obstacles;       // triangles that one sliding over its front may meet; or kMeshAnyObstacle

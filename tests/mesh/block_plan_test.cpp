@@ -99,7 +99,7 @@ void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside 
     if (is_solid(inspect(polygons)))
         assume_solid(structure);
     hold(structure, grid, inside, free);
-    if (std::exchange(structure.apart, false))
+    if (std::exchange(structure.clearance, nullptr))
         hold(structure, grid, inside, free);
 }
 

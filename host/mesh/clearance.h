@@ -1,0 +1,32 @@
+// How far the surface of a solid keeps from itself.
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "host/mesh/structure.h"
+
+namespace forceshade {
+
+/// 1, of the mesh's frame.
+constexpr double kLeastGap = 0x1p-14;
+
+/// Whether a surface keeps kLeastGap from itself. Only the first plan that needs it finds out, since that takes as long
+/// as a tenth of a field.
+class Clearance {
+public:
+    Clearance(std::shared_ptr<const MeshParts> parts, std::shared_ptr<const MeshReals<double>> reals);
+
+    /// Whether triangles without a common corner are further than kLeastGap from each other, and none of those with one
+    /// face each other across a sharp slit: no rounding takes one wall for another. Not if in doubt. Any thread may
+    /// ask.
+    bool is_enough(unsigned threads = 0) const;
+
+private:
+    std::shared_ptr<const MeshParts> parts_;
+    std::shared_ptr<const MeshReals<double>> reals_;
+    mutable std::once_flag once_;
+    mutable bool is_enough_ = false;
+};
+
+} // namespace forceshade
