@@ -82,6 +82,7 @@ struct BeamCourse {
 class BeamSweep {
 public:
     explicit BeamSweep(const SweepInput& input) : input_(input), grid_(input.grid) {
+        hiding_ = 2 * input.slack.at(input.surface.deepest);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const int i = static_cast<int>(axis);
             origin_[i] = grid_.origin[axis];
@@ -118,24 +119,24 @@ public:
         }
         const int end = grid_.end(axis), begin = grid_.first(axis);
         from = std::max({from, std::ceil(low - input_.margin), course.forward ? double(begin) : double(1 - end)});
-        const double most = course.forward ? end - 1 : -begin;
-        if (from > most)
+        // A face's samples are as deep as their rays are long; others are no nearer than by their slices.
+        const double step = N == 3 ? static_cast<double>(lengths[0]) : spacing_[axis];
+        const double most =
+            std::min(course.forward ? end - 1.0 : -double(begin), std::floor(high + input_.surface.deepest / step + 1));
+        const std::array<int, 2> low_sample{grid_.first(across[0]), grid_.first(across[1])},
+            high_sample{grid_.end(across[0]) - 1, grid_.end(across[1]) - 1};
+        from += slices_before(beam, across, start, from, low_sample, high_sample);
+        if (!(from <= most))
             return;
         const int first = static_cast<int>(from), last = static_cast<int>(most);
         // Relative to the first slice, so that single precision is enough.
         BeamRays rays;
-        std::array<int, 2> low_sample, high_sample;
-        for (std::size_t side = 0; side < 2; ++side) {
-            const int a = across[side];
-            low_sample[side] = grid_.first(a);
-            high_sample[side] = grid_.end(a) - 1;
+        for (std::size_t side = 0; side < 2; ++side)
             for (std::size_t i = 0; i < 4; ++i) {
                 const std::size_t j = i < N ? i : 0;
-                const double at = beam.corners[j][a] + beam.steps[j][a] * (from - start[j]);
-                rays.at[side][i] = static_cast<float>((at - origin_[a]) * per_spacing_[a]);
-                rays.step[side][i] = static_cast<float>(beam.steps[j][a] * per_spacing_[a]);
+                rays.at[side][i] = static_cast<float>(place_of(beam, across[side], j, from - start[j]));
+                rays.step[side][i] = static_cast<float>(beam.steps[j][across[side]] * per_spacing_[across[side]]);
             }
-        }
         const auto margin = static_cast<float>(input_.margin);
         std::size_t beaten = 0; // samples of the last slices
         for (int slice = first; slice <= last; slice += int(BeamSections::kSlices)) {
@@ -192,6 +193,30 @@ public:
 private:
     static constexpr float kWidest = 4;           // samples: wider beams are halved
     static constexpr std::size_t kSuspicious = 6; // samples: so many lost, it is worth while to look closely
+
+    // Of a ray along an axis across, in samples.
+    template <std::size_t N> double place_of(const Beam<N>& beam, int axis, std::size_t ray, double steps) const {
+        return (beam.corners[ray][axis] + beam.steps[ray][axis] * steps - origin_[axis]) * per_spacing_[axis];
+    }
+
+    // How many slices a beam may skip from one on, until it reaches the samples: infinite if it does not.
+    template <std::size_t N>
+    double slices_before(const Beam<N>& beam, const std::array<int, 2>& across, const std::array<double, N>& start,
+                         double from, const std::array<int, 2>& low, const std::array<int, 2>& high) const {
+        double skipped = 0;
+        for (std::size_t side = 0; side < 2; ++side) {
+            double to_low = std::numeric_limits<double>::infinity(), to_high = to_low;
+            for (std::size_t i = 0; i < N; ++i) {
+                const double at = place_of(beam, across[side], i, from - start[i]);
+                const double step = beam.steps[i][across[side]] * per_spacing_[across[side]];
+                const double below = low[side] - 1 - at, above = at - high[side] - 1;
+                to_low = std::min(to_low, below <= 0 ? 0 : step > 0 ? below / step : to_low);
+                to_high = std::min(to_high, above <= 0 ? 0 : step < 0 ? above / -step : to_high);
+            }
+            skipped = std::max({skipped, to_low, to_high});
+        }
+        return std::floor(skipped);
+    }
 
     void add(std::size_t cell, const reference::Vector<float>& place) {
         run_.x[run_.count] = place.x;
@@ -258,8 +283,9 @@ private:
     }
 
     // Whether from a slice on all of a beam is nearer to one point of the surface than to its region's feature. What is
-    // nearer to a point than to a plane, a line or another point is convex, so that the section's corners tell; and
-    // what is once nearer, on one ray, stays nearer. `thorough`: also by the nearest point that is known of the middle.
+    // nearer to a point than to a plane, a line or another point, by a length, is convex, so that the section's corners
+    // decide; and what is once nearer, on one ray, stays nearer by as much: by slack, even where that is largest.
+    // `thorough`: also by the nearest point that is known of the middle.
     template <std::size_t N>
     bool is_hidden(const Beam<N>& beam, const std::array<double, N>& start, const std::array<float, N>& lengths,
                    int slice, bool thorough) const {
@@ -271,7 +297,7 @@ private:
             section[i] = reference::Vector<float>(beam.corners[i] + beam.steps[i] * along);
             middle += section[i] * (1.0f / N);
             const float distance = lengths[i] * static_cast<float>(along);
-            const float spare = distance - 2 * input_.slack.at(distance);
+            const float spare = distance - hiding_;
             if (!(spare > 0))
                 return false;
             spares[i] = spare * spare;
@@ -308,6 +334,7 @@ private:
 
     const SweepInput& input_;
     const SweptGrid& grid_;
+    float hiding_; // 1: by how much a point must be nearer to hide a section
     glm::dvec3 origin_, spacing_, per_spacing_;
     std::array<const float*, 3> at_;
     std::array<const std::uint32_t*, 3> part_; // of the samples from the grid's first on

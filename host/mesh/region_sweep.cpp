@@ -36,6 +36,10 @@ public:
         reach_ = static_cast<float>(input.margin * std::min({spacing.x, spacing.y, spacing.z}));
         // Beyond 200 times the slack, this much of the square is more than the slack.
         quick_ = 401 * input.slack.base * input.slack.base;
+        deepest_ = static_cast<double>(input.surface.deepest);
+        const SweptGrid& grid = input.grid;
+        low_z_ = static_cast<double>(grid.at[2][std::size_t(grid.z_first)]) - spacing.z;
+        high_z_ = static_cast<double>(grid.at[2][std::size_t(grid.z_end - 1)]) + spacing.z;
     }
 
     void triangle(std::size_t index) {
@@ -43,7 +47,12 @@ public:
         std::array<dvec3, 3> corners;
         for (std::size_t i = 0; i < 3; ++i)
             corners[i] = surface.vertex(surface.corners[3 * index + i]);
-        face(index, corners);
+        const auto [low, high] = std::minmax({corners[0].z, corners[1].z, corners[2].z});
+        if (!reaches(low - deepest_, high + deepest_))
+            return;
+        const double along = -surface.normal(index).z * deepest_;
+        if (reaches(std::min(low, low + along), std::max(high, high + along)))
+            face(index, corners);
         for (std::size_t i = 0; i < 3; ++i)
             edge(index, i, corners);
     }
@@ -53,9 +62,11 @@ public:
         const std::size_t begin = surface.star_begins[index], end = surface.star_begins[index + 1];
         if (begin == end)
             return;
+        const dvec3 tip = surface.vertex(index);
+        if (!reaches(tip.z - deepest_, tip.z + deepest_))
+            return;
         bool has_reflex = false;
         edges_.clear();
-        const dvec3 tip = surface.vertex(index);
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t corner = surface.stars[i], triangle = corner / 3;
             const std::size_t next = corner % 3 == 2 ? corner - 2 : corner + 1;
@@ -76,6 +87,9 @@ public:
     }
 
 private:
+    // Whether what has these ends along z may come to the samples.
+    bool reaches(double low, double high) const { return low <= high_z_ && high >= low_z_; }
+
     // In samples.
     dvec3 speed_of(const dvec3& direction) const {
         const dvec3& spacing = beams_.spacing();
@@ -245,7 +259,7 @@ private:
     const SweepInput& input_;
     SweepOutput& output_;
     BeamSweep beams_;
-    double widest_;
+    double widest_, deepest_, low_z_, high_z_;
     float reach_; // 1: how far beyond its edges a face counts
     float quick_;
     std::vector<dvec3> edges_;

@@ -31,6 +31,7 @@ struct SweptSurface {
     std::span<const layout::uint> neighbours;     /* 3 a triangle, none without */
     std::vector<layout::uint> star_begins, stars; /* the edges that leave each vertex, 3 * triangle + its start */
     float longest = 0;                            /* 1: edge */
+    float deepest = 0;                            /* 1: no place inside is further from it */
 
     std::size_t triangles() const { return corners.size() / 3; }
     std::size_t count_vertices() const { return vertices.size() / 3; }

@@ -29,13 +29,12 @@ using reference::dot;
 using reference::Vector;
 
 constexpr std::size_t kBlockSamples = kMeshBlock * kMeshBlock * kMeshBlock;
-constexpr std::size_t kMostSamples = std::size_t(1) << 23,
-                      kLayers = 16;  // at once: 8 bytes each, and 16 layers at least
+// At once: 8 bytes each, and 16 layers at least. Cells are numbered in 32 bits.
+constexpr std::size_t kMostSamples = std::size_t(1) << 23, kLayers = 16, kMostAtAll = std::size_t(1) << 26;
 constexpr double kMargin = 5e-3;     // samples: how far sweeps reach beyond their regions
 constexpr double kNear = 16;         // times the slack: outside, but so near that the law may find it inside
 constexpr double kMostMargin = 0.25; // where slack makes it more, the grid is too fine
 constexpr double kMostUneven = 1e-3; // samples: how far a grid's samples are from even
-constexpr float kFarthest = 2;       // 1: from within a mesh, no surface is further than its corners are apart
 constexpr double kMostTilt = 5e-4;   // of a normal against its triangle: as a squared distance less than slack
 
 // What rounding in single precision makes of a distance d, to first order, u half an epsilon and e the longest edge:
@@ -58,11 +57,16 @@ template <typename T> dvec3 double_at(std::span<const T> table, std::size_t inde
 template <typename T> bool measure(const layout::MeshView<T>& mesh, SweptSurface& surface, double& volume) {
     surface.normals.resize(mesh.triangle_normals.size());
     double longest = 0;
+    dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
     volume = 0;
     for (std::size_t t = 0; t < surface.triangles(); ++t) {
         std::array<dvec3, 3> corners;
         for (std::size_t i = 0; i < 3; ++i)
             corners[i] = double_at(mesh.vertices, surface.corners[3 * t + i]);
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min({low[axis], corners[0][axis], corners[1][axis], corners[2][axis]});
+            high[axis] = std::max({high[axis], corners[0][axis], corners[1][axis], corners[2][axis]});
+        }
         const dvec3 ab = corners[1] - corners[0], ac = corners[2] - corners[0], bc = corners[2] - corners[1];
         dvec3 normal = cross(ab, ac);
         volume += dot(corners[0], normal);
@@ -76,6 +80,9 @@ template <typename T> bool measure(const layout::MeshView<T>& mesh, SweptSurface
         longest = std::max({longest, dot(ab, ab), dot(ac, ac), dot(bc, bc)});
     }
     surface.longest = static_cast<float>(std::sqrt(longest));
+    // Along any axis, one of both ways leads out within half of the mesh's length.
+    const dvec3 extent = high - low;
+    surface.deepest = static_cast<float>(std::min({extent.x, extent.y, extent.z}) / 2 + 1e-6);
     return true;
 }
 
@@ -188,11 +195,13 @@ template <typename T> struct SolidScan<T>::Implementation {
     SweptGrid grid; /* of no slab yet */
     DistanceSlack slack;
     double margin;
+    std::unique_ptr<const NearVertices> near_vertices;
 
     /// Flips what is behind a triangle, seen along x.
     void cross_triangle(std::size_t triangle, const SweptGrid& slab, Crossings& crossings) const;
-    void find_inside(const SweptGrid& slab, std::vector<std::uint64_t>& cells) const;
-    BlockTies sweep(const SweptGrid& slab, std::vector<std::uint64_t>& cells) const;
+    /// Fills the cells, of whole layers of blocks.
+    void find_inside(const SweptGrid& slab, std::span<std::uint64_t> cells) const;
+    BlockTies sweep(const SweptGrid& slab, std::span<std::uint64_t> cells) const;
     void add_block(const std::array<std::size_t, 3>& block, std::span<const std::uint64_t, kBlockSamples> cells,
                    std::span<const SweptTie> ties, LayerPlan& plan) const;
     /// Appends what a slab comes to.
@@ -261,7 +270,7 @@ void SolidScan<T>::Implementation::cross_triangle(std::size_t triangle, const Sw
 }
 
 template <typename T>
-void SolidScan<T>::Implementation::find_inside(const SweptGrid& slab, std::vector<std::uint64_t>& cells) const {
+void SolidScan<T>::Implementation::find_inside(const SweptGrid& slab, std::span<std::uint64_t> cells) const {
     const std::size_t nx = axes[0].size(), ny = axes[1].size(), nz = std::size_t(slab.z_end - slab.z_first);
     Crossings crossings(nx, ny * nz);
     constexpr std::size_t kRun = 1024;
@@ -269,22 +278,24 @@ void SolidScan<T>::Implementation::find_inside(const SweptGrid& slab, std::vecto
         for (std::size_t t = run * kRun; t < std::min(surface.triangles(), (run + 1) * kRun); ++t)
             cross_triangle(t, slab, crossings);
     });
-    reference::share_out(threads, nz, [&](std::size_t, std::size_t z) {
-        for (std::size_t y = 0; y < ny; ++y) {
-            const std::span<const std::uint64_t> bits = crossings.settle(z * ny + y);
-            const std::size_t row = std::size_t(slab.part[2][z]) + slab.part[1][y];
-            for (std::size_t x = 0; x < nx; ++x)
-                if (bits[x / 64] >> x % 64 & 1u)
-                    cells[row + slab.part[0][x]] = kOpenCell;
-        }
+    const std::size_t layers = (nz + kMeshBlock - 1) / kMeshBlock, in_layer = cells.size() / layers;
+    reference::share_out(threads, layers, [&](std::size_t, std::size_t layer) {
+        std::ranges::fill(cells.subspan(layer * in_layer, in_layer), kOutsideCell);
+        for (std::size_t z = layer * kMeshBlock; z < std::min(nz, (layer + 1) * kMeshBlock); ++z)
+            for (std::size_t y = 0; y < ny; ++y) {
+                const std::span<const std::uint64_t> bits = crossings.settle(z * ny + y);
+                const std::size_t row = std::size_t(slab.part[2][z]) + slab.part[1][y];
+                for (std::size_t x = 0; x < nx; ++x)
+                    if (bits[x / 64] >> x % 64 & 1u)
+                        cells[row + slab.part[0][x]] = kOpenCell;
+            }
     });
 }
 
 template <typename T>
-BlockTies SolidScan<T>::Implementation::sweep(const SweptGrid& slab, std::vector<std::uint64_t>& cells) const {
-    const NearVertices near_vertices(surface, slab);
+BlockTies SolidScan<T>::Implementation::sweep(const SweptGrid& slab, std::span<std::uint64_t> cells) const {
     const double near = kNear * double(slack.base);
-    const SweepInput input{surface, slab, near_vertices, slack, margin, near, cells};
+    const SweepInput input{surface, slab, *near_vertices, slack, margin, near, cells};
     std::vector<SweepOutput> outputs(threads);
     constexpr std::size_t kRun = 256;
     const auto share = [&](std::size_t count, const auto& work) {
@@ -372,6 +383,8 @@ std::unique_ptr<const SolidScan<T>> SolidScan<T>::make(const layout::MeshView<T>
     made->mesh = mesh;
     made->axes = {x, y, z};
     made->threads = reference::threads_for(threads);
+    if (x.size() * y.size() > kMostAtAll / kLayers)
+        return nullptr;
     double spacing = std::numeric_limits<double>::infinity();
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (!measure_axis(made->axes[axis], made->grid.origin[axis], made->grid.spacing[axis]))
@@ -386,7 +399,7 @@ std::unique_ptr<const SolidScan<T>> SolidScan<T>::make(const layout::MeshView<T>
     if (!measure(mesh, surface, volume) || !(volume > 0))
         return nullptr;
     made->slack = slack_of<T>(surface.longest);
-    if (!(made->slack.at(kFarthest) < kLeastGap))
+    if (!(made->slack.at(surface.deepest) < kLeastGap))
         return nullptr;
     made->margin = kMargin + 2 * kNear * double(made->slack.base) / spacing;
     if (!(made->margin < kMostMargin) || !mesh.clearance->is_enough(threads))
@@ -394,6 +407,7 @@ std::unique_ptr<const SolidScan<T>> SolidScan<T>::make(const layout::MeshView<T>
     surface.vertices.assign(mesh.vertices.begin(), mesh.vertices.end());
     surface.pseudonormals.assign(mesh.vertex_pseudonormals.begin(), mesh.vertex_pseudonormals.end());
     find_stars(surface);
+    made->near_vertices = std::make_unique<const NearVertices>(surface, made->grid);
     return std::unique_ptr<const SolidScan>(new SolidScan(std::move(made)));
 }
 
@@ -411,7 +425,9 @@ void SolidScan<T>::Implementation::plan_slab(std::size_t z_first, std::size_t z_
         for (std::size_t i = 0; i < counts[axis]; ++i)
             slab.part[axis].push_back(
                 static_cast<std::uint32_t>(i / kMeshBlock * strides[axis] * kBlockSamples + (i % kMeshBlock << axis)));
-    std::vector<std::uint64_t> cells(across * along * layers * kBlockSamples, kOutsideCell);
+    const std::size_t size = across * along * layers * kBlockSamples;
+    const auto owned = std::make_unique_for_overwrite<std::uint64_t[]>(size);
+    const std::span cells(owned.get(), size);
     find_inside(slab, cells);
     const BlockTies ties = sweep(slab, cells);
     std::vector<LayerPlan> parts(layers);
