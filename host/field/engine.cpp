@@ -28,12 +28,13 @@ namespace {
 // that comes with it.
 template <typename T> class SlabPlanner {
 public:
-    SlabPlanner(const layout::FieldInput<T>& input, unsigned threads, EngineTimes& spent)
+    SlabPlanner(const layout::FieldInput<T>& input, unsigned threads, Evaluator evaluator, EngineTimes& spent)
         : input_(input), spent_(spent) {
         const Clock::time_point start = Clock::now();
         if (input.plan.blocks.empty())
-            planner_ = std::make_unique<BlockPlanner<T>>(input.law.mesh, input.x, input.y, input.z,
-                                                         input.law.features.inside, threads);
+            planner_ =
+                std::make_unique<BlockPlanner<T>>(input.law.mesh, input.x, input.y, input.z, input.law.features.inside,
+                                                  threads, FreeSpace::skipped, evaluator);
         spent_.plan = seconds_since(start);
     }
 
@@ -100,7 +101,7 @@ private:
     void evaluate_mesh(const FieldWork<T>& work, const std::function<void(const layout::FieldChunk<T>&)>& take,
                        Clock::time_point& start, EngineTimes& times) {
         const layout::FieldInput<T>& input = work.input;
-        SlabPlanner<T> planner(input, options_.threads, times);
+        SlabPlanner<T> planner(input, options_.threads, Evaluator::processor, times);
         start = Clock::now();
         reference::evaluate_mesh_field<T>(
             input, options_,
@@ -326,7 +327,7 @@ private:
         compute::MeshKernel& kernel = made(mesh_fields_);
         if (!input.plan.blocks.empty())
             return kernel.evaluate<T>(input, work.take);
-        SlabPlanner<T> planner(input, 0, spent);
+        SlabPlanner<T> planner(input, 0, chosen_.software ? Evaluator::processor : Evaluator::hardware, spent);
         return kernel.evaluate<T>(
             input, work.take, [&](std::size_t z_first, std::size_t z_count) { return planner.plan(z_first, z_count); });
     }

@@ -413,6 +413,60 @@ void put_in_order(const std::vector<BlockWorker<T>>& workers, const std::vector<
     flush();
 }
 
+// How dense a mesh's triangles are on a grid, and how rough they are.
+struct Fineness {
+    double density; /* triangles to an area of surface that is as large as a voxel's face */
+    double reflex;  /* mean over edges of the sine of the angle by which the inner side exceeds 180 degrees; 0 if not */
+};
+
+// By some 4096 triangles of a closed mesh, evenly chosen.
+template <typename T> Fineness fineness_of(const layout::MeshView<T>& mesh, double voxel) {
+    constexpr std::size_t kLooked = 4096;
+    const std::size_t all = mesh.triangle_facets.size(), step = std::max<std::size_t>(1, all / kLooked);
+    double count = 0, area = 0, length = 0, reflex = 0;
+    for (std::size_t t = 0; t < all; t += step) {
+        const auto triangle = reference::triangle_at(mesh, static_cast<uint>(t));
+        std::array<Vector<double>, 3> edges;
+        for (std::size_t i = 0; i < 3; ++i)
+            edges[i] = Vector<double>(triangle.corners[(i + 1) % 3]) - Vector<double>(triangle.corners[i]);
+        const Vector<double> normal(triangle.normal), twice = reference::cross(edges[0], edges[1]);
+        ++count;
+        area += std::sqrt(reference::dot(twice, twice)) / 2;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vector<double> across(
+                reference::vector_at(mesh.triangle_normals, mesh.triangle_neighbours[3 * t + i]));
+            length += std::sqrt(reference::dot(edges[i], edges[i]));
+            reflex += std::max(0.0, -reference::dot(reference::cross(normal, across), edges[i]));
+        }
+    }
+    return {count * voxel * voxel / area, reflex / length};
+}
+
+// Whether a scan of a solid takes less time than halving boxes. Measured on 30 solids of 12 to 1 M triangles over 16^3
+// to 256^3 voxels, in CPU time of plan and field, one thread:
+// - Finding out whether the surface keeps clear of itself takes as long as some voxels a triangle.
+// - On a processor in double precision a scan's short lists save more than all of the plan: 0.1 to 0.8 of the time.
+// - Else the plans themselves count. A box's list is longer the denser triangles are; a scan takes longer the more room
+//   there is at reflex edges. From this density on, plans took 0.3 to 1.1 of the time, plan and field 0.3 to 0.9; below
+//   it up to 3.3 and 1.8.
+template <typename T>
+bool is_scan_faster(const layout::MeshView<T>& mesh, const std::array<std::span<const T>, 3>& axes,
+                    Evaluator evaluator) {
+    constexpr double kLeastDensity = 0.5, kMoreByReflex = 15, kMostReflex = 0.2;
+    double voxels = 1, volume = 1;
+    for (const auto axis : axes) {
+        voxels *= static_cast<double>(axis.size());
+        const double length = static_cast<double>(axis.back()) - static_cast<double>(axis.front());
+        volume *= length / std::max(1.0, static_cast<double>(axis.size() - 1));
+    }
+    if (voxels < static_cast<double>(mesh.triangle_facets.size()))
+        return false;
+    if (std::is_same_v<T, double> && evaluator == Evaluator::processor)
+        return true;
+    const Fineness fineness = fineness_of(mesh, std::cbrt(volume));
+    return fineness.reflex < kMostReflex && fineness.density > kLeastDensity + kMoreByReflex * fineness.reflex;
+}
+
 } // namespace
 
 template <typename T> struct BlockPlanner<T>::Implementation {
@@ -423,14 +477,16 @@ template <typename T> struct BlockPlanner<T>::Implementation {
 
 template <typename T>
 BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y,
-                              std::span<const T> z, uint inside, unsigned threads, FreeSpace free) {
+                              std::span<const T> z, uint inside, unsigned threads, FreeSpace free,
+                              Evaluator evaluator) {
     threads = reference::threads_for(threads);
     T largest = T(1);
     for (const auto axis : {x, y, z})
         largest = std::max({largest, std::abs(axis.front()), std::abs(axis.back())});
     auto made = std::make_unique<Implementation>(Implementation{
         {mesh, {x, y, z}, inside, reference::prune_slack(largest), {}, free == FreeSpace::visited}, threads, nullptr});
-    if (free == FreeSpace::skipped)
+    if (mesh.clearance && inside == layout::kInsidePseudonormal && free == FreeSpace::skipped &&
+        is_scan_faster(mesh, made->input.axes, evaluator))
         made->scan = SolidScan<T>::make(mesh, x, y, z, inside, threads);
     if (made->scan) {
         implementation_ = std::move(made);

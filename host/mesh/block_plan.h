@@ -33,13 +33,21 @@ enum class FreeSpace {
     visited, /* listed with their candidates: the same field for more work, which shows what skipping saves */
 };
 
-/// Plans the blocks of one mesh on one grid, a slab at a time. Results do not depend on the threads.
+/// What evaluates the field that is planned: it decides how much time plans with fewer candidates save.
+enum class Evaluator {
+    processor, /* the CPU engine or a software device: in double precision it takes longer than planning */
+    hardware,  /* a GPU: planning takes longest */
+};
+
+/// Plans the blocks of one mesh on one grid, a slab at a time: by halving boxes, or by scan conversion (solid_scan.h)
+/// where that is faster. Results do not depend on the threads.
 template <typename T> class BlockPlanner {
 public:
     /// The grid x * y * z, coordinates in the mesh's frame, increasing. `inside` is layout::kInside...;
     /// kInsideWinding needs mesh.moments. All spans must outlive the planner. `threads` 0: most_threads().
     BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y, std::span<const T> z,
-                 layout::uint inside, unsigned threads = 0, FreeSpace free = FreeSpace::skipped);
+                 layout::uint inside, unsigned threads = 0, FreeSpace free = FreeSpace::skipped,
+                 Evaluator evaluator = Evaluator::processor);
     ~BlockPlanner();
 
     /// Blocks of the samples z in [z_first, z_first + z_count), z_first even, in which a voxel may be inside; all of

@@ -2,12 +2,12 @@
 #include <cmath>
 #include <map>
 #include <random>
-#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "host/mesh/block_plan.h"
 #include "host/mesh/findings.h"
+#include "host/mesh/solid_scan.h"
 #include "host/mesh/structure.h"
 #include "host/reference/mesh_contact.h"
 #include "tests/mesh/shapes.h"
@@ -40,10 +40,8 @@ bool lists_all_nearest(const layout::MeshView<T>& mesh, std::span<const layout::
 }
 
 template <typename T>
-void hold(const MeshStructure& structure, const Grid<T>& grid, layout::uint inside, FreeSpace free) {
-    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
-    const layout::MeshView<T> mesh = tables.view();
-    const BlockPlan plan = plan_blocks<T>(mesh, grid.x, grid.y, grid.z, inside, 0, free);
+void hold(const layout::MeshView<T>& mesh, const Grid<T>& grid, layout::uint inside, FreeSpace free,
+          const BlockPlan& plan) {
     std::map<std::array<std::size_t, 3>, std::size_t> blocks;
     for (std::size_t b = 0; b < plan.blocks.size(); ++b) {
         const layout::MeshBlock& block = plan.blocks[b];
@@ -89,7 +87,7 @@ void hold(const MeshStructure& structure, const Grid<T>& grid, layout::uint insi
     }
 }
 
-// Planned by scan conversion where that serves, and by halving boxes.
+// As planned, and by scan conversion where that serves.
 template <typename T>
 void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside = layout::kInsidePseudonormal,
           FreeSpace free = FreeSpace::skipped) {
@@ -98,9 +96,13 @@ void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside 
     MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
     if (is_solid(inspect(polygons)))
         assume_solid(structure);
-    hold(structure, grid, inside, free);
-    if (std::exchange(structure.clearance, nullptr))
-        hold(structure, grid, inside, free);
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
+    const layout::MeshView<T> mesh = tables.view();
+    const auto& [x, y, z] = grid;
+    hold(mesh, grid, inside, free, plan_blocks<T>(mesh, x, y, z, inside, 0, free));
+    const auto scan = free == FreeSpace::skipped ? SolidScan<T>::make(mesh, x, y, z, inside, 0) : nullptr;
+    if (scan)
+        hold(mesh, grid, inside, free, scan->plan(0, z.size()));
 }
 
 template <typename T> Grid<T> cubic(std::size_t side, double reach) {
@@ -187,6 +189,38 @@ TEST(BlockPlan, SkipsWhatIsFarOutsideOfASolid) {
     EXPECT_GT(evaluated(false), 3 * evaluated(true));
     hold<float>(cube, cubic<float>(31, 4));
     hold<double>(shapes::icosphere(1), cubic<double>(31, 4));
+}
+
+// What a scan plans says which voxels are wanted.
+template <typename T>
+bool is_scanned(const PolygonSoup& polygons, std::size_t side, Evaluator evaluator = Evaluator::processor) {
+    MeshStructure structure = build_structure(shapes::mesh_of(polygons));
+    if (is_solid(inspect(polygons)))
+        assume_solid(structure);
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
+    const Grid<T> grid = cubic<T>(side, 1.1);
+    const BlockPlanner<T> planner(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal, 0,
+                                  FreeSpace::skipped, evaluator);
+    return !planner.plan(0, grid.z.size()).wanted.empty();
+}
+
+TEST(BlockPlan, IsByScanConversionWhereThatIsFaster) {
+    EXPECT_TRUE(is_scanned<float>(shapes::icosphere(5), 40));
+    EXPECT_TRUE(is_scanned<double>(shapes::icosphere(5), 40, Evaluator::hardware));
+    // Triangles much larger than voxels.
+    EXPECT_FALSE(is_scanned<float>(shapes::icosphere(2), 40));
+    EXPECT_FALSE(is_scanned<double>(shapes::icosphere(2), 40, Evaluator::hardware));
+    EXPECT_TRUE(is_scanned<double>(shapes::icosphere(2), 40));
+    // More triangles than voxels.
+    EXPECT_FALSE(is_scanned<double>(shapes::icosphere(5), 21));
+    // Rough.
+    PolygonSoup rough = shapes::icosphere(5);
+    std::mt19937 random(3);
+    for (glm::dvec3& vertex : rough.vertices)
+        vertex = vertex * (1 + 0.02 * shapes::uniform(random));
+    EXPECT_FALSE(is_scanned<float>(rough, 40));
+    EXPECT_TRUE(is_scanned<double>(rough, 40));
+    EXPECT_FALSE(is_scanned<double>(shapes::nested_shells(1, true), 40));
 }
 
 TEST(BlockPlan, KnowsASolid) {
