@@ -1,4 +1,5 @@
 // How a row of the table is run: its law's tables, and kernels that are kept from row to row.
+#include "host/mesh/solid_scan.h"
 #include "host/paths/scene_paths.h"
 #include "host/reference/field.h"
 #include "tests/gpu/rows.h"
@@ -123,19 +124,27 @@ template <typename T> Held Kernels::field(const Way& way, const FieldTables<T>& 
     return held.result();
 }
 
-// The kernel and the CPU engine, told by the planner.
+// The kernel and the CPU engine. Where scans serve, the kernel's plan is one; the CPU engine's
+// is made by halving boxes, of grids as small as these.
 template <typename T> Held Kernels::mesh_field(const Way& way, const FieldTables<T>& tables, FreeSpace free) {
     auto& [kernel, sentinels] = kept<compute::MeshKernel>(way);
     const layout::FieldInput<T> input = tables.input();
     const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0, free);
+    const auto scan = free == FreeSpace::skipped
+                          ? SolidScan<T>::make(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 2)
+                          : nullptr;
     BlockPlan plan;
     const auto layers = [&](std::size_t z_first, std::size_t z_count) {
         plan = planner.plan(z_first, z_count);
         return plan.view();
     };
+    const auto scanned = [&](std::size_t z_first, std::size_t z_count) {
+        plan = scan->plan(z_first, z_count);
+        return plan.view();
+    };
     HeldField<T> held(input, &sentinels);
-    kernel.template evaluate<T>(
-        input, [&](const layout::FieldChunk<T>& chunk) { held.add(chunk); }, layers);
+    const auto take = [&](const layout::FieldChunk<T>& chunk) { held.add(chunk); };
+    scan ? kernel.template evaluate<T>(input, take, scanned) : kernel.template evaluate<T>(input, take, layers);
     // On the CPU in chunks of many layers, or of few rows of one.
     HeldField<T> on_cpu(input);
     const std::size_t chunk_bytes = std::size_t(1) << (sizeof(T) == sizeof(float) ? 25 : 13);
