@@ -34,6 +34,7 @@ constexpr std::size_t kMostSamples = std::size_t(1) << 23, kLayers = 16, kMostAt
 constexpr double kMargin = 5e-3;     // samples: how far sweeps reach beyond their regions
 constexpr double kNear = 16;         // times the slack: outside, but so near that the law may find it inside
 constexpr double kMostMargin = 0.25; // where slack makes it more, the grid is too fine
+constexpr double kMostReach = 1024;  // 1, of the grid: rounding decides what is nearest to samples very far away
 constexpr double kMostUneven = 1e-3; // samples: how far a grid's samples are from even
 constexpr double kMostTilt = 5e-4;   // of a normal against its triangle: as a squared distance less than slack
 
@@ -98,7 +99,7 @@ void find_stars(SweptSurface& surface) {
         surface.stars[next[surface.corners[corner]]++] = static_cast<uint>(corner);
 }
 
-// Of an even axis, origin and spacing.
+// Of an even axis that does not reach too far, origin and spacing.
 template <typename T> bool measure_axis(std::span<const T> axis, double& origin, double& spacing) {
     origin = static_cast<double>(axis.front());
     spacing = axis.size() > 1 ? (static_cast<double>(axis.back()) - origin) / static_cast<double>(axis.size() - 1) : 1;
@@ -106,7 +107,7 @@ template <typename T> bool measure_axis(std::span<const T> axis, double& origin,
         if (!(std::abs(static_cast<double>(axis[i]) - origin - spacing * static_cast<double>(i)) <=
               kMostUneven * spacing))
             return false;
-    return spacing > 0;
+    return spacing > 0 && std::max(std::abs(axis.front()), std::abs(axis.back())) <= T(kMostReach);
 }
 
 // A bit for each sample of the rows along x of a slab, flipped where the surface is crossed from the sample before.
@@ -364,7 +365,9 @@ void SolidScan<T>::Implementation::add_block(const std::array<std::size_t, 3>& b
     plan.blocks.push_back({static_cast<uint>(sample(0, 0)), static_cast<uint>(sample(1, 0)),
                            static_cast<uint>(sample(2, 0)), static_cast<uint>(first),
                            static_cast<uint>(plan.candidates.size() - std::size_t(first))});
-    plan.wanted.push_back(wanted);
+    // Behind the last sample of an odd row, chunks of kernels have a copy of it.
+    const bool is_cut = block[0] * kMeshBlock + 1 == axes[0].size();
+    plan.wanted.push_back(is_cut ? wanted | wanted << 1 : wanted);
     plan.samples += static_cast<std::uint64_t>(std::popcount(wanted));
 }
 

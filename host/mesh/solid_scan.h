@@ -16,7 +16,8 @@ namespace forceshade {
 template <typename T> class SolidScan {
 public:
     /// Null where it does not serve: the mesh is no solid, comes too near itself or is inside out, inside is not by
-    /// pseudonormals, a triangle is too thin for its normal, or the grid is uneven or finer than single precision.
+    /// pseudonormals, a triangle is too thin for its normal, or the grid is uneven, far larger than the mesh, or finer
+    /// than single precision.
     static std::unique_ptr<const SolidScan> make(const layout::MeshView<T>& mesh, std::span<const T> x,
                                                  std::span<const T> y, std::span<const T> z, layout::uint inside,
                                                  unsigned threads);

@@ -354,6 +354,9 @@ TEST(SolidScan, ServesSolidsThatKeepApartOnEvenGrids) {
         for (float& x : grid.axes[0])
             x *= 1e-4f;
     }));
+    EXPECT_FALSE(serves(shapes::icosphere(2), [](Samples<float>& grid) {
+        grid = samples<float>({9, 9, 9}, glm::dvec3(-1e4), glm::dvec3(1e4));
+    }));
     // Cells of sixteen layers that take 0.5 GB, and more.
     const auto widened_to = [](std::size_t side) {
         return [side](Samples<float>& grid) { grid = samples<float>({side, side, 2}, glm::dvec3(-1), glm::dvec3(1)); };
