@@ -38,6 +38,7 @@ struct Maps {
     InsideTest inside = InsideTest::pseudonormal;
     layout::uint map = layout::kMapNone, texture = layout::kMapNone;
     std::optional<double> map_x{};
+    bool known_solid = true; /* where it is a solid */
 };
 
 /// A law: a scene with its images and mesh.

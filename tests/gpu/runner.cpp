@@ -66,12 +66,12 @@ Ground analytic(const Scene& scene, const SceneImages& images) {
 }
 
 Ground mesh_of(const PolygonSoup& polygons, Shading shading, const Maps& maps) {
-    StructureOptions options;
-    options.winding = maps.inside == InsideTest::winding;
-    auto mesh = std::make_shared<SceneMesh>();
-    mesh->mesh = shapes::mesh_of(polygons);
-    mesh->structure = build_structure(mesh->mesh, options);
+    const std::shared_ptr<SceneMesh> mesh = made_mesh(polygons, maps.inside == InsideTest::winding);
     mesh->inside = maps.inside;
+    if (!maps.known_solid) {
+        mesh->structure.solid = false;
+        mesh->structure.clearance = nullptr;
+    }
     Ground ground;
     ground.maps = maps;
     ground.prepared.images.mesh = mesh;
