@@ -305,10 +305,10 @@ private:
         std::array<int, 3> sample;
         for (int axis = 0; axis < 3; ++axis) {
             const int last = static_cast<int>(grid_.at[std::size_t(axis)].size()) - 1;
-            const double at = (double(middle[axis]) - origin_[axis]) * per_spacing_[axis];
-            if (!(at > -1 && at < last + 1))
+            const double above = (double(middle[axis]) - origin_[axis]) * per_spacing_[axis] + 0.5; // rounds
+            if (!(above > -0.5 && above < last + 1.5))
                 return false;
-            sample[std::size_t(axis)] = std::min(static_cast<int>(at + 0.5), last);
+            sample[std::size_t(axis)] = std::min(static_cast<int>(above), last);
         }
         const auto hides = [&](const reference::Vector<float>& witness) {
             for (std::size_t i = 0; i < N; ++i) {

@@ -448,11 +448,11 @@ template <typename T> Fineness fineness_of(const layout::MeshView<T>& mesh, doub
 // - On a processor in double precision a scan's short lists save more than all of the plan: 0.1 to 0.8 of the time.
 // - Else the plans themselves count. A box's list is longer the denser triangles are; a scan takes longer the more room
 //   there is at reflex edges. From this density on, plans took 0.3 to 1.1 of the time, plan and field 0.3 to 0.9; below
-//   it up to 3.3 and 1.8.
+//   it up to 3.3 and 1.8. Small fields take some milliseconds either way.
 template <typename T>
 bool is_scan_faster(const layout::MeshView<T>& mesh, const std::array<std::span<const T>, 3>& axes,
                     Evaluator evaluator) {
-    constexpr double kLeastDensity = 0.5, kMoreByReflex = 15, kMostReflex = 0.2;
+    constexpr double kLeastVoxels = 1 << 16, kLeastDensity = 0.5, kMoreByReflex = 15, kMostReflex = 0.2;
     double voxels = 1, volume = 1;
     for (const auto axis : axes) {
         voxels *= static_cast<double>(axis.size());
@@ -463,6 +463,8 @@ bool is_scan_faster(const layout::MeshView<T>& mesh, const std::array<std::span<
         return false;
     if (std::is_same_v<T, double> && evaluator == Evaluator::processor)
         return true;
+    if (voxels < kLeastVoxels)
+        return false;
     const Fineness fineness = fineness_of(mesh, std::cbrt(volume));
     return fineness.reflex < kMostReflex && fineness.density > kLeastDensity + kMoreByReflex * fineness.reflex;
 }
