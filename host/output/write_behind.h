@@ -65,7 +65,7 @@ public:
     std::string sha256(std::uint64_t size) { return hash_ && hashed_ == size ? hash_->finish() : std::string(); }
 
 private:
-    static constexpr std::size_t kBuffers = 3, kBufferBytes = 1 << 20, kAlignment = 4096;
+    static constexpr std::size_t kBuffers = 3, kBufferBytes = 1 << 19, kAlignment = 4096;
     static constexpr std::uint64_t kWriteBack = 8 << 20; /* bytes */
 
     struct Free {
