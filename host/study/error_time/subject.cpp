@@ -36,7 +36,7 @@ origin = ["-14.7 mm", "-2 mm", "-2.5 mm"]
 spacing = ["0.1153 mm", "0.5714 mm", "0.15 mm"]
 [paths]
 press = "1 N"
-speed = "60 mm/s"
+speed = { mean = "60 mm/s", sd = "15 mm/s" }
 )";
 const glm::dvec3 kMeshLow(-9e-3, -6e-3, 1.5e-3), kMeshHigh(9e-3, 6e-3, 7e-3); // m: away from the mesh's border
 
