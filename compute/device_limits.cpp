@@ -36,6 +36,8 @@ DeviceLimits read_device_limits(std::string_view text) {
             limits.no_f64 = true;
         else if (item == "no-int64")
             limits.no_int64 = true;
+        else if (item == "no-float-controls")
+            limits.no_float_controls = true;
         else if (item == "flush")
             limits.flush = true;
         else if (item == "incoherent")
@@ -55,9 +57,10 @@ DeviceLimits read_device_limits(std::string_view text) {
         else
             throw DeviceError(
                 DeviceError::Kind::unsupported,
-                fmt::format("{}: \"{}\" is none of no-f64, no-int64, flush, incoherent, memory=BYTES, "
-                            "buffer=BYTES, group=INVOCATIONS, lost-at=SUBMISSION, short-at=BUFFER, longest=SECONDS",
-                            kLimitsVariable, item));
+                fmt::format(
+                    "{}: \"{}\" is none of no-f64, no-int64, no-float-controls, flush, incoherent, memory=BYTES, "
+                    "buffer=BYTES, group=INVOCATIONS, lost-at=SUBMISSION, short-at=BUFFER, longest=SECONDS",
+                    kLimitsVariable, item));
     }
     return limits;
 }
@@ -70,6 +73,8 @@ DeviceLimits device_limits() {
 void apply(const DeviceLimits& limits, DeviceReport& report) {
     report.f64 = report.f64 && !limits.no_f64;
     report.int64 = report.int64 && !limits.no_int64;
+    if (limits.no_float_controls)
+        report.single = report.twice = {};
     if (limits.flush)
         report.software = false;
     lower(report.memory, limits.memory);

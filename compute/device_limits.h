@@ -13,6 +13,7 @@ inline constexpr const char* kLimitsVariable = "FORCESHADE_DEVICE_LIMITS";
 /// 0: as the device is.
 struct DeviceLimits {
     bool no_f64 = false, no_int64 = false;
+    bool no_float_controls = false;      /* kernels ask for none */
     bool flush = false;                  /* floats flush denormals to 0: taken for hardware, with bounds for bits */
     bool incoherent = false;             /* the host writes and reads mapped memory through flushing and invalidating */
     std::uint64_t memory = 0;            /* bytes: of the device's own memory, which the host does not see */

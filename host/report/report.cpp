@@ -89,9 +89,10 @@ std::string opening(const Contents& contents, bool table_follows) {
                          sentence_of(contents, "stability", "loop_shading",
                                      "Such a force has no potential: a round can give the hand energy, and a "
                                      "loop may come to rest only at lower stiffness.");
-    return fmt::format("<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
-                       "facet to facet, towards that on the smooth shape. {}</p>\n",
-                       escaped(buys_and_costs));
+    return fmt::format(
+        "<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
+        "facet to facet, towards that on the smooth shape (Morgenbesser and Srinivasan 1996, here the paper). {}</p>\n",
+        escaped(buys_and_costs));
 }
 
 // The terms that the page assumes.
@@ -117,6 +118,14 @@ std::string words_section(bool of_score) {
         {"kernel", "a program that a Vulkan device runs for many voxels or paths at a time"},
         {"reference", "shading of the bump: the direction of the cylinder that its facets stand for"},
         {"none", "no shading: the direction is the facet's normal"},
+        {"barycentric",
+         "shading of a mesh: vertex normals, averaged with the weights of the place within its triangle; "
+         "the size of the force stays"},
+        {"morgenbesser", "shading of a mesh as in the paper: vertex normals, weighted by the distances from a facet's "
+                         "corners"},
+        {"K·d", "stiffness times depth: the size of the force"},
+        {"passive", "gives no energy, whatever hand holds the device"},
+        {"hold", "the direction that a hand presses in; the grip's spring acts across it"},
         {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
                        "of corners; the size of the force stays"},
         {"two_pass",

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -30,8 +31,8 @@ constexpr Scheme kSchemes[] = {
     {"bump, reference", "it stands for a cylinder", "bump", "reference", "shaded bump of 8 facets", "shaded"},
     {"mesh, unshaded", "people should perceive its edges", "mesh", "none", "mesh", "unshaded"},
     {"mesh, barycentric", "it stands for a round shape", "mesh", "barycentric", "barycentric mesh", "mean_value"},
-    {"mesh, mean_value", "so does it, and its facets have more than three corners", "mesh", "mean_value", "shaded mesh",
-     "mean_value"},
+    {"mesh, mean_value", "it stands for a round shape, and facets have more than three corners", "mesh", "mean_value",
+     "shaded mesh", "mean_value"},
     {"mesh, morgenbesser", "the paper of 1996 is to be repeated", "mesh", "morgenbesser", "morgenbesser mesh",
      "morgenbesser"},
     {"mesh, two_pass", "Ruspini's force (1997) is to be repeated, on blunt edges alone", "mesh", "two_pass",
@@ -109,9 +110,9 @@ struct Heading {
     const char *words, *unit;
 };
 constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS"},
-                                 {"error of the force", "% of its RMS, RMS"},
+                                 {"error of the force, size and direction", "RMS, % of the RMS force"},
                                  {"places without a force", "%"},
-                                 {"time of an evaluation", "of unshaded [95 % interval]"},
+                                 {"time of an evaluation", "times unshaded [95 % interval]"},
                                  {"largest stable force K·d", "N, 2 mm deep"},
                                  {"energy that a loop gives the hand", "mJ, median"}};
 
@@ -144,39 +145,53 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
     return html;
 }
 
-// The fewest facets or cells whose direction errs by 1 deg at most without shading, against shading 8 of them.
+// How many facets or cells it takes without shading for a direction within 1 deg, against shading 8; `of` as "{}
+// facets".
 std::string more_elements(const Table& ways, const Table& rounds, const char* surface, const char* shading,
-                          const char* elements) {
+                          const char* of) {
     const auto plain = rows_of(ways, surface, "none"), shaded = rows_of(ways, surface, shading);
     const auto enough = std::ranges::find_if(
         plain, [&](const auto& one) { return ways.number(one.second, "direction_rms_deg").value_or(NAN) <= 1; });
     if (enough == plain.end() || !shaded.contains(kElements) || enough->first <= kElements)
         return "";
-    return fmt::format("{} {} unshaded err by {} deg and {} % of the force, and take {} times as long as {} shaded",
-                       enough->first, elements, shown(ways.needed(enough->second, "direction_rms_deg")),
+    return fmt::format("{} unshaded err by {} deg and {} % of the force, and take {} times as long as {} shaded",
+                       fmt::format(fmt::runtime(of), enough->first),
+                       shown(ways.needed(enough->second, "direction_rms_deg")),
                        percent(ways.needed(enough->second, "typical_rms_1")),
-                       study::ratio_text(time_ratio(rounds, enough->second, shaded.at(kElements))), kElements);
+                       study::ratio_text(time_ratio(rounds, enough->second, shaded.at(kElements))),
+                       fmt::format(fmt::runtime(of), kElements));
+}
+
+// What shading takes from the largest stable force: "from 7.9 to 2.3 N on the bump, ...".
+std::string stable_forces(const StudyData& stability) {
+    std::string text;
+    for (const auto& [plain, shaded, surface] :
+         {std::tuple(&kSchemes[0], &kSchemes[1], "bump"), {&kSchemes[2], &kSchemes[3], "mesh"}})
+        if (const auto before = stable_force(stability, plain->pressed),
+            after = stable_force(stability, shaded->pressed);
+            before && after)
+            text += fmt::format("{}from {} to {} N on the {}", text.empty() ? "" : ", ", shown(before), shown(after),
+                                surface);
+    return text;
 }
 
 // What to take, and what it does.
-std::string advice(const Table& ways, const Table& rounds) {
+std::string advice(const Table& ways, const Table& rounds, const StudyData* stability) {
     const auto plain = rows_of(ways, "mesh", "none"), shaded = rows_of(ways, "mesh", "barycentric");
     std::string html = "<p><strong>For a shape that should be perceived as round, shade it: <code>reference</code> on "
                        "a bump, <code>barycentric</code> on a mesh of triangles.</strong> ";
-    if (plain.contains(kElements) && shaded.contains(kElements)) {
-        const std::size_t without = plain.at(kElements), with = shaded.at(kElements);
-        html +=
-            fmt::format("On the mesh below it brings the error of the direction from {} to {} deg. The size of "
-                        "the force stays that of the facets ({} instead of {} % off)",
-                        shown(ways.needed(without, "direction_rms_deg")), shown(ways.needed(with, "direction_rms_deg")),
-                        percent(ways.needed(with, "typical_rms_1")), percent(ways.needed(without, "typical_rms_1")));
-    } else {
-        html += "The size of the force stays that of the facets";
-    }
-    html += "; only <code>two_pass</code> changes it: it grows by 1/cos of the angle turned, without a bound.";
+    if (plain.contains(kElements) && shaded.contains(kElements))
+        html += fmt::format("On the mesh below it brings the error of the direction from {} to {} deg. ",
+                            shown(ways.needed(plain.at(kElements), "direction_rms_deg")),
+                            shown(ways.needed(shaded.at(kElements), "direction_rms_deg")));
+    html +=
+        "It does not mend the size of the force, which stays that of the facets; only <code>two_pass</code> changes "
+        "it: it grows by 1/cos of the angle turned, without a bound.";
+    if (const std::string forces = stability ? stable_forces(*stability) : ""; !forces.empty())
+        html += " <strong>Its price is stability:</strong> 2 mm deep the largest stable force falls " + forces + ".";
     std::string finer;
-    for (const std::string& one : {more_elements(ways, rounds, "bump", "reference", "facets"),
-                                   more_elements(ways, rounds, "mesh", "barycentric", "cells")})
+    for (const std::string& one : {more_elements(ways, rounds, "bump", "reference", "{} facets"),
+                                   more_elements(ways, rounds, "mesh", "barycentric", "{0} x {0} cells")})
         if (!one.empty())
             finer += (finer.empty() ? "" : "; ") + one;
     if (!finer.empty())
@@ -266,7 +281,7 @@ std::string panel(const std::string& words, const Direction& direction) {
 
 std::string surfaces_drawing() {
     return "<div class=\"surfaces\">\n" +
-           panel("unshaded: the force jumps from facet to facet",
+           panel("unshaded: the force jumps from facet to facet (five are drawn)",
                  [](double, double left, double right) {
                      return (arc_height(left) - arc_height(right)) / (right - left);
                  }) +
@@ -285,7 +300,7 @@ std::string verdict_section(const Contents& contents) {
     std::string rows, text, device;
     try {
         rows = verdict_rows(*errors, stability, energy);
-        text = advice(errors->table("ways"), errors->table("rounds"));
+        text = advice(errors->table("ways"), errors->table("rounds"), stability);
         device = stability ? on_a_device(*stability) : "";
     } catch (const study::DataError&) { // of another version
     }
@@ -297,11 +312,12 @@ std::string verdict_section(const Contents& contents) {
     return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n" + text + surfaces_drawing() +
            "<table>\n<thead><tr><th scope=\"col\">shading</th><th scope=\"col\">take it if</th>" + headings +
            "</tr></thead>\n<tbody>\n" + rows +
-           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 600 mil and W = 1000 mil, K = 1000 N/m: "
+           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 N/m: "
            "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it; "
-           "facets lie below it, so that a light touch may miss them. Times are of direct evaluations, of a mesh of a "
-           "god-object's updates. A force is stable if the loop is, with the hand below, at every place 2 mm deep "
-           "where the direction does not jump. Loops are strokes out and back at another depth.</p>\n" +
+           "facets lie below it, so that a light touch misses them, and the whole force is the error there. Times are "
+           "of single evaluations, on the mesh of a god-object's updates. A force is stable if small displacements die "
+           "out, with the hand below, at every place 2 mm deep where the direction does not jump. Energies are of the "
+           "force by the place, round strokes out and back at another depth.</p>\n" +
            device + "</section>\n";
 }
 

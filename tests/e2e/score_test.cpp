@@ -253,8 +253,10 @@ TEST_F(Score, WithoutAFileTheScenesOwnPathsAreTheStrokes) {
 // The scene has paths and no grid of its own.
 TEST_F(Score, AStudyPutsARendererOnItsFrontOfErrorAgainstTime) {
     write("scene.toml", "[surface]\nkind = \"bump\"\nfacets = 6\n[paths]\ncount = 2\nsteps = 200\n");
-    expect_success({"study", "error-time", "scene.toml", "--quick", "--out", "out", "--renderer", PENALTY, "--renderer",
-                    std::string(BAD_RENDERER) + ":crash"});
+    expect_failure(1,
+                   {"study", "error-time", "scene.toml", "--quick", "--out", "out", "--renderer", PENALTY, "--renderer",
+                    std::string(BAD_RENDERER) + ":crash"},
+                   {"bad_renderer:crash crashed"});
     std::map<std::string, double> errors; // by family
     const std::vector<std::string> lines = lines_of(read_text(path("out/error-time/ways.csv")));
     const std::vector<std::string> header = cells_of(lines.front());

@@ -3,6 +3,7 @@
 // see a break does, or it holds nothing.
 #include <gtest/gtest.h>
 
+#include "compute/device_limits.h"
 #include "host/field/engine.h"
 #include "host/referee/validate.h"
 #include "tests/gpu/broken_kernels.h"
@@ -130,7 +131,10 @@ const Broken kBroken[] = {
 
 class BrokenKernel : public ::testing::TestWithParam<Broken> {
 protected:
-    void TearDown() override { test::choose_break(Break::none); }
+    void TearDown() override {
+        test::choose_break(Break::none);
+        unsetenv(compute::kLimitsVariable);
+    }
 
     template <typename T> static bool is_seen(const Broken& broken, const Row& row, test::Kernels& kernels) {
         bool seen = true;
@@ -153,6 +157,8 @@ protected:
 TEST_P(BrokenKernel, IsSeen) {
     const Broken& broken = GetParam();
     test::choose_break(broken.which);
+    if (broken.which == Break::imprecise) // Mesa reassociates nothing where infinities are to be kept
+        setenv(compute::kLimitsVariable, "no-float-controls", 1);
     compute::Device device = test::open_software_device(false);
     test::Kernels kernels(device);
     bool single = false, twofold = false;

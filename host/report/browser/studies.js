@@ -59,7 +59,7 @@ const DEVICE = {
   period: { label: "period T", unit: "ms", low: 0.1, high: 10, value: 1, factor: 1e-3 },
   delay: { label: "delay", unit: "samples", low: 0, high: 5, step: 1, value: 0, factor: 1 },
   radius: { label: "radius of what is pressed", unit: "mm", low: 1, high: 1000, value: 15.24, factor: 1e-3 },
-  slope: { label: "its slope there", unit: "deg", low: 0, high: 85, step: 0.1, value: 56.4, factor: Math.PI / 180 },
+  slope: { label: "its slope there", unit: "deg", low: 0, high: 85, step: 0.01, value: 56.44, factor: Math.PI / 180 },
   depth: { label: "depth", unit: "mm", low: 0.05, high: 10, value: 2, factor: 1e-3 },
   stiffness: { label: "stiffness K", unit: "N/m", low: 10, high: 1e5, value: 1000, factor: 1 },
 };
@@ -144,7 +144,7 @@ class Device {
     cells.classed("n", (_, i) => i > 0).text((text) => text);
     const critical = criticalStiffness(mass, b, period, delay), passive = passiveStiffness(damping, period, delay), held = heldStiffness(spring, radius, slope, depth);
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
-      : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. On the shaded cylinder the grip "
+      : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. On the shaded cylinder the grip "
       + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m.");
     this.mark();
   }

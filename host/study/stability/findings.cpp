@@ -156,11 +156,11 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back(
         {"loop_edges",
          fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: at {} the probe keeps "
-                     "oscillating, {:.0f} um peak to peak, the largest of eight starts.",
+                     "oscillating, {:.0f} um peak to peak, {:.2g} mm deep at the worst of eight feet.",
                      rest == 0 ? (all == 1 ? "the loop is not stable"
                                            : fmt::format("loops are stable on none of {} surfaces", all))
                                : fmt::format("{} of {} loops are not stable", all - rest, all),
-                     newtons(stiffness), 1e6 * most->outcome.swing),
+                     newtons(stiffness), 1e6 * most->outcome.swing, 1e3 * depth),
          "loop-edges",
          fmt::format("{}: jump of {:.3g} deg at x = {:.3g} mm, y = {:.3g} mm", most->surface,
                      most->place.jump / kDegree, 1e3 * most->place.at.x, 1e3 * most->place.at.y),
