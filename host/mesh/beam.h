@@ -192,7 +192,7 @@ public:
 
 private:
     static constexpr float kWidest = 4;           // samples: wider beams are halved
-    static constexpr std::size_t kSuspicious = 6; // samples: so many lost, it is worth while to look closely
+    static constexpr std::size_t kSuspicious = 6; // samples: from this loss on a closer look pays
 
     // Of a ray along an axis across, in samples.
     template <std::size_t N> double place_of(const Beam<N>& beam, int axis, std::size_t ray, double steps) const {

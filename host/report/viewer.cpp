@@ -341,6 +341,7 @@ Json loop_data(const std::string& scene) {
     return {{"mass", hand.mass},
             {"damping", hand.damping},
             {"grip", hand.grip_damping},
+            {"spring", hand.grip_stiffness},
             {"delay", hand.delay_samples},
             {"period", 1 / (one->scene.paths ? one->scene.paths->rate : PathsSpec().rate)},
             {"stiffness", coupled_share(hand, stiffness) * stiffness}};

@@ -317,11 +317,12 @@ function drawMap(element, study, figure) {
   // Curves lie between the middles of cells.
   const along = (band, sorted) => d3.scaleLinear().domain(sorted).range(sorted.map((value) => band(value) + band.bandwidth() / 2));
   frame.body.node().place = { x: along(x, xs), y: along(y, ys), columns: [figure.x.column, figure.y.column] };
-  const free = [0, 1, 2, 3, 4], dashes = figure.curves.map((curve) => CURVE_DASHES[free.splice(curve.dashed && free.length > 1 ? free.indexOf(free.find((k) => k > 0)) : 0, 1)[0] || 0]);
-  figure.curves.forEach((curve, i) => {
+  const lines = [...figure.curves].sort((a, b) => (a.dashed || false) - (b.dashed || false)); // the first that is not dashed is solid
+  const solid = lines.length && !lines[0].dashed ? 0 : 1;
+  figure.curves.forEach((curve) => {
     const points = rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
       .filter(([a, b]) => a !== null && b !== null && a >= xs[0] && a <= xs[xs.length - 1] && b >= ys[0] && b <= ys[ys.length - 1]);
-    const dash = dashes[i];
+    const dash = CURVE_DASHES[(lines.indexOf(curve) + solid) % CURVE_DASHES.length];
     if (points.length)
       drawLine(frame.body, points, along(x, xs), along(y, ys), "var(--plot-ink)", dash, 1.8);
     frame.addLegend(curve.label, (key) => drawKey(key, "var(--plot-ink)", dash, 1.8));
