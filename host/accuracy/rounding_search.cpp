@@ -74,8 +74,9 @@ public:
         return std::nullopt;
     }
 
-    /// Empty if the place is outside of the depths of a hand, in either precision.
-    std::optional<WorstRounding> operator()(const Probed& probed) {
+    /// Empty if the place is outside of the depths of a hand, in either precision, or its error is no more than
+    /// `least`.
+    std::optional<WorstRounding> operator()(const Probed& probed, double least) {
         ++evaluations_;
         const auto one = contact(single_, probed, single_hint_);
         const auto two = contact(twice_, probed, twice_hint_);
@@ -86,8 +87,10 @@ public:
             one.facet == layout::kNoFacet || !(size > 0))
             return std::nullopt;
         WorstRounding found;
+        found.error = std::isnan(off) ? INFINITY : off / (stiffness_ * scale.deepest);
+        if (!(found.error > least))
+            return std::nullopt;
         found.same_facet = !jumps_near(probed, truth, 0.5 * off, found.gradient) && one.facet == two.facet;
-        found.error = off / (stiffness_ * scale.deepest);
         found.local = off / size;
         found.depth = two.depth;
         found.place = probed.at;
@@ -265,28 +268,28 @@ struct Seen : WorstRounding {
     Tie tie{};
 };
 
-// Where both precisions meet the same facet.
-std::optional<Seen> seen_at(BothLaws& both, const Probed& place) {
-    const auto found = both(place);
+// Where both precisions meet the same facet, if its error is more than `least`.
+std::optional<Seen> seen_at(BothLaws& both, const Probed& place, double least) {
+    const auto found = both(place, least);
     return found && found->same_facet ? std::optional(Seen{*found}) : std::nullopt;
 }
 
 // Where they do not.
-std::optional<Seen> seen_at(BothLaws& both, const std::optional<Tie>& tie) {
+std::optional<Seen> seen_at(BothLaws& both, const std::optional<Tie>& tie, double least) {
     std::optional<Seen> worse;
     if (tie)
         for (const Probed& side : {tie->here, tie->there})
-            if (const auto found = both(side); found && !found->same_facet && !(worse && worse->error >= found->error))
+            if (const auto found = both(side, worse ? worse->error : least); found && !found->same_facet)
                 worse = Seen{*found, *tie};
     return worse;
 }
 
-// Climbs to worse places: `moved` gives the worst near the best one so far, within a reach, m.
+// Climbs to worse places: `moved` gives one near the best one so far, within a reach, m, if it is worse.
 template <typename Moved> Seen climbed(double scale, Seen best, const Moved& moved) {
     double reach = 0.5 * scale;
     for (std::size_t step = 0; step < kClimbSteps; ++step) {
         const std::optional<Seen> next = moved(best, reach);
-        if (next && next->error > best.error) {
+        if (next) {
             best = *next;
             reach *= 1.5;
         } else {
@@ -298,10 +301,11 @@ template <typename Moved> Seen climbed(double scale, Seen best, const Moved& mov
 
 // The worst of each of some groups, by the group's key.
 template <typename Key> struct WorstOfGroups : std::map<Key, Seen> {
-    void keep(const Key& key, const std::optional<Seen>& seen) {
-        if (seen)
-            if (const auto at = this->try_emplace(key, *seen).first; seen->error > at->second.error)
-                at->second = *seen;
+    // `seen(least)` gives one whose error is more than that.
+    template <typename Look> void keep(const Key& key, const Look& seen) {
+        const auto at = this->find(key);
+        if (const std::optional<Seen> worse = seen(at == this->end() ? -1 : at->second.error))
+            this->insert_or_assign(key, *worse);
     }
 
     // Adds the worst that climbs reach from them, from those with the worst first.
@@ -330,17 +334,18 @@ std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::siz
     WorstOfGroups<std::pair<layout::uint, layout::uint>> ties; // each two facets
     for (std::size_t i = 0; i < places; ++i)
         if (const auto at = aim.below_the_surface())
-            smooth.keep(i * climbs / places, seen_at(both, *at));
+            smooth.keep(i * climbs / places, [&](double least) { return seen_at(both, *at, least); });
     for (std::size_t i = 0; i < places / 10; ++i)
         if (const auto tie = aim.tie())
-            ties.keep(tie->facets, seen_at(both, tie));
+            ties.keep(tie->facets, [&](double least) { return seen_at(both, tie, least); });
     std::vector<WorstRounding> found;
     smooth.add_climbed(found, climbs, scale, [&](const Seen& best, double reach) {
-        return seen_at(both, aim.near({best.place, best.from.value_or(glm::dvec3(0))}, reach));
+        return seen_at(both, aim.near({best.place, best.from.value_or(glm::dvec3(0))}, reach), best.error);
     });
     ties.add_climbed(found, climbs, scale, [&](const Seen& best, double reach) {
         const glm::dvec3 across = 4 * reach / reference::length(best.tie.way) * best.tie.way;
-        return seen_at(both, both.tie_on(aim.near(best.tie.here, reach).moved(-0.5 * across, -0.5 * across), across));
+        return seen_at(both, both.tie_on(aim.near(best.tie.here, reach).moved(-0.5 * across, -0.5 * across), across),
+                       best.error);
     });
     for (WorstRounding& one : found)
         one.evaluations = both.evaluations();

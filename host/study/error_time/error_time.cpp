@@ -141,10 +141,14 @@ Round measure_round(std::span<const Method> methods, std::size_t number) {
 }
 
 Interval Times::ratio(std::size_t method, std::size_t other) const {
-    std::vector<double> ratios;
-    for (const Round& round : rounds_)
-        ratios.push_back(round[method] / round[other]);
-    return bootstrap_median(ratios);
+    const auto [known, is_new] = ratios_.try_emplace({method, other});
+    if (is_new) {
+        std::vector<double> ratios;
+        for (const Round& round : rounds_)
+            ratios.push_back(round[method] / round[other]);
+        known->second = bootstrap_median(ratios);
+    }
+    return known->second;
 }
 
 Interval Times::seconds(std::size_t method) const {
@@ -255,9 +259,10 @@ StudyData study_error_time(StudyRun& run) {
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             if (variant.is_main())
-                parts.push_back(
-                    {"loops of " + subject.name,
-                     [&] { append(others.loops, loop_runs(subject.name, variant, *single_thread, extents.runs)); }});
+                parts.push_back({"loops of " + subject.name, [&] {
+                                     append(others.loops,
+                                            loop_runs(subject.name, variant, *single_thread, (extents.runs + 1) / 2));
+                                 }});
     parts.push_back({"compiling", [&] { measure_round(methods, 0); }}); // and making volumes: not within a round
     for (std::size_t round = 1; round <= extents.rounds; ++round)
         parts.push_back({"times", [&, round] { rounds.push_back(measure_round(methods, round)); }});

@@ -213,7 +213,7 @@ Extents extents_of(bool quick) {
     if (quick)
         return {{1, 4, 16, 64, 512}, {4, 8, 16, 32}, {0.8e-3, 0.4e-3, 0.2e-3}, 1000, 150, 7, 5, 3, 100, 10};
     const std::vector<unsigned> facets{1, 2, 3, 4, 8, 16, 32, 64, 128, 512, 4096}, cells{4, 8, 16, 32, 64};
-    return {facets, cells, {0.8e-3, 0.4e-3, 0.2e-3, 0.1e-3}, 4000, 500, 24, 12, 9, 1000, 50};
+    return {facets, cells, {0.8e-3, 0.4e-3, 0.2e-3, 0.1e-3}, 4000, 500, 20, 12, 9, 1000, 50};
 }
 
 std::vector<Subject> own_subjects(const Extents& extents) {
