@@ -237,13 +237,15 @@ private:
     // Where the god-objects of a batch begin.
     std::span<const layout::ProxyStart<T>> start_proxies(const layout::PathBatch<T>& batch) {
         const layout::PathInput<T> input = this->input();
+        if (batch.motions.empty())
+            positions(0, 1);
         proxies_.clear();
         for (std::size_t path = 0; path < batch.count; ++path) {
             const layout::HandParams<T> hand = input.hands.empty()
                                                    ? layout::HandParams<T>{}
                                                    : input.hands[input.hands.size() > 1 ? batch.first + path : 0];
             const reference::Vector<T> place = batch.motions.empty()
-                                                   ? reference::vector_at(positions(0, 1), path)
+                                                   ? reference::vector_at(std::span<const T>(window_), path)
                                                    : reference::motion_at(input.law, input.features, batch, path, 0U);
             const auto state = reference::begin_state(input.features, hand, place);
             const reference::Vector<T> begin(state.x, state.y, state.z);

@@ -314,8 +314,8 @@ std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::
             "Each mark is a rate, in kHz, of the same strokes of a hand that presses. The error is the "
             "difference of the force from that of a loop of 64 kHz at half of the instants, over its RMS.",
             FigureKind::scatter, "loop_rates", {{"precision", "f64"}},
-            {"time_ms", "time for a second of a stroke / ms", true}, {"median_error_1", "median error of the force", true},
-            "surface", "rate_kHz", {.joined = true}));
+            {"time_ms", "time for a second of a stroke / ms", true},
+            {"median_error_1", "median error of the force", true}, "surface", "rate_kHz", {.joined = true}));
     return figures;
 }
 
@@ -335,7 +335,8 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
             {"loop_rate",
              fmt::format(
                  "Stroking, the force of a loop of 1 kHz differs from that of one of 64 kHz by {} % of the RMS force, "
-                 "that of one of 4 kHz by {} % (median); where a stroke crosses a rim earlier or later it differs by far "
+                 "that of one of 4 kHz by {} % (median); where a stroke crosses a rim earlier or later it differs by "
+                 "far "
                  "more, so that the RMS difference is {:.2g} and {:.2g} %. Single precision adds nothing to that.",
                  in_percent(slow->by_stroke), in_percent(fast->by_stroke), 100 * slow->force_error,
                  100 * fast->force_error),
