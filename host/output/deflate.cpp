@@ -101,6 +101,10 @@ std::string deflate_name() {
     return fmt::format("libdeflate {}", LIBDEFLATE_VERSION_STRING);
 }
 
+std::uint32_t crc32_of(std::span<const std::byte> bytes, std::uint32_t before) {
+    return libdeflate_crc32(before, bytes.data(), bytes.size());
+}
+
 void deflate(std::span<const std::byte> from, std::vector<std::byte>& to) {
     constexpr int kLevel = 4; // OpenEXR's
     to.resize(libdeflate_zlib_compress_bound(nullptr, from.size()));

@@ -30,6 +30,7 @@
 #include "host/error.h"
 #include "host/output/exr_image.h"
 #include "host/output/files.h"
+#include "host/output/raw_formats.h"
 #include "host/output/rows.h"
 #include "host/program.h"
 
@@ -123,7 +124,7 @@ public:
     void write(const char bytes[], int count) override {
         const std::string_view text(bytes, static_cast<std::size_t>(count));
         if (data_from_ && tellp() == data_to_) {
-            data_.update(std::as_bytes(std::span(text)));
+            data_ = crc32_of(std::as_bytes(std::span(text)), data_);
             data_to_ += text.size();
         }
         keep_failure([&] { file_.write(text); });
@@ -135,12 +136,19 @@ public:
 
     // What comes from here on, one block after the other, is data. Offsets of blocks are put in before it later.
     void begin_data() { data_from_ = data_to_ = tellp(); }
-    // Throws IoError if the file does not hold the data that were written.
-    void read_back() {
-        if (sha256_of_file(file_.temporary_path(), *data_from_) != data_.finish())
+    // The SHA-256 of the file. Throws IoError if the file does not hold the data that were written.
+    std::string read_back() {
+        std::uint32_t found = 0;
+        std::string sha256 =
+            sha256_of_file(file_.temporary_path(), [&](std::span<const std::byte> bytes, std::uint64_t at) {
+                if (at + bytes.size() > *data_from_)
+                    found = crc32_of(bytes.subspan(at < *data_from_ ? *data_from_ - at : 0), found);
+            });
+        if (found != data_)
             throw IoError("cannot write {}: read back from the disk it differs from what was written; "
                           "check the disk and the memory",
                           file_.path().string());
+        return sha256;
     }
 
     // Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if it had one, else `cannot
@@ -173,7 +181,7 @@ private:
     std::optional<IoError> failure_;
     std::optional<std::uint64_t> data_from_; // byte of the file
     std::uint64_t data_to_ = 0;              // byte of the file
-    Sha256 data_;
+    std::uint32_t data_ = 0;                 // CRC-32
 };
 
 // The rows of one part on their way to OpenEXR.
@@ -321,8 +329,7 @@ VolumeResult RowsWriter::finish(const PlaceText& place) {
     });
     timed(timings.flush, [&] { file_.flush_to_disk(); });
     // That blocks unpack to what was packed was seen when they were (deflate.cpp).
-    timed(timings.read_back, [&] { stream_.read_back(); });
-    timed(timings.hash, [&] { result.sha256 = sha256_of_file(file_.temporary_path()); });
+    timed(timings.read_back, [&] { result.sha256 = stream_.read_back(); });
     result.bytes = std::filesystem::file_size(file_.temporary_path());
     timed(timings.flush, [&] { file_.publish(); });
     result.timings = timings;

@@ -363,17 +363,20 @@ std::string sha256_of(std::string_view text) {
     return sha256_of(std::as_bytes(std::span(text)));
 }
 
-std::string sha256_of_file(const std::filesystem::path& path, std::uint64_t from) {
+std::string sha256_of_file(const std::filesystem::path& path,
+                           const std::function<void(std::span<const std::byte>, std::uint64_t at)>& also) {
     constexpr std::uint64_t kMegabyte = 1000000;
     constexpr std::size_t kBlock = 1 << 18; /* bytes: fits the second-level cache */
     const ReadableFile file(path);
     Stage stage("checking " + final_name(path), file.size() / kMegabyte, "MB");
     std::vector<std::byte> block(kBlock);
     Sha256 hash;
-    for (std::uint64_t offset = from;;) {
+    for (std::uint64_t offset = 0;;) {
         check_interrupt();
         const std::size_t got = file.read_some(offset, block);
         hash.update(std::span(block).first(got));
+        if (also)
+            also(std::span(block).first(got), offset);
         offset += got;
         stage.update(offset / kMegabyte);
         if (got < block.size())

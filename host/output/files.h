@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -119,8 +120,10 @@ private:
 std::string sha256_of(std::span<const std::byte> bytes);
 std::string sha256_of(std::string_view text);
 
-/// Streamed: memory does not grow with the file. From a byte on. Throws IoError.
-std::string sha256_of_file(const std::filesystem::path& path, std::uint64_t from = 0);
+/// Streamed: memory does not grow with the file. `also` sees the same bytes, block by block, the first of which is byte
+/// `at`. Throws IoError.
+std::string sha256_of_file(const std::filesystem::path& path,
+                           const std::function<void(std::span<const std::byte>, std::uint64_t at)>& also = {});
 
 /// True if the file is there and its SHA-256 is the expected one (64 hex digits). A file that cannot be read is not
 /// intact.

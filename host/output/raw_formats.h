@@ -77,6 +77,9 @@ std::string deflate_name();
 /// not what comes out again.
 void deflate(std::span<const std::byte> from, std::vector<std::byte>& to);
 
+/// CRC-32 of bytes that follow others, whose own is `before`.
+std::uint32_t crc32_of(std::span<const std::byte> bytes, std::uint32_t before);
+
 struct VtkArray {
     std::string name;       /* other than that of any array of the file */
     std::string_view type;  /* Float32, Float64, Int32 or Int64 */

@@ -126,10 +126,10 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     findings.push_back(
         {"shading",
          fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
-                     "error from {} to {} deg; a god-object's update {}.",
-                     degrees(plain[0]), degrees(shaded[0]), times_as_long(cost, "without it")),
+                     "error from {} to {} deg; a god-object's update takes at most {:.2f} times as long.",
+                     degrees(plain[0]), degrees(shaded[0]), cost.high),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
-         fmt::format("{}; {} places{}", kBootstrap, with.places,
+         fmt::format("the upper end of a {}; {} places{}", kBootstrap, with.places,
                      draws > 0
                          ? fmt::format("; in round brackets the least and largest of {} random tessellations", draws)
                          : "")});

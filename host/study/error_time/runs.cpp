@@ -336,8 +336,7 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
              fmt::format(
                  "Stroking, the force of a loop of 1 kHz differs from that of one of 64 kHz by {} % of the RMS force, "
                  "that of one of 4 kHz by {} % (median); where a stroke crosses a rim earlier or later it differs by "
-                 "far "
-                 "more, so that the RMS difference is {:.2g} and {:.2g} %. Single precision adds nothing to that.",
+                 "far more, so that the RMS difference is {:.2g} and {:.2g} %. Single precision adds nothing to that.",
                  in_percent(slow->by_stroke), in_percent(fast->by_stroke), 100 * slow->force_error,
                  100 * fast->force_error),
              "loop-rates", fmt::format("{}, {}", slow->surface, slow->variant->name),
