@@ -427,6 +427,15 @@ TEST(LoopRuns, ErrByTheirPeriodAndNotWhereTheyRest) {
         EXPECT_NEAR(error(runs, rate, Precision::f32).force_error / error(runs, rate, Precision::f64).force_error, 1,
                     0.01);
     }
+    // Across a rim: first order at half of the instants; where one crosses earlier than the other both differ by the
+    // whole turn, for a time of first order, of which the RMS is the root.
+    const auto rims = loop_runs("bump", variant_named(subjects.front(), "64 facets, reference"), *engine, 1);
+    for (const double rate : {1000.0, 2000.0, 4000.0}) {
+        const LoopRun coarse = error(rims, rate, Precision::f64), fine = error(rims, 2 * rate, Precision::f64);
+        EXPECT_GT(coarse.median_error / fine.median_error, 1.7) << rate;
+        EXPECT_LT(coarse.median_error / fine.median_error, 2.6) << rate;
+        EXPECT_NEAR(coarse.force_error / fine.force_error, std::sqrt(2.0), 0.25) << rate;
+    }
     const auto flat = loop_runs("plane", variant_named(subjects.front(), "1 facets, none"), *engine, 1);
     for (const LoopRun& run : flat) {
         EXPECT_LT(run.force_error, 5e-3) << run.rate;
