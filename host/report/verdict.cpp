@@ -217,11 +217,11 @@ std::string on_a_device(const StudyData& stability) {
                        html, escaped(hand));
 }
 
-constexpr double kHalf = 12.7, kRadius = 25.4; /* mm: the paper's width, and the radius of the studies' bump */
-constexpr int kFacets = 5;
+constexpr double kHalf = 12.7, kRadius = 15.24; /* mm: of the studies' bump */
+constexpr int kFacets = 8;
 constexpr double kScale = 10, kBorder = 4; /* px/mm, mm */
 constexpr double kArrow = 30, kHead = 5;   /* px */
-constexpr double kGround = 78, kHeight = 88, kWidth = 2 * (kHalf + kBorder) * kScale;
+constexpr double kGround = 108, kHeight = 118, kWidth = 2 * (kHalf + kBorder) * kScale;
 
 struct Place {
     double x, y; // px
@@ -265,7 +265,7 @@ std::string panel(const std::string& words, const Direction& direction) {
         smooth += line_to(i == 0 ? "M" : "L", place_at(x, arc_height(x)));
     }
     for (int i = 0; i < kFacets; ++i)
-        for (const double share : {1 / 6.0, 0.5, 5 / 6.0}) {
+        for (const double share : {0.2, 0.8}) {
             const double left = vertex(i), right = vertex(i + 1), x = left + share * (right - left);
             const double z = arc_height(left) + share * (arc_height(right) - arc_height(left));
             const double tilt = direction(x, left, right), size = std::hypot(1, tilt);
@@ -281,7 +281,7 @@ std::string panel(const std::string& words, const Direction& direction) {
 
 std::string surfaces_drawing() {
     return "<div class=\"surfaces\">\n" +
-           panel("unshaded: the force jumps from facet to facet (five are drawn)",
+           panel("unshaded: the force jumps from facet to facet",
                  [](double, double left, double right) {
                      return (arc_height(left) - arc_height(right)) / (right - left);
                  }) +
