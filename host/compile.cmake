@@ -1,9 +1,14 @@
 # Optimisation levels and precompiled headers. Without forceshade_compile a target has
 # CMake's own -O3 and no precompiled headers, as what calls CGAL must: its flags are others.
 
-# Under ccache a changed header would miss the cache for every source.
+# ccache sees what a precompiled header holds by -fpch-preprocess; clang's hold their build folder's path, and would not
+# fit another clone.
 if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache)
-    set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+        add_compile_options(-fpch-preprocess)
+    else()
+        set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+    endif()
 endif()
 set(standard_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <string>
     <string_view> <vector> <fmt/format.h>)
