@@ -27,6 +27,7 @@
 #include "tests/bench/tree_queries.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/written_files.h"
+#include "tests/places.h"
 
 namespace forceshade::bench {
 namespace {
@@ -188,8 +189,8 @@ std::vector<Row> rows() {
         row.mesh = row.arguments[1];
     }
     explore("explore-bump", bump + strokes);
-    const std::string spot = "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_TEST_DATA
-                             "/spot.obj\"\ntransform = { scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }\n";
+    const std::string spot = "[surface]\nkind = \"mesh\"\nfile = \"" + in_source("tests/data/spot.obj") +
+                             "\"\ntransform = { scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }\n";
     explore("explore-spot-strokes", spot + strokes);
     explore("explore-spot-circles", spot + circles);
     all.push_back({"sweep", {"sweep", "--fresh", "--quiet", "--out", "sweep"}, "", ""});

@@ -11,6 +11,7 @@
 #include "host/sweep/sweep.h"
 #include "tests/bench/geodesic.h"
 #include "tests/bench/measure.h"
+#include "tests/places.h"
 
 namespace forceshade::bench {
 namespace {
@@ -38,9 +39,8 @@ PreparedCase prepared(Surface surface, const std::string& paths) {
     if (surface == bump)
         return CasePreparation().prepare(
             parse_scene("[surface]\nfacets = 3" + force + "reference\"\n[paths]\n" + paths, "bench"));
-    const std::string mesh = "[surface]\nkind = \"mesh\"\ntransform = { scale = 0.03 }\nfile = \"" FORCESHADE_TEST_DATA
-                             "/spot.obj\"" +
-                             force + "mean_value\"\n[paths]\n" + paths;
+    const std::string mesh = "[surface]\nkind = \"mesh\"\ntransform = { scale = 0.03 }\nfile = \"" +
+                             in_source("tests/data/spot.obj") + "\"" + force + "mean_value\"\n[paths]\n" + paths;
     const Case one = parse_scene(mesh, "bench");
     return surface == spot ? CasePreparation().prepare(one) : on_sphere(one);
 }

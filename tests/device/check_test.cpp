@@ -57,7 +57,7 @@ protected:
         return guide;
     }
 
-    StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", DHD_STUB};
+    StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", kDhdStub};
     Mapping mapping_;
     std::string stiffness_ = "1 N/mm";
     std::jthread finger_;

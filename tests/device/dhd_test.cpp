@@ -16,7 +16,7 @@ protected:
         return message_of<DeviceAbsent>([&] { open_dhd(index); });
     }
 
-    StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", DHD_STUB};
+    StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", kDhdStub};
 };
 
 TEST_F(Dhd, TellsWhatItIs) {
@@ -29,7 +29,7 @@ TEST_F(Dhd, TellsWhatItIs) {
     stub_.most_force(-1); // no limit is set: the maker's own for an omega
     EXPECT_EQ(open_dhd("")->facts().max_force, 12);
     EXPECT_EQ(find_dhd().devices.size(), 1u);
-    EXPECT_EQ(find_dhd().place, DHD_STUB);
+    EXPECT_EQ(find_dhd().place, kDhdStub);
 }
 
 // The vendor's x points to the user, y to the right, z up; ours x to the right, y away from the user, z up.
@@ -89,7 +89,7 @@ TEST_F(Dhd, IsChosenByItsIndex) {
     for (const char* index : {"x", "-1", "1x", "1.0", " 1", "128", "99999999999"})
         EXPECT_THROW(open_dhd(index), UsageError) << index;
     stub_.devices(0);
-    expect_words(refusal(), {"DHD SDK 3.17.6.1", "0 devices", "udev", DHD_STUB});
+    expect_words(refusal(), {"DHD SDK 3.17.6.1", "0 devices", "udev", kDhdStub});
     EXPECT_EQ(find_dhd().devices.size(), 0u);
 }
 
@@ -117,7 +117,7 @@ TEST_F(Dhd, DoesWithoutWhatItCanDoWithout) {
         EXPECT_TRUE(device->write({0, 0, 1})) << call;
         EXPECT_EQ(stub_.force(), dvec3(0, 0, 1)) << call;
     }
-    const StubLibrary old("FORCESHADE_DHD_LIBRARY", DHD_STUB_OLD);
+    const StubLibrary old("FORCESHADE_DHD_LIBRARY", kDhdStubOld);
     const auto device = open_dhd("");
     EXPECT_EQ(device->facts().name, "Force Dimension device");
     EXPECT_EQ(device->facts().max_force, kUnknown);
@@ -346,14 +346,14 @@ TEST_F(Dhd, SaysThatItHasNoWatchdog) {
         EXPECT_FALSE(device->facts().has_watchdog) << call;
         expect_words(device->facts().remark, {"omega.3", "refuses its watchdog"});
     }
-    const StubLibrary old("FORCESHADE_DHD_LIBRARY", DHD_STUB_OLD);
+    const StubLibrary old("FORCESHADE_DHD_LIBRARY", kDhdStubOld);
     EXPECT_FALSE(open_dhd("")->facts().has_watchdog);
 }
 
 TEST_F(Dhd, HasTheWorkspaceOfItsType) {
     EXPECT_EQ(open_dhd("")->facts().low, dvec3(-0.12));
     EXPECT_EQ(open_dhd("")->facts().high, dvec3(0.12));
-    const StubLibrary old("FORCESHADE_DHD_LIBRARY", DHD_STUB_OLD);
+    const StubLibrary old("FORCESHADE_DHD_LIBRARY", kDhdStubOld);
     EXPECT_EQ(open_dhd("")->facts().high, dvec3(0.5)) << "of a type that is not told";
 }
 

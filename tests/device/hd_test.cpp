@@ -18,7 +18,7 @@ protected:
         return message_of<DeviceAbsent>([&] { open_hd(name); });
     }
 
-    StubLibrary stub_{"FORCESHADE_HD_LIBRARY", HD_STUB};
+    StubLibrary stub_{"FORCESHADE_HD_LIBRARY", kHdStub};
 };
 
 // The scheduler's frames come when they come. A force is displayed for 50 ms only, so it is written again and again.
@@ -118,7 +118,7 @@ TEST_F(Hd, IsRefusedWhereUnitsCannotBeMillimetresAndNewtons) {
 
 TEST_F(Hd, IsChosenByItsName) {
     EXPECT_NO_THROW(open_hd("Touch"));
-    expect_words(refusal("Right Device"), {"\"Right Device\"", "Communication configuration error", HD_STUB});
+    expect_words(refusal("Right Device"), {"\"Right Device\"", "Communication configuration error", kHdStub});
     stub_.devices(0);
     expect_words(refusal(), {"configured as default", "Communication configuration error", "Touch_Setup"});
 }

@@ -30,10 +30,10 @@ TEST_F(Library, ThatTheEnvironmentNamesIsTakenAndNoOther) {
     ::setenv("FORCESHADE_TEST_LIBRARY", "/nonexistent/libacme.so", 1);
     expect_words(refusal(), {"FORCESHADE_TEST_LIBRARY", "/nonexistent/libacme.so", "No such file", "Ask Acme"});
     SoughtLibrary there = kSought;
-    there.names = {DHD_STUB};
+    there.names = {kDhdStub};
     EXPECT_THROW(SharedLibrary library(there), DeviceAbsent);
     ::unsetenv("FORCESHADE_TEST_LIBRARY");
-    EXPECT_EQ(SharedLibrary(there).file(), DHD_STUB);
+    EXPECT_EQ(SharedLibrary(there).file(), kDhdStub);
 }
 
 TEST_F(Library, ThatIsNoneIsToldWithTheLinkersWords) {
@@ -49,21 +49,21 @@ TEST_F(Library, ThatIsNoneIsToldWithTheLinkersWords) {
 }
 
 TEST_F(Library, WithoutAFunctionIsToldWithItsName) {
-    ::setenv("FORCESHADE_TEST_LIBRARY", DHD_STUB, 1);
+    ::setenv("FORCESHADE_TEST_LIBRARY", kDhdStub.c_str(), 1);
     const SharedLibrary library(kSought);
     int (*call)() = library.optional("acmeOpen");
     EXPECT_EQ(call, nullptr);
-    expect_words(message_of<DeviceAbsent>([&] { library.needed("acmeOpen"); }), {DHD_STUB, "acmeOpen", "Acme toolkit"});
+    expect_words(message_of<DeviceAbsent>([&] { library.needed("acmeOpen"); }), {kDhdStub, "acmeOpen", "Acme toolkit"});
     call = library.needed("dhdGetDeviceCount");
     ASSERT_NE(call, nullptr);
     EXPECT_EQ(call(), 1);
 }
 
 TEST_F(Library, OfAVendorIsRefusedWithoutWhatMovesTheDevice) {
-    ::setenv("FORCESHADE_DHD_LIBRARY", DHD_STUB_WITHOUT_FORCE, 1);
-    ::setenv("FORCESHADE_HD_LIBRARY", HD_STUB_WITHOUT_FORCE, 1);
-    expect_words(message_of<DeviceAbsent>([] { open_dhd(""); }), {DHD_STUB_WITHOUT_FORCE, "dhdSetForce"});
-    expect_words(message_of<DeviceAbsent>([] { open_hd(""); }), {HD_STUB_WITHOUT_FORCE, "hdSetDoublev"});
+    ::setenv("FORCESHADE_DHD_LIBRARY", kDhdStubWithoutForce.c_str(), 1);
+    ::setenv("FORCESHADE_HD_LIBRARY", kHdStubWithoutForce.c_str(), 1);
+    expect_words(message_of<DeviceAbsent>([] { open_dhd(""); }), {kDhdStubWithoutForce, "dhdSetForce"});
+    expect_words(message_of<DeviceAbsent>([] { open_hd(""); }), {kHdStubWithoutForce, "hdSetDoublev"});
 }
 
 TEST_F(Library, OfAVendorThatIsNotInstalledMeansNoDevice) {
@@ -92,12 +92,12 @@ TEST(Devices, ThatNeedNothingAreAlwaysThere) {
 }
 
 TEST(Devices, OfForceDimensionAreCounted) {
-    const StubLibrary stub("FORCESHADE_DHD_LIBRARY", DHD_STUB);
+    const StubLibrary stub("FORCESHADE_DHD_LIBRARY", kDhdStub);
     stub.devices(2);
     const DeviceKind two = kind("dhd[:INDEX]");
     EXPECT_EQ(two.devices, (Names{"dhd:0", "dhd:1"}));
     EXPECT_EQ(two.software, "DHD SDK 3.17.6.1");
-    EXPECT_EQ(two.place, DHD_STUB);
+    EXPECT_EQ(two.place, kDhdStub);
     EXPECT_EQ(two.problem, "");
     EXPECT_EQ(stub.calls("dhdOpen") + stub.calls("dhdOpenID"), 0) << "another program may have it open";
     stub.devices(0);
@@ -108,11 +108,11 @@ TEST(Devices, OfForceDimensionAreCounted) {
 }
 
 TEST(Devices, Of3dSystemsAreToldByName) {
-    const StubLibrary stub("FORCESHADE_HD_LIBRARY", HD_STUB);
+    const StubLibrary stub("FORCESHADE_HD_LIBRARY", kHdStub);
     const DeviceKind one = kind("hd[:NAME]");
     EXPECT_EQ(one.devices, Names{"hd"});
     EXPECT_EQ(one.name, "Touch (serial number 8042)");
-    EXPECT_EQ(one.place, HD_STUB);
+    EXPECT_EQ(one.place, kHdStub);
     EXPECT_EQ(one.problem, "");
     EXPECT_EQ(stub.calls("hdEnable"), 0) << "nothing moves";
     EXPECT_EQ(stub.calls("hdDisableDevice"), 1);
@@ -124,7 +124,7 @@ TEST(Devices, Of3dSystemsAreToldByName) {
 
 TEST(Devices, WhoseLibraryIsAbsentAreToldWithHowToInstallIt) {
     ::setenv("FORCESHADE_DHD_LIBRARY", "/nonexistent/libdhd.so", 1);
-    ::setenv("FORCESHADE_HD_LIBRARY", HD_STUB_WITHOUT_FORCE, 1);
+    ::setenv("FORCESHADE_HD_LIBRARY", kHdStubWithoutForce.c_str(), 1);
     EXPECT_TRUE(says(kind("dhd[:INDEX]").problem, "forcedimension.com"));
     EXPECT_EQ(kind("dhd[:INDEX]").software, "");
     EXPECT_TRUE(says(kind("hd[:NAME]").problem, "hdSetDoublev"));

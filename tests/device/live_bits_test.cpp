@@ -9,6 +9,7 @@
 #include "host/reference/elementary.h"
 #include "host/reference/field.h"
 #include "tests/device/scripted_device.h"
+#include "tests/places.h"
 
 namespace forceshade::device {
 namespace {
@@ -23,7 +24,7 @@ const char* const kMap =
     "width = \"2 mm\"\nheight = \"0.1 mm\"\n";
 
 std::string spot(const std::string& shading) {
-    return std::string("[surface]\nkind = \"mesh\"\nfile = \"") + FORCESHADE_DATA +
+    return std::string("[surface]\nkind = \"mesh\"\nfile = \"") + in_source("tests/data") +
            "/spot.obj\"\ntransform = { scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }\n[force]\nshading = "
            "\"" +
            shading + "\"\n";

@@ -16,6 +16,7 @@
 
 #include "device/backends/devices.h"
 #include "tests/device/scripted_device.h"
+#include "tests/places.h"
 
 namespace {
 
@@ -131,7 +132,7 @@ TEST(LiveHeap, TheLoopTakesNothing) {
 #if !defined(FORCESHADE_INTERPOSES)
     GTEST_SKIP() << "the sanitizer has the heap";
 #endif
-    const std::string spot = std::string("[surface]\nkind = \"mesh\"\nfile = \"") + FORCESHADE_DATA +
+    const std::string spot = std::string("[surface]\nkind = \"mesh\"\nfile = \"") + in_source("tests/data") +
                              "/spot.obj\"\ntransform = { scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }\n"
                              "[force]\nshading = \"mean_value\"\n";
     const std::string bump = "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n";

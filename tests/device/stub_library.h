@@ -22,6 +22,7 @@
 
 #include "device/backends/back_end.h"
 #include "tests/io/folder.h"
+#include "tests/places.h"
 
 namespace forceshade::device::testing {
 
@@ -44,13 +45,19 @@ inline bool wait_until(const std::function<bool()>& enough) {
     return true;
 }
 
+inline const std::string kDhdStub = module_of("device", "dhd_stub"), kDhdStubOld = module_of("device", "dhd_stub_old"),
+                         kDhdStubWithoutForce = module_of("device", "dhd_stub_without_force"),
+                         kHdStub = module_of("device", "HD_stub"),
+                         kHdStubWithoutForce = module_of("device", "HD_stub_without_force");
+
 /// From construction on the environment names this library.
 class StubLibrary {
 public:
-    StubLibrary(const char* variable, const char* file) : handle_(::dlopen(file, RTLD_NOW | RTLD_LOCAL)) {
+    StubLibrary(const char* variable, const std::string& file)
+        : handle_(::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
         if (!handle_)
             throw std::runtime_error(::dlerror());
-        ::setenv(variable, file, 1);
+        ::setenv(variable, file.c_str(), 1);
         call<void()>("stub_reset")();
     }
 

@@ -1,5 +1,6 @@
 // The list of haptic devices as a user sees it, with vendors' libraries that are stubs or are not there.
 #include "tests/e2e/live_workplace.h"
+#include "tests/places.h"
 
 namespace forceshade::testing {
 namespace {
@@ -23,12 +24,12 @@ protected:
 };
 
 TEST_F(Devices, AreFoundByTheLibraryThatTheEnvironmentNamesOrWhereTheLinkerLooks) {
-    const json dhd = kind({{"FORCESHADE_DHD_LIBRARY", DHD_STUB}}, "dhd[:INDEX]");
+    const json dhd = kind({{"FORCESHADE_DHD_LIBRARY", module_of("device", "dhd_stub")}}, "dhd[:INDEX]");
     EXPECT_EQ(dhd["devices"], json::array({"dhd:0"}));
     EXPECT_EQ(dhd["software"], "DHD SDK 3.17.6.1");
     std::filesystem::create_directory(path("lib"));
-    std::filesystem::create_symlink(DHD_STUB, path("lib/libdhd.so.3"));
-    std::filesystem::create_symlink(HD_STUB, path("lib/libHD.so"));
+    std::filesystem::create_symlink(module_of("device", "dhd_stub"), path("lib/libdhd.so.3"));
+    std::filesystem::create_symlink(module_of("device", "HD_stub"), path("lib/libHD.so"));
     const std::map<std::string, std::string> environment{{"LD_LIBRARY_PATH", path("lib")}};
     EXPECT_EQ(kind(environment, "dhd[:INDEX]")["place"], path("lib/libdhd.so.3").string());
     EXPECT_EQ(kind(environment, "hd[:NAME]")["place"], path("lib/libHD.so").string());
@@ -37,7 +38,9 @@ TEST_F(Devices, AreFoundByTheLibraryThatTheEnvironmentNamesOrWhereTheLinkerLooks
 TEST_F(Devices, ThatFailOrAreNotThereAreToldInTheLibrarysWords) {
     EXPECT_EQ(kind({}, "sim")["devices"], json::array({"sim"}));
     EXPECT_EQ(kind({}, "dhd[:INDEX]")["devices"], json::array());
-    const json failed = kind({{"FORCESHADE_DHD_LIBRARY", DHD_STUB}, {"STUB_FAIL", "dhdGetDeviceCount"}}, "dhd[:INDEX]");
+    const json failed =
+        kind({{"FORCESHADE_DHD_LIBRARY", module_of("device", "dhd_stub")}, {"STUB_FAIL", "dhdGetDeviceCount"}},
+             "dhd[:INDEX]");
     EXPECT_TRUE(says(failed["problem"].dump(), "no driver found"));
 }
 
@@ -47,7 +50,7 @@ protected:
     Launch on_hd(const std::vector<std::string>& further = {}) const {
         Launch launch =
             this->launch(with(live("bump.toml", {"--device", "hd", "--max-force", "1 N", "--ramp", "5 ms"}), further));
-        launch.environment["FORCESHADE_HD_LIBRARY"] = HD_STUB;
+        launch.environment["FORCESHADE_HD_LIBRARY"] = module_of("device", "HD_stub");
         launch.environment["STUB_POSITION"] = "0,1,0";
         launch.environment["STUB_RECORD"] = path("record").string();
         std::filesystem::remove(path("record"));
@@ -93,7 +96,7 @@ TEST_F(LiveVendor, HasNoForceWhilePositionsFailAndEndsWhenTheyDoNotComeBack) {
 TEST_F(LiveVendor, IsNotBegunWithoutDeviceOrLibrary) {
     Launch launch = on_hd();
     launch.environment["STUB_DEVICES"] = "0";
-    expect_failure(3, launch, {HD_STUB});
+    expect_failure(3, launch, {module_of("device", "HD_stub")});
     launch.environment["FORCESHADE_HD_LIBRARY"] = path("none.so").string();
     expect_failure(3, launch, {"none.so", "FORCESHADE_HD_LIBRARY"});
 }
@@ -110,7 +113,7 @@ TEST_F(LiveDevice, IsCheckedBeforeItIsFelt) {
         Launch launch = this->launch(with(
             {"device", "check", "plane.toml", "--quiet", "--watchdog", "100 ms", "--out", "check.json", "--overwrite"},
             further));
-        launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB_OLD; // without buttons
+        launch.environment["FORCESHADE_DHD_LIBRARY"] = module_of("device", "dhd_stub_old"); // without buttons
         launch.environment["STUB_HAND"] = hand;
         return run(launch);
     };

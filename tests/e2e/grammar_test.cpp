@@ -1,6 +1,7 @@
 // The command line's grammar: what is wrong with a line and where to read on, short forms, help and its examples.
 #include <algorithm>
 
+#include "tests/e2e/renderers.h"
 #include "tests/e2e/workplace.h"
 
 namespace forceshade::testing {
@@ -135,7 +136,7 @@ TEST_F(GrammarTest, GivesExamplesThatWork) {
         "[surface]\nkind = \"bump\"\nradius = \"600 mil\"\nfacets = 2\n[grid]\nsize = [16, 8, 8]\n"
         "origin = [\"-14 mm\", \"-3 mm\", \"-4 mm\"]\nspacing = [\"1.8 mm\", \"1 mm\", \"0.6 mm\"]\n";
     write("bump.toml", bump);
-    std::filesystem::create_symlink(PENALTY, path("libmine.so"));
+    std::filesystem::create_symlink(kPenalty, path("libmine.so"));
     write("strokes.toml", bump + "[paths]\ncount = 20\npress = \"1 N\"\n");
     std::filesystem::rename(path("three.toml"), path("study.toml"));
     write("bone.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -152,7 +153,7 @@ TEST_F(GrammarTest, GivesExamplesThatWork) {
             if (std::ranges::any_of(slow, [&](const char* word) { return bool(says(example, word)); }))
                 continue;
             Launch launch =
-                this->launch({"-c", "forceshade() { " FORCESHADE_PROGRAM " \"$@\" --overwrite; }\n" + example});
+                this->launch({"-c", "forceshade() { " + in_build("forceshade") + " \"$@\" --overwrite; }\n" + example});
             launch.program = "/bin/sh";
             const Outcome outcome = run(launch);
             EXPECT_EQ(outcome.code, 0) << example << "\n" << outcome.error;
@@ -163,9 +164,9 @@ TEST_F(GrammarTest, GivesExamplesThatWork) {
 
 // A field, a mesh, paths and a sweep: the same bytes, whatever the threads.
 TEST_F(GrammarTest, ComputesTheSameWithAnyNumberOfThreads) {
-    write("spot.toml", "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_SOURCE
-                       "/tests/data/spot.obj\"\ntransform = { scale = 0.05 }\n[force]\nshading = \"mean_value\"\n"
-                       "[grid]\nsamples = 16\n[paths]\ncount = 20\nsteps = 100\n");
+    write("spot.toml", "[surface]\nkind = \"mesh\"\nfile = \"" + in_source("tests/data/spot.obj") +
+                           "\"\ntransform = { scale = 0.05 }\n[force]\nshading = \"mean_value\"\n"
+                           "[grid]\nsamples = 16\n[paths]\ncount = 20\nsteps = 100\n");
     const std::vector<std::vector<std::string>> lines{
         {"field", "scene.toml", "--also", "npy,vti,png", "--engine", "cpu", "--out", "scene.exr"},
         {"field", "spot.toml", "--engine", "cpu", "--out", "spot.exr"},
@@ -189,8 +190,8 @@ TEST_F(GrammarTest, ComputesTheSameWithAnyNumberOfThreads) {
 
 TEST_F(GrammarTest, TakesAsManyThreadsAsItMay) {
     const auto engine_of = [&](const std::string& before, const std::string& after) {
-        Launch launch =
-            this->launch({"-c", before + " " FORCESHADE_PROGRAM " field scene.toml --overwrite --out a.exr " + after});
+        Launch launch = this->launch(
+            {"-c", before + " " + in_build("forceshade") + " field scene.toml --overwrite --out a.exr " + after});
         launch.program = "/bin/sh";
         return run(launch).error;
     };

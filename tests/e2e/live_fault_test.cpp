@@ -1,5 +1,6 @@
 // However a live loop ends, or is made to pause, the device is left without force: witnessed by the device.
 #include "tests/e2e/live_workplace.h"
+#include "tests/places.h"
 
 namespace forceshade::testing {
 namespace {
@@ -185,7 +186,7 @@ TEST_F(LiveFault, StoppedForASecondItMakesUpForEveryTickWithoutForce) {
 TEST_F(LiveFault, ALeapOfTheWallClockIsNothingToIt) {
     write_still("still.csv", 1200);
     Launch launch = this->launch(live("plane.toml", {"--device", "replay:still.csv", "--log", "log.csv"}));
-    launch.environment["LD_PRELOAD"] = LEAPING_CLOCK;
+    launch.environment["LD_PRELOAD"] = module_of("e2e", "leaping_clock");
     launch.environment["LEAP_AFTER"] = "0.6";
     launch.environment["LEAP_WITNESS"] = path("witness").string();
     const Outcome outcome = run(launch);

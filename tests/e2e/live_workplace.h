@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tests/e2e/path_workplace.h"
+#include "tests/places.h"
 
 namespace forceshade::testing {
 
@@ -61,7 +62,7 @@ protected:
         write("mesh.toml",
               "[surface]\nkind = \"mesh\"\nfile = \"spot.obj\"\ntransform = { scale = 0.05, rotate = [\"90 deg\", \"0 "
               "deg\", \"0 deg\"] }\n[force]\nshading = \"mean_value\"\n");
-        std::filesystem::create_symlink(FORCESHADE_SOURCE "/tests/data/spot.obj", path("spot.obj"));
+        std::filesystem::create_symlink(in_source("tests/data/spot.obj"), path("spot.obj"));
         write("hand.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[paths]\ncount = 1\nsteps = "
                            "2000\nloop = \"closed\"\npress = \"2 N\"\ntremor = { amplitude = \"0.1 mm\" }\n[hand]\n"
                            "coulomb = \"0.05 N\"\nquantisation = \"0.03 mm\"\ndelay_samples = 1\n");
@@ -106,7 +107,7 @@ protected:
     Launch felt(const std::vector<std::string>& further, const std::string& fail = "") const {
         Launch launch = this->launch(
             with(live("plane.toml", {"--device", "dhd", "--ramp", "50 ms", "--watchdog", "400 ms"}), further));
-        launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB;
+        launch.environment["FORCESHADE_DHD_LIBRARY"] = module_of("device", "dhd_stub");
         launch.environment["STUB_RECORD"] = path("record").string();
         launch.environment["STUB_POSITION"] = "0,0,-0.001";
         launch.environment["STUB_FAIL"] = fail;

@@ -7,6 +7,7 @@
 #include "tests/e2e/volume.h"
 #include "tests/e2e/workplace.h"
 #include "tests/io/picture.h"
+#include "tests/places.h"
 
 namespace forceshade::testing {
 namespace {
@@ -181,7 +182,7 @@ TEST_F(Reading, FindsNoPathOfTheMachine) {
         expect_success({"sweep", path("map.toml"), "--out", path("out"), "--also", "npy,vti,vtp,png", "--fresh"});
         char host[256] = {};
         ::gethostname(host, sizeof host - 1);
-        std::vector<std::string> secrets{"secret place", folder_.path().string(), FORCESHADE_SOURCE};
+        std::vector<std::string> secrets{"secret place", folder_.path().string(), in_source("")};
         if (std::strlen(host) > 5)
             secrets.emplace_back(host);
         for (const auto& [name, content] : tree_of(path("out")))

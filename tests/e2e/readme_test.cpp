@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "tests/e2e/workplace.h"
+#include "tests/places.h"
 
 namespace forceshade::testing {
 namespace {
@@ -40,19 +41,19 @@ class Readme : public Workplace, public ::testing::WithParamInterface<const char
 protected:
     Readme() : blocks_(blocks_of(read_text(page()))) {
         std::filesystem::create_directory(path("bin"));
-        std::filesystem::create_symlink(FORCESHADE_PROGRAM, path("bin/forceshade"));
+        std::filesystem::create_symlink(in_build("forceshade"), path("bin/forceshade"));
         std::filesystem::create_directory(path("work"));
         for (const char* const folder : {"tests", "host"})
-            std::filesystem::create_directory_symlink(std::filesystem::path(FORCESHADE_SOURCE) / folder,
+            std::filesystem::create_directory_symlink(std::filesystem::path(in_source("")) / folder,
                                                       path("work") / folder);
     }
-    static std::filesystem::path page() { return std::filesystem::path(FORCESHADE_SOURCE) / GetParam(); }
+    static std::filesystem::path page() { return std::filesystem::path(in_source("")) / GetParam(); }
     Outcome run_in_work(const std::string& program, const std::vector<std::string>& arguments) const {
         Launch launch = this->launch(arguments);
         launch.program = program;
         launch.folder = path("work");
         launch.environment["PATH"] = path("bin").string() + ":/usr/bin:/bin";
-        launch.environment["PYTHONPATH"] = FORCESHADE_PYTHON;
+        launch.environment["PYTHONPATH"] = in_build("python");
         return run(launch);
     }
     std::vector<Block> blocks_;
@@ -69,7 +70,7 @@ TEST_P(Readme, ScenesAndStudiesAreAcceptedAndRun) {
             continue;
         write("work/block.toml", block.text);
         const std::string out = fmt::format("block-{}", block.line);
-        const Outcome outcome = run_in_work(FORCESHADE_PROGRAM, {"sweep", "block.toml", "--out", out});
+        const Outcome outcome = run_in_work(in_build("forceshade"), {"sweep", "block.toml", "--out", out});
         EXPECT_EQ(outcome.code, 0) << "line " << block.line << ": " << outcome.error;
         EXPECT_FALSE(says(outcome.error, "warning")) << "line " << block.line;
     }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/e2e/renderers.h"
 #include "tests/e2e/workplace.h"
 #include "tests/vibration/made_up_models.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 using Row = std::map<std::string, std::string>;
 
-const std::string kCrash = std::string(BAD_RENDERER) + ":crash";
+const std::string kCrash = kBadRenderer + ":crash";
 
 class RendererStudy : public Workplace {
 protected:
@@ -64,7 +65,7 @@ protected:
 
 TEST_F(RendererStudy, OnAPlaneAPenaltyIsAsStableAsTheOracle) {
     write_box();
-    const std::vector<Row> rows = study("stability", "loop_renderers", {PENALTY, kCrash, ONE_CONSTRAINT});
+    const std::vector<Row> rows = study("stability", "loop_renderers", {kPenalty, kCrash, kOneConstraint});
     std::map<std::string, int> found;
     for (const Row& row : rows) {
         ++found[row.at("renderer")];
@@ -88,7 +89,7 @@ TEST_F(RendererStudy, OnAPlaneAPenaltyIsAsStableAsTheOracle) {
 TEST_F(RendererStudy, InAGrooveAProxyOfOnePlaneIsStableAtNoStiffness) {
     write_groove();
     int hollow = 0;
-    for (const Row& row : study("stability", "loop_renderers", {PENALTY, ONE_CONSTRAINT}))
+    for (const Row& row : study("stability", "loop_renderers", {kPenalty, kOneConstraint}))
         if (row.at("place").starts_with("hollow")) {
             ++hollow;
             const bool penalty = row.at("renderer") == "penalty";
@@ -104,7 +105,7 @@ TEST_F(RendererStudy, InAGrooveAProxyOfOnePlaneIsStableAtNoStiffness) {
 TEST_F(RendererStudy, AProxyThatMeetsOnePlaneAnUpdateGivesEnergyInAGroove) {
     write_groove();
     std::map<std::string, Row> rows;
-    for (const Row& row : study("energy", "energy_renderers", {ONE_CONSTRAINT, PENALTY, kCrash}))
+    for (const Row& row : study("energy", "energy_renderers", {kOneConstraint, kPenalty, kCrash}))
         rows[row.at("renderer")] = row;
     const Row &own = rows.at("own law"), &proxy = rows.at("one_constraint"), &failed = rows.at("bad_renderer:crash");
     EXPECT_LT(number(own, "largest_mJ"), 1e-3);
@@ -187,9 +188,9 @@ TEST_F(RubbingStudy, AVibrationOfItsOwnSpeedDoesNotComeToRest) {
 TEST_F(RendererStudy, IsOfASceneAndOfThreeStudies) {
     write_box();
     for (const char* const name : {"omission", "perception"})
-        expect_failure(2, {"study", name, "scene.toml", "--out", "out", "--renderer", PENALTY}, {"energy SCENE"});
+        expect_failure(2, {"study", name, "scene.toml", "--out", "out", "--renderer", kPenalty}, {"energy SCENE"});
     for (const char* const name : {"energy", "stability", "error-time", "all"})
-        expect_failure(2, {"study", name, "--out", "out", "--renderer", PENALTY}, {"stability SCENE"});
+        expect_failure(2, {"study", name, "--out", "out", "--renderer", kPenalty}, {"stability SCENE"});
     expect_failure(4, {"study", "energy", "scene.toml", "--out", "out", "--renderer", "libnone.so"},
                    {"there is no file libnone.so"});
     EXPECT_FALSE(std::filesystem::exists(path("out")));

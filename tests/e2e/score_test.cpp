@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/e2e/renderers.h"
 #include "tests/e2e/workplace.h"
 
 namespace forceshade::testing {
@@ -68,7 +69,7 @@ protected:
 TEST_F(Score, FindsThatAPenaltyPopsThroughAThinPlateAndAProxyDoesNot) {
     write_plate(2);
     write_strokes(1.5e-3); // the other side is nearer from 1 mm on
-    EXPECT_EQ(score({"--renderer", PENALTY, "--renderer", ONE_CONSTRAINT}).code, 0);
+    EXPECT_EQ(score({"--renderer", kPenalty, "--renderer", kOneConstraint}).code, 0);
     const auto rows = table();
     EXPECT_EQ(number(rows.at("penalty"), "pop_throughs"), 2) << "one a stroke";
     EXPECT_EQ(number(rows.at("one_constraint"), "pop_throughs"), 0);
@@ -86,7 +87,7 @@ TEST_F(Score, FindsThatAPenaltyPopsThroughAThinPlateAndAProxyDoesNot) {
 TEST_F(Score, HearsTheRippleOfAProxyThatMeetsOnePlaneAnUpdate) {
     write_groove();
     write_strokes(2e-3, -0.010, "y"); // pressed into the bottom, where two planes hold a proxy
-    EXPECT_EQ(score({"--renderer", PENALTY, "--renderer", ONE_CONSTRAINT}).code, 0);
+    EXPECT_EQ(score({"--renderer", kPenalty, "--renderer", kOneConstraint}).code, 0);
     const auto rows = table();
     const double ripple = number(rows.at("one_constraint"), "added_100Hz_mN");
     EXPECT_GT(ripple, 100) << "of 2 N";
@@ -97,12 +98,12 @@ TEST_F(Score, HearsTheRippleOfAProxyThatMeetsOnePlaneAnUpdate) {
 TEST_F(Score, ALibraryThatDoesWrongCostsItsRowAlone) {
     write_plate(20);
     write_strokes(1e-3);
-    const std::string bad = BAD_RENDERER;
-    std::vector<std::string> all{"--patience", "1 s", "--renderer", ONE_CONSTRAINT};
+    const std::string bad = kBadRenderer;
+    std::vector<std::string> all{"--patience", "1 s", "--renderer", kOneConstraint};
     for (const char* const what : {"crash", "exit", "sleep", "beyond", "fail", "refuse", "crash in open", "nan", "huge",
                                    "latin", "throw", "crash in close"})
         all.insert(all.end(), {"--renderer", bad + ":" + what});
-    all.insert(all.end(), {"--renderer", BAD_VERSION_RENDERER, "--renderer", BAD_SYMBOLS_RENDERER});
+    all.insert(all.end(), {"--renderer", kBadVersion, "--renderer", kBadSymbols});
     const Outcome outcome = score(all);
     EXPECT_EQ(outcome.code, 1);
     EXPECT_TRUE(says(outcome.error, "11 renderers failed and have no score"));
@@ -172,7 +173,7 @@ TEST_F(Score, ACourseHasARowForEachRenderer) {
             std::filesystem::remove(entry.path());
     std::filesystem::create_directories(path("mine"));
     std::filesystem::copy(path("course/oracle"), path("mine"), std::filesystem::copy_options::recursive);
-    const std::vector<std::string> command{"score", "course", "--renderer", PENALTY, "--forces", "mine,course/oracle",
+    const std::vector<std::string> command{"score", "course", "--renderer", kPenalty, "--forces", "mine,course/oracle",
                                            "--out", "out"};
     const Outcome outcome = expect_success(command);
     EXPECT_TRUE(says(outcome.out, "needle", "plane", "24 strokes"));
@@ -189,8 +190,8 @@ TEST_F(Score, ACourseHasARowForEachRenderer) {
 TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     write_plate(20);
     write_strokes(1e-3);
-    const std::string bad = BAD_RENDERER;
-    expect_success({"explore", "scene.toml", "--paths", "strokes.csv", "--out", "own.csv", "--renderer", PENALTY});
+    const std::string bad = kBadRenderer;
+    expect_success({"explore", "scene.toml", "--paths", "strokes.csv", "--out", "own.csv", "--renderer", kPenalty});
     expect_success({"explore", "scene.toml", "--paths", "strokes.csv", "--out", "oracle.csv", "--precision", "f64"});
     const std::vector<std::string> own = lines_of(read_text(path("own.csv"))),
                                    oracle = lines_of(read_text(path("oracle.csv")));
@@ -200,7 +201,7 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     write("hand.toml", read_text(path("scene.toml")) + "[paths]\nfollow = \"surface\"\npress = \"1 N\"\ncount = 1\n"
                                                        "steps = 1500\nlength = \"10 mm\"\n");
     const auto hand = nlohmann::json::parse(
-        expect_success({"explore", "hand.toml", "--out", "hand.csv", "--renderer", ONE_CONSTRAINT, "--json"}).out);
+        expect_success({"explore", "hand.toml", "--out", "hand.csv", "--renderer", kOneConstraint, "--json"}).out);
     EXPECT_EQ(hand["engine"]["kind"], "renderer");
     EXPECT_NEAR(hand["mean_depth_m"].get<double>(), 1e-3, 2e-4) << "a hand of 1 N on 1000 N/m";
     expect_failure(
@@ -210,15 +211,15 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     expect_failure(1, {"explore", "hand.toml", "--out", "none.csv", "--renderer", bad + ":nan"},
                    {"gave a force that is not finite"});
     expect_failure(2,
-                   {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", PENALTY,
+                   {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", kPenalty,
                     "--engine", "cpu"},
                    {"leave --engine and --gpu out"});
     // The static field of a mesh is that of its nearest facet, and so is the penalty's: at every voxel.
     write("field.toml", read_text(path("scene.toml")) +
                             "[grid]\nsize = [8, 8, 8]\norigin = [\"-12.3 mm\", \"-11.9 mm\", "
                             "\"-3.1 mm\"]\nspacing = [\"3 mm\", \"3 mm\", \"0.7 mm\"]\n");
-    expect_success({"field", "field.toml", "--out", "field.exr", "--renderer", PENALTY});
-    const Outcome same = forceshade({"validate", "field.toml", "--renderer", PENALTY, "--json"});
+    expect_success({"field", "field.toml", "--out", "field.exr", "--renderer", kPenalty});
+    const Outcome same = forceshade({"validate", "field.toml", "--renderer", kPenalty, "--json"});
     const auto found = nlohmann::json::parse(same.out)["cases"][0]["oracle_f64"];
     EXPECT_LT(found["largest_error_N"].get<double>(), 1e-12);
     EXPECT_EQ(found["unexplained_voxels"], 0);
@@ -237,25 +238,25 @@ TEST_F(Score, WithoutAFileTheScenesOwnPathsAreTheStrokes) {
     write_plate(2);
     write("scene.toml", read_text(path("scene.toml")) + "[paths]\nkind = \"taps\"\ncount = 2\nsteps = 400\n"
                                                         "depth = \"1.5 mm\"\n");
-    expect_success({"score", "scene.toml", "--renderer", PENALTY, "--out", "out"});
+    expect_success({"score", "scene.toml", "--renderer", kPenalty, "--out", "out"});
     const Row own = table().at("penalty");
     expect_success({"explore", "scene.toml", "--out", "paths.csv", "--precision", "f64"});
     expect_success(
-        {"score", "scene.toml", "--paths", "paths.csv", "--renderer", PENALTY, "--out", "out", "--overwrite"});
+        {"score", "scene.toml", "--paths", "paths.csv", "--renderer", kPenalty, "--out", "out", "--overwrite"});
     for (const char* const measure : {"error_rms_N", "direction_p95_deg", "pop_throughs", "above_100Hz_mN"})
         EXPECT_EQ(own.at(measure), table().at("penalty").at(measure)) << measure;
     EXPECT_GT(number(own, "pop_throughs"), 0);
     write_scene();
     write("scene.toml", read_text(path("scene.toml")) + "[paths]\npress = \"1 N\"\n");
-    expect_failure(2, {"score", "scene.toml", "--renderer", PENALTY}, {"of a hand", "--paths"});
+    expect_failure(2, {"score", "scene.toml", "--renderer", kPenalty}, {"of a hand", "--paths"});
 }
 
 // The scene has paths and no grid of its own.
 TEST_F(Score, AStudyPutsARendererOnItsFrontOfErrorAgainstTime) {
     write("scene.toml", "[surface]\nkind = \"bump\"\nfacets = 6\n[paths]\ncount = 2\nsteps = 200\n");
     expect_failure(1,
-                   {"study", "error-time", "scene.toml", "--quick", "--out", "out", "--renderer", PENALTY, "--renderer",
-                    std::string(BAD_RENDERER) + ":crash"},
+                   {"study", "error-time", "scene.toml", "--quick", "--out", "out", "--renderer", kPenalty,
+                    "--renderer", kBadRenderer + ":crash"},
                    {"bad_renderer:crash crashed"});
     std::map<std::string, double> errors; // by family
     const std::vector<std::string> lines = lines_of(read_text(path("out/error-time/ways.csv")));
@@ -268,18 +269,18 @@ TEST_F(Score, AStudyPutsARendererOnItsFrontOfErrorAgainstTime) {
     EXPECT_GT(errors["renderer, penalty"], 0);
     EXPECT_FALSE(errors.contains("renderer, bad_renderer:crash"));
     EXPECT_TRUE(says(read_text(path("out/report.html")), "crashed (Segmentation fault) in update 1000; it has no row"));
-    expect_failure(2, {"study", "omission", "scene.toml", "--out", "out", "--renderer", PENALTY}, {"--renderer"});
+    expect_failure(2, {"study", "omission", "scene.toml", "--out", "out", "--renderer", kPenalty}, {"--renderer"});
 }
 
 TEST_F(Score, ALiveLoopTakesARendererForASimulatedHandAlone) {
     write_plate(20);
-    const std::string bad = BAD_RENDERER;
-    expect_success({"live", "scene.toml", "--duration", "0.3 s", "--fast", "--log", "log.csv", "--renderer", PENALTY});
+    const std::string bad = kBadRenderer;
+    expect_success({"live", "scene.toml", "--duration", "0.3 s", "--fast", "--log", "log.csv", "--renderer", kPenalty});
     expect_failure(1, {"live", "scene.toml", "--duration", "2 s", "--fast", "--renderer", bad + ":crash"},
                    {"crashed (Segmentation fault)", "no force from then on"});
-    expect_failure(2, {"live", "scene.toml", "--device", "haply", "--renderer", PENALTY},
+    expect_failure(2, {"live", "scene.toml", "--device", "haply", "--renderer", kPenalty},
                    {"--device sim", "--unstable"});
-    expect_failure(2, {"live", "scene.toml", "--watch", "--renderer", PENALTY}, {"--renderer and --watch"});
+    expect_failure(2, {"live", "scene.toml", "--watch", "--renderer", kPenalty}, {"--renderer and --watch"});
 }
 
 } // namespace

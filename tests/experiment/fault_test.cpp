@@ -23,6 +23,7 @@
 #include "tests/e2e/process.h"
 #include "tests/e2e/small_disk.h"
 #include "tests/io/folder.h"
+#include "tests/places.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -310,7 +311,9 @@ TEST_F(FaultySession, APageThatIsClosedSwitchesTheForceOffWithinTwoSamples) {
 }
 
 TEST_F(FaultySession, AClockThatLeapsChangesNoTrial) {
-    start({}, {{"LD_PRELOAD", LEAPING_CLOCK}, {"LEAP_AFTER", "1"}, {"LEAP_WITNESS", (folder / "witness").string()}});
+    start({}, {{"LD_PRELOAD", module_of("e2e", "leaping_clock")},
+               {"LEAP_AFTER", "1"},
+               {"LEAP_WITNESS", (folder / "witness").string()}});
     ASSERT_TRUE(std::filesystem::exists(folder / "witness")) << "the clock was in place";
     ASSERT_TRUE(page->reaches("feel"));
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));

@@ -13,6 +13,7 @@
 #include "host/experiment/observer.h"
 #include "host/experiment/stroke.h"
 #include "host/scene/study.h"
+#include "tests/places.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -156,7 +157,7 @@ TEST(ObserverFit, HasIntervals) {
 
 // Computed by other code, before any data. A percent is printed to 0.1, with other steps along the stroke.
 TEST(ObserverShares, AreStillThoseFrozen) {
-    const toml::table frozen = toml::parse_file(FORCESHADE_SOURCE "/host/experiment/predictions.toml");
+    const toml::table frozen = toml::parse_file(in_source("host/experiment/predictions.toml"));
     const ObserverParameters observer;
     EXPECT_EQ(frozen["model"].value<std::string>(), "weber");
     EXPECT_EQ(frozen["kappa"].value<double>(), observer.edge);

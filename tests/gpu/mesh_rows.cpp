@@ -3,6 +3,7 @@
 
 #include "tests/gpu/rows.h"
 #include "tests/mesh/damage.h"
+#include "tests/places.h"
 
 namespace forceshade::test {
 namespace {
@@ -221,7 +222,7 @@ std::vector<Row> mesh_path_rows() {
     constexpr std::size_t kSlice = 5000; // paths held in memory at once
     PathShape aimed = mesh_shape(layout::kMotionRecorded, layout::kLoopOpen, kSlice, walks::Aimer::kSteps);
     aimed.probes = Probes::aimed;
-    for (const auto& terrains : {walks::solids(), walks::meshes({FORCESHADE_TEST_DATA "/spot.obj"})})
+    for (const auto& terrains : {walks::solids(), walks::meshes({in_source("tests/data/spot.obj")})})
         for (const walks::Terrain& terrain : terrains)
             rows.push_back({.name = "aimed_" + letters_of(terrain.name),
                             .ground = on_mesh(shared(terrain.polygons)),

@@ -18,6 +18,7 @@
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"
+#include "tests/places.h"
 
 namespace forceshade {
 namespace {
@@ -302,7 +303,7 @@ TEST(CgalReaders, ReadTheSame) {
     compare(".off", testing::as_off(prism));
     compare(".ply", testing::as_ply_text(prism));
     compare(".ply", testing::as_ply_binary(prism, true));
-    compare(".obj", read_file(FORCESHADE_TEST_DATA "/spot.obj"));
+    compare(".obj", read_file(in_source("tests/data/spot.obj"));
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/god_object_run.h"
+#include "tests/places.h"
 
 namespace forceshade {
 namespace {
@@ -64,7 +65,7 @@ PrecisionError compare(const walks::Terrain& terrain) {
 }
 
 std::string read_table() {
-    std::ifstream file(FORCESHADE_TEST_DATA "/../../shaders/README.md");
+    std::ifstream file(in_source("shaders/README.md"));
     std::stringstream text;
     text << file.rdbuf();
     return text.str();

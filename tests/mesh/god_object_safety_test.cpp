@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/god_object_run.h"
+#include "tests/places.h"
 
 namespace forceshade {
 namespace {
@@ -155,8 +156,8 @@ TEST(GodObjectAimed, Solids) {
     aim_on<float>(walks::solids());
 }
 TEST(GodObjectAimed, Meshes) {
-    aim_on<double>(walks::meshes({FORCESHADE_TEST_DATA "/spot.obj"}));
-    aim_on<float>(walks::meshes({FORCESHADE_TEST_DATA "/spot.obj"}));
+    aim_on<double>(walks::meshes({in_source("tests/data/spot.obj")}));
+    aim_on<float>(walks::meshes({in_source("tests/data/spot.obj")}));
 }
 
 /// Triangles that cut each other everywhere: a few walks on each of many soups.

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "host/mesh/mesh_file.h"
+#include "tests/places.h"
 
 namespace forceshade::shapes {
 namespace {
@@ -278,7 +279,7 @@ PolygonSoup single_triangle() {
 }
 
 PolygonSoup spot() {
-    return read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons;
+    return read_polygons(in_source("tests/data/spot.obj")).polygons;
 }
 
 PolygonSoup many_gon_prism(unsigned corners) {

@@ -13,6 +13,7 @@
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"
+#include "tests/places.h"
 
 namespace forceshade::testing {
 namespace {
@@ -185,7 +186,7 @@ TEST_F(ContactReferee, TellsTheSectorsWhereSolidsCross) {
 // A path that begins nearer to the surface than single precision can tell, and is then held at a corner whose facets
 // face away from each other: off that corner, along the force, is inside of the solid.
 TEST_F(ContactReferee, DoesNotGuessTheSideWhereAPathBeginsOnTheSurface) {
-    const PreparedCase crags = prepared(read_polygons(FORCESHADE_TEST_DATA "/../mutation/scenes/crags.obj").polygons);
+    const PreparedCase crags = prepared(read_polygons(in_source("tests/mutation/scenes/crags.obj")).polygons);
     const ContactCount count =
         count_of<float>(crags, {free_at({-1.08045751, 3.757253062, -1.953447213}),
                                 {{-0.6775809059, 2.778047212, -5.349276368}, {-0.59428293, 4.58441023, -3.3751202}},

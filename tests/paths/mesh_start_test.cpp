@@ -10,6 +10,7 @@
 #include "host/referee/referee.h"
 #include "tests/io/folder.h"
 #include "tests/paths/explored.h"
+#include "tests/places.h"
 
 namespace forceshade {
 namespace {
@@ -97,7 +98,7 @@ template <typename T> void expect_start_outside(const PreparedCase& prepared) {
 }
 
 TEST_F(MeshStart, OutsideOfEveryCornerAndEdgeOfAStar) {
-    const PolygonSoup star = read_polygons(FORCESHADE_TEST_DATA "/../mutation/scenes/star.obj").polygons;
+    const PolygonSoup star = read_polygons(in_source("tests/mutation/scenes/star.obj")).polygons;
     std::string rows = "path,t,x,y,z\n";
     std::size_t path = 0;
     const auto begin = [&](const glm::dvec3& at) {
@@ -110,10 +111,10 @@ TEST_F(MeshStart, OutsideOfEveryCornerAndEdgeOfAStar) {
             begin(0.5 *
                   (star.vertices[star.corners[3 * facet + i]] + star.vertices[star.corners[3 * facet + (i + 1) % 3]]));
     folder_.write("in.csv", rows);
-    const PreparedCase prepared = prepared_scene(
-        "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_TEST_DATA
-        "/../mutation/scenes/star.obj\"\nunit = \"mm\"\n[paths]\nkind = \"recorded\"\nfile = \"in.csv\"\n",
-        folder_.path());
+    const PreparedCase prepared =
+        prepared_scene("[surface]\nkind = \"mesh\"\nfile = \"" + in_source("tests/mutation/scenes/star.obj") +
+                           "\"\nunit = \"mm\"\n[paths]\nkind = \"recorded\"\nfile = \"in.csv\"\n",
+                       folder_.path());
     expect_start_outside<double>(prepared);
     expect_start_outside<float>(prepared);
 }

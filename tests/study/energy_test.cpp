@@ -13,6 +13,7 @@
 #include "host/study/energy/energy.h"
 #include "host/touch/places.h"
 #include "tests/io/folder.h"
+#include "tests/places.h"
 
 namespace forceshade::study {
 namespace {
@@ -302,7 +303,7 @@ TEST(EnergyScene, HasEachSchemeOfItsSurfaceAndNeedsRoom) {
     EXPECT_EQ(laws_of("surface = {facets = 4}"), 2u);
     EXPECT_EQ(laws_of("surface.kind = \"cylinder_bump\""), 1u);
     EXPECT_EQ(laws_of("surface = {kind = \"height_map\", function = \"sine\"}"), 2u);
-    EXPECT_EQ(laws_of("surface = {kind = \"mesh\", file = \"" FORCESHADE_TEST_DATA "/spot.obj\"}"), 4u);
+    EXPECT_EQ(laws_of("surface = {kind = \"mesh\", file = \"" + in_source("tests/data/spot.obj") + "\"}"), 4u);
 }
 
 } // namespace

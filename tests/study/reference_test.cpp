@@ -9,11 +9,12 @@
 #include "host/output/files.h"
 #include "host/study/study_data.h"
 #include "tests/io/folder.h"
+#include "tests/places.h"
 
 namespace forceshade::study {
 namespace {
 
-const std::filesystem::path kSource = FORCESHADE_SOURCE;
+const std::filesystem::path kSource = in_source("");
 const std::filesystem::path kReference = kSource / "results/reference";
 constexpr const char* kStudies[] = {"error-time"};
 

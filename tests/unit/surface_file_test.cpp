@@ -17,6 +17,7 @@
 #include "tests/io/vtk_bytes.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"
+#include "tests/places.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {
@@ -164,7 +165,7 @@ TEST_F(SurfaceFile, OfAMeshHoldsWhatAProbeFeelsOnEachFacet) {
             prepare(fmt::format("[surface]\nkind = \"mesh\"\nfile = \"{}/spot.obj\"\n"
                                 "transform = {{ scale = 0.05, rotate = [\"90 deg\", \"0 deg\", \"0 deg\"] }}\n"
                                 "[force]\nshading = \"{}\"\n[run]\nprecision = \"f64\"\n",
-                                FORCESHADE_TEST_DATA, shading));
+                                in_source("tests/data"), shading));
         const ReadSurface surface = written(prepared);
         const std::unique_ptr<ProbeLaw> law = make_probe_law(prepared);
         ASSERT_EQ(surface.cells.size(), 5856u);
