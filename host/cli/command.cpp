@@ -211,6 +211,14 @@ void describe_look(Options& options, picture::Look& look) {
         "of the pictures in pixels: a width, or WIDTHxHEIGHT; by default 1400, as high as they need");
 }
 
+double option_quantity(const std::string& flag, const std::string& text, Dimension dimension) {
+    try {
+        return parse_quantity(text, dimension);
+    } catch (const UsageError& error) {
+        throw UsageError("{}: {}", flag, error.what());
+    }
+}
+
 void refuse_unused(const picture::Endings& endings, bool as_by_default) {
     if (!endings.any() && !as_by_default)
         throw UsageError("these options need a picture: add --also png, svg or pdf");

@@ -213,6 +213,9 @@ bool may_write(const std::vector<std::filesystem::path>& files, const CommonOpti
 /// --title and --size of pictures.
 void describe_look(Options& options, picture::Look& look);
 
+/// The value of an option, in SI units. \throws UsageError that names the option.
+double option_quantity(const std::string& flag, const std::string& text, Dimension dimension);
+
 /// \throws UsageError if options of pictures are given without --also.
 void refuse_unused(const picture::Endings& endings, bool as_by_default);
 

@@ -18,14 +18,6 @@ namespace {
 
 constexpr std::string_view kNone = "none"; // for a limit that is to be switched off
 
-double parsed(const std::string& flag, const std::string& text, Dimension dimension) {
-    try {
-        return parse_quantity(text, dimension);
-    } catch (const UsageError& error) {
-        throw UsageError("{}: {}", flag, error.what());
-    }
-}
-
 enum class Accepted { positive, positive_or_none, ramp }; // none is no limit, or no ramp at all
 
 // In SI units.
@@ -33,7 +25,7 @@ double quantity(const std::string& flag, const std::string& text, Dimension dime
     const bool is_ramp = accepted == Accepted::ramp;
     if (accepted != Accepted::positive && text == kNone)
         return is_ramp ? 0 : device::kUnknown;
-    const double value = parsed(flag, text, dimension);
+    const double value = option_quantity(flag, text, dimension);
     if (!(value > 0) && !(is_ramp && value == 0))
         throw UsageError("{} must be {}, got {}", flag, is_ramp ? "zero or more" : "positive", text);
     return value;
@@ -50,7 +42,7 @@ std::vector<double> lengths(const std::string& flag, const std::string& text, st
                             const std::string& example) {
     std::vector<double> values;
     for (const std::string& part : split(text, ','))
-        values.push_back(parsed(flag, part, Dimension::length)); // of either sign
+        values.push_back(option_quantity(flag, part, Dimension::length)); // of either sign
     if (values.size() != count)
         throw UsageError("{} needs {} lengths, got {}; for example {} \"{}\"", flag, count, values.size(), flag,
                          example);
@@ -88,9 +80,9 @@ glm::dmat3 rotation(const std::string& text) {
             throw UsageError("--rotate \"{}\": expected an axis of the device and an angle, as in --rotate "
                              "\"z 90 deg\", or several between commas",
                              text);
-        turn =
-            device::turn_about(static_cast<int>(axis), parsed("--rotate", part.substr(begin + 2), Dimension::angle)) *
-            turn;
+        turn = device::turn_about(static_cast<int>(axis),
+                                  option_quantity("--rotate", part.substr(begin + 2), Dimension::angle)) *
+               turn;
     }
     return turn;
 }

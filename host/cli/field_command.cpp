@@ -48,7 +48,7 @@ void read_slice(const std::string& text, const GridSpec& grid, picture::SliceCho
     slice.axis = axis;
     if (text.size() == 1)
         return;
-    slice.at = parse_quantity(text.substr(2), Dimension::length);
+    slice.at = option_quantity("--slice", text.substr(2), Dimension::length);
     const double low = grid.origin[axis], high = low + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
     if (const double border = grid.spacing[axis] / 2; !(*slice.at >= low - border && *slice.at <= high + border))
         throw UsageError("--slice {}: the grid goes from {} = {:.6g} mm to {:.6g} mm", text, text.front(), low * 1e3,
@@ -168,7 +168,7 @@ void describe(Options& options, FieldArguments& arguments) {
     options.read(
         "--full-scale FORCE",
         [&](const std::string& text) {
-            arguments.pictures.look.full_scale = parse_quantity(text, Dimension::force);
+            arguments.pictures.look.full_scale = option_quantity("--full-scale", text, Dimension::force);
             if (!(arguments.pictures.look.full_scale > 0))
                 throw UsageError("--full-scale {}: write a force above 0, as in 5 N", text);
         },

@@ -283,7 +283,7 @@ int run(const Arguments& arguments, const CommonOptions& common) {
     std::string unit = arguments.unit;
     if (!unit.empty()) {
         unit = std::isdigit(static_cast<unsigned char>(unit[0])) ? unit : "1 " + unit;
-        spec.unit = parse_quantity(unit, Dimension::length);
+        spec.unit = option_quantity("--unit", unit, Dimension::length);
     }
     CasePreparation preparation;
     Inspected one = look_at(preparation, spec, unit.empty() ? "file units" : "m");

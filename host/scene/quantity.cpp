@@ -133,7 +133,9 @@ const LookAlike* find_word(std::span<const LookAlike> words, std::string_view na
         const std::string_view first = name.substr(0, split);
         const std::string_view second = name.substr(split);
         const bool plural = second == "s" && split > 1; // "mils" is no product with seconds
-        if (!plural && find_symbol(first) && find_symbol(second))
+        const bool alike = find_symbol(first) && find_symbol(second) &&
+                           find_symbol(first)->powers == find_symbol(second)->powers; // "mmm" is no area of m and mm
+        if (!plural && !alike && find_symbol(first) && find_symbol(second))
             refuse("unknown unit \"{}\": write \"{} {}\" for a product{}", name, first, second,
                    quotient_of(*find_symbol(first), *find_symbol(second)) == wanted.powers
                        ? fmt::format(", \"{}/{}\" for {}", first, second, wanted.with_article)

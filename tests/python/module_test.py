@@ -48,6 +48,14 @@ class InFolder(unittest.TestCase):
 
 
 class SameBits(InFolder):
+    def test_reprs_are_one_line(self):
+        scene = forceshade.Scene({"surface": {"kind": "bump", "facets": 2}, "grid": {"size": [9, 3, 5], "spacing": "5 mm"}})
+        for one in (scene.field(["depth"]), scene.contact([[0, 0, -1e-3]])):
+            self.assertNotIn("\n", repr(one))
+            self.assertIn("force (", repr(one))
+        with self.assertRaisesRegex(forceshade.SceneError, "list of names"):
+            scene.field("depth")
+
     def test_fields_are_those_of_the_command_line(self):
         for scene in (BUMP, SPOT):
             for precision in ("f32", "f64"):

@@ -48,7 +48,7 @@ def angle(one: ArrayLike, other: ArrayLike) -> Array:
     return np.asarray(np.degrees(2 * np.arctan2(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Contact:
     """What probes meet; the arrays have the shape of the probes' array, without its last axis for numbers.
 
@@ -70,13 +70,22 @@ class Contact:
     angle: Array | None = None
     magnitude_error: Array | None = None
 
+    def __repr__(self) -> str:
+        return f"<forceshade.Contact: {_shapes(self)}>"
+
     @property
     def turn(self) -> Array:
         """deg, (...): by which shading turns the force; NaN out of contact."""
         return angle(self.force, self.unshaded)
 
 
-@dataclass(frozen=True)
+def _shapes(one: Any) -> str:
+    """The names of arrays that are there, with their shapes."""
+    arrays = {name: getattr(one, name) for name in one.__dataclass_fields__}
+    return ", ".join(f"{name} {values.shape}" for name, values in arrays.items() if isinstance(values, np.ndarray))
+
+
+@dataclass(frozen=True, repr=False)
 class Field:
     """Forces over a grid; sample [k, j, i] lies at (x[i], y[j], z[k]).
 
@@ -108,6 +117,11 @@ class Field:
     magnitude_error: Array | None = None
     scene: str = ""
 
+    def __repr__(self) -> str:
+        box = ", ".join(f"{name} {1e3 * at[0]:.4g} to {1e3 * at[-1]:.4g} mm"
+                        for name, at in (("x", self.x), ("y", self.y), ("z", self.z)))
+        return f"<forceshade.Field: {box}; forces up to {self.magnitude.max():.4g} N; {_shapes(self)}>"
+
     @property
     def magnitude(self) -> Array:
         """N, (nz, ny, nx)."""
@@ -127,7 +141,7 @@ class Field:
         return xarray.Dataset(data, coordinates, {"scene": self.scene})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Paths:
     """What probes met along paths; behind the end of a shorter path stand NaN and -1.
 
@@ -153,6 +167,9 @@ class Paths:
     rate: float = float("nan")
     figures: Mapping[str, Array] = _field(default_factory=dict)
     scene: str = ""
+
+    def __repr__(self) -> str:
+        return f"<forceshade.Paths: {_shapes(self)}>"
 
     @property
     def time(self) -> Array:
@@ -231,6 +248,8 @@ class Scene:
         engine: "cpu", on so many threads (0: as many as there are cores), or "gpu", by name, UUID or index.
         Raises MemoryError for more than the machine has, DeviceError.
         """
+        if isinstance(channels, str):
+            raise SceneError(f"channels is a list of names, such as [{channels!r}]")
         arrays = self._native.field(list(channels), engine, gpu, threads)
         size = len(arrays["z"]), len(arrays["y"]), len(arrays["x"])
         for name, values in arrays.items():
