@@ -208,7 +208,7 @@ protected:
 };
 
 TEST_F(SceneFile, EveryOneThatInitWritesWorksAsItStands) {
-    write("spot.obj", read_text(in_source("tests/data/spot.obj"));
+    write("spot.obj", read_text(in_source("tests/data/spot.obj")));
     std::filesystem::create_directory(path("scenes"));
     for (const std::string kind : {"bump", "paths", "live", "experiment"})
         expect_success({"init", kind, "-o", "scenes/" + kind + ".toml"});
@@ -244,7 +244,7 @@ TEST_F(SceneFile, ADashIsStandardInput) {
         EXPECT_TRUE(says(refused.error, "<stdin>:2:10: radius needs a unit", "error: <stdin>:3:2: unknown table [gird]",
                          "2 errors in <stdin>"));
     }
-    write("spot.obj", read_text(in_source("tests/data/spot.obj")); // of the current folder
+    write("spot.obj", read_text(in_source("tests/data/spot.obj"))); // of the current folder
     EXPECT_EQ(shell("\"$0\" init mesh spot.obj | \"$0\" field - --out mesh.exr --quiet").code, 0);
     EXPECT_EQ(shell("\"$0\" init live | \"$0\" live - --device sim --duration 0.1s --fast --quiet").code, 0);
     EXPECT_TRUE(says(shell("\"$0\" live - --watch --device sim </dev/null").error, "--watch"));

@@ -94,7 +94,8 @@ std::string content_of(int descriptor) {
 } // namespace
 
 Process::Process(const Launch& launch) : timeout_(launch.timeout) {
-    const std::filesystem::path path = launch.program.empty() ? in_build("forceshade") : launch.program;
+    const std::filesystem::path path =
+        launch.program.empty() ? std::filesystem::path(in_build("forceshade")) : launch.program;
     // Opened here, so that another user can run a program that lies in a folder closed to him.
     const int program = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (program < 0)

@@ -120,7 +120,7 @@ void add_meshes(Seeds& seeds) {
             const auto format = std::ranges::find(kExtensions, extension) - std::begin(kExtensions);
             seeds.add("mesh_file", static_cast<char>(format) + bytes);
         }
-    seeds.add("mesh_file", '\0' + read_file(in_source("tests/data/bump.obj"));
+    seeds.add("mesh_file", '\0' + read_file(in_source("tests/data/bump.obj")));
     seeds.add("mesh_file",
               std::string("\4v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 -1/-1/-1\nf 1//1 \\\n2//1 "
                           "3//1\n"));
@@ -160,9 +160,9 @@ void add_meshes(Seeds& seeds) {
           "usemtl a\\\n|solid |facet normal |outer loop\n|vertex |endloop\n|endfacet\n|endsolid|nan|inf|1e308|-0|",
           " x\n| y\n| z\n| nx\n|"})
         for (const char* word = line; *word;) {
-        const char* const end = std::strchr(word, '|');
-        words.emplace(word, end);
-        word = end + 1;
+            const char* const end = std::strchr(word, '|');
+            words.emplace(word, end);
+            word = end + 1;
         }
     seeds.add_words("mesh_file", words);
     // Of soups and god-objects any bytes are one.

@@ -303,7 +303,7 @@ TEST(CgalReaders, ReadTheSame) {
     compare(".off", testing::as_off(prism));
     compare(".ply", testing::as_ply_text(prism));
     compare(".ply", testing::as_ply_binary(prism, true));
-    compare(".obj", read_file(in_source("tests/data/spot.obj"));
+    compare(".obj", read_file(in_source("tests/data/spot.obj")));
 }
 
 } // namespace
