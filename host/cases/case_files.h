@@ -65,6 +65,8 @@ CaseRecord empty_record(const PreparedCase& prepared);
 /// "left out: 94 % of the voxels (15 of 16 y samples, alike); shading, texture; channels depth, facet": what the scene
 /// did not need.
 std::string left_out_text(const CaseRecord& record);
+/// Of paths.
+std::string left_out_text(const Scene& scene);
 
 /// A published file.
 template <typename Record> void add_file(Record& record, const std::string& name, const VolumeResult& result) {
@@ -154,7 +156,8 @@ private:
 
 /// Polygons in m, in the world's frame; points have `force` (N, the active vector), `unshaded` (N), `turn` (deg,
 /// between the two: by how much shading turns the force) and with [compare] `angle` (deg) and `magnitude_error` (N);
-/// cells have `facet`, and the whole has `pressed_m`.
+/// cells have `facet`, and the whole has `pressed_m`. `turn` is that of the point: in the middle of a mesh's facet it
+/// is the angle between the two forces there, not what a viewer makes of the corners' numbers.
 /// - A mesh: its facets with all their corners; cell i is facet i. A facet that no probe touches (it has no area, or
 ///   repeats another) has no force.
 /// - A bump: its facets, and the plane on both sides as far as the grid reaches along x, as strips as long as the grid
@@ -166,10 +169,10 @@ private:
 /// leaves the range of the run's precision.
 VolumeResult write_surface(const std::filesystem::path& path, const PreparedCase& prepared);
 
-/// deg: by how much `shading` turns the force at each corner of a mesh's facets, as `corners` of its polygons, pressed
-/// as in write_surface; in double. 0 on a facet that no probe touches; of a facet with more than 256 corners evenly
-/// chosen ones stand for the others. \throws Interrupted.
-std::vector<float> mesh_turns(const PreparedCase& prepared, Shading shading);
+/// By how much `shading` turns the force in the middle of each part of a mesh's triangles, pressed as in write_surface;
+/// in double. 0 on a facet that no probe touches; of a facet with more than 256 corners evenly chosen triangles stand
+/// for the others. More than one part a triangle where they are few. \throws Interrupted.
+picture::TurnedMesh mesh_turns(const PreparedCase& prepared, Shading shading);
 
 /// Bytes of the arrays before they are compressed, at most; of a mesh, which need not have been read, guessed from the
 /// size of its file. 0 if there is no such file.

@@ -130,49 +130,52 @@ private:
     std::int64_t corners_before_ = 0;
 };
 
-// Calls take(facet, corner, normal, contact) for every corner of every facet, pressed along the facet's normal. Of a
-// facet with more corners than `most` only that many are pressed, and each stands for those up to the next: shading
-// takes time linear in the corners, and so all of them quadratic time.
-template <typename T, typename Take>
-void press_corners(const PreparedCase& prepared, const Take& take, std::size_t most = ~std::size_t(0)) {
-    const Mesh& mesh = prepared.images.mesh->mesh;
-    const PolygonSoup& polygons = mesh.polygons;
-    const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing);
-    const layout::Law<T> law = tables.law();
-    const auto distance = static_cast<T>(pressed_depth(prepared.one.scene) / prepared.images.mesh->structure.scale);
-    for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet) {
-        const reference::Vector<T> normal = reference::vector_at(law.mesh.facet_normals, facet);
-        const bool touchable =
-            normal != reference::Vector<T>(T(0)) && !std::ranges::binary_search(mesh.redundant_facets, facet);
-        const std::size_t corners = polygons.corners_of(facet), step = (corners - 1) / most + 1;
-        reference::Contact<T> contact{};
-        for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner) {
-            if (touchable && (corner - polygons.begins[facet]) % step == 0)
-                contact = reference::touching_contact(
-                    law, reference::MeshTouch<T>{
-                             facet, distance * normal,
-                             reference::vector_at(law.mesh.vertices, law.mesh.facet_corners[corner]), distance});
-            take(facet, corner, normal, contact);
-        }
+// A probe that touches a mesh's facet and is pressed along its normal.
+template <typename T> class FacetPress {
+public:
+    explicit FacetPress(const PreparedCase& prepared)
+        : mesh_(prepared.images.mesh->mesh),
+          tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing)), law_(tables_.law()),
+          distance_(static_cast<T>(pressed_depth(prepared.one.scene) / prepared.images.mesh->structure.scale)) {}
+
+    reference::Vector<T> normal(std::uint32_t facet) const {
+        return reference::vector_at(law_.mesh.facet_normals, facet);
     }
-}
+    // `place` in the mesh's frame; no force on a facet that no probe touches.
+    reference::Contact<T> at(std::uint32_t facet, const reference::Vector<T>& place) const {
+        if (normal(facet) == reference::Vector<T>(T(0)) || std::ranges::binary_search(mesh_.redundant_facets, facet))
+            return {};
+        return reference::touching_contact(law_,
+                                           reference::MeshTouch<T>{facet, distance_ * normal(facet), place, distance_});
+    }
+    // The place of a facet's corner.
+    reference::Vector<T> corner(std::uint32_t corner) const {
+        return reference::vector_at(law_.mesh.vertices, law_.mesh.facet_corners[corner]);
+    }
+
+private:
+    const Mesh& mesh_;
+    FieldTables<T> tables_;
+    layout::Law<T> law_;
+    T distance_;
+};
 
 template <typename T> VolumeResult write_mesh(const std::filesystem::path& path, const PreparedCase& prepared) {
     const PolygonSoup& polygons = prepared.images.mesh->mesh.polygons;
     const double pressed = pressed_depth(prepared.one.scene);
     const std::uint64_t corners = polygons.corners.size();
     SurfaceFile<T> file(path, prepared, corners, polygons.facets(), corners, pressed);
-    std::vector<std::int64_t> outline;
-    press_corners<T>(prepared, [&](std::uint32_t facet, std::uint32_t corner, const reference::Vector<T>& normal,
-                                   const reference::Contact<T>& contact) {
-        const glm::dvec3& place = polygons.vertices[polygons.corners[corner]];
-        file.add_point(place, place - pressed * glm::dvec3(normal), contact);
-        outline.push_back(corner);
-        if (corner + 1 == polygons.begins[facet + 1]) {
-            file.add_cell(outline, facet);
-            outline.clear();
+    const FacetPress<T> press(prepared);
+    for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet) {
+        std::vector<std::int64_t> outline;
+        for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner) {
+            const glm::dvec3& place = polygons.vertices[polygons.corners[corner]];
+            file.add_point(place, place - pressed * glm::dvec3(press.normal(facet)),
+                           press.at(facet, press.corner(corner)));
+            outline.push_back(corner);
         }
-    });
+        file.add_cell(outline, facet);
+    }
     return file.finish();
 }
 
@@ -299,19 +302,41 @@ VolumeResult write_surface(const std::filesystem::path& path, const PreparedCase
     });
 }
 
-std::vector<float> mesh_turns(const PreparedCase& prepared, Shading shading) {
+picture::TurnedMesh mesh_turns(const PreparedCase& prepared, Shading shading) {
     PreparedCase shaded = prepared;
     shaded.one.scene.force.shading = shading;
-    std::vector<float> turns;
-    turns.reserve(prepared.images.mesh->mesh.polygons.corners.size());
-    const auto add = [&](std::uint32_t, std::uint32_t, const reference::Vector<double>&,
-                         const reference::Contact<double>& contact) {
-        turns.push_back(static_cast<float>(turn_of(contact.force, contact.unshaded)));
-        if (turns.size() % 4096 == 0)
-            check_interrupt();
-    };
-    press_corners<double>(shaded, add, kMostCorners);
-    return turns;
+    const Mesh& mesh = prepared.images.mesh->mesh;
+    const std::size_t triangles = mesh.triangles.corners.size();
+    constexpr double kParts = 2e5, kMostParts = 48;
+    picture::TurnedMesh turned;
+    turned.parts = static_cast<unsigned>(std::clamp(std::sqrt(kParts / double(triangles)), 1.0, kMostParts));
+    turned.turns.reserve(triangles * turned.parts * turned.parts);
+    const FacetPress<double> press(shaded);
+    std::uint32_t facet = ~0u, of_facet = 0;
+    for (std::size_t triangle = 0; triangle < triangles; ++triangle) {
+        of_facet = mesh.triangles.facets[triangle] == facet ? of_facet + 1 : 0;
+        facet = mesh.triangles.facets[triangle];
+        // Shading takes time linear in the corners, and so all of a facet's triangles quadratic time.
+        if (of_facet % (mesh.polygons.corners_of(facet) / kMostCorners + 1) != 0) {
+            const std::size_t before = turned.turns.size() - turned.parts * turned.parts;
+            for (std::size_t part = before; part < before + turned.parts * turned.parts; ++part)
+                turned.turns.push_back(turned.turns[part]);
+            continue;
+        }
+        std::array<glm::dvec3, 3> corners;
+        std::ranges::transform(mesh.triangles.corners[triangle], corners.begin(), [&](std::uint32_t vertex) {
+            return to_mesh_frame(prepared.images.mesh->structure, mesh.polygons.vertices[vertex]);
+        });
+        picture::for_each_part(turned.parts, [&](const auto& shares) {
+            glm::dvec3 place = corners[0];
+            for (const auto& [v, w] : shares)
+                place += (v * (corners[1] - corners[0]) + w * (corners[2] - corners[0])) / 3.0;
+            const reference::Contact<double> contact = press.at(facet, place);
+            turned.turns.push_back(static_cast<float>(turn_of(contact.force, contact.unshaded)));
+        });
+        check_interrupt();
+    }
+    return turned;
 }
 
 double most_surface_bytes(const Scene& scene) {

@@ -59,12 +59,9 @@ public:
 
     void triangle(const std::array<glm::dvec3, 3>& corners, const glm::dvec3& normal, Rgb8 front, Rgb8 back) {
         const double facing = glm::dot(normal, point_.from);
-        const Rgb8 colour = mixed({30, 34, 40}, facing < 0 ? back : front, 0.35 + 0.65 * std::abs(facing));
-        triangle(corners, [&](double, double) { return colour; });
+        triangle(corners, mixed({30, 34, 40}, facing < 0 ? back : front, 0.35 + 0.65 * std::abs(facing)));
     }
-
-    /// `colour_at`: of the shares of the second and the third corner.
-    template <typename ColourAt> void triangle(const std::array<glm::dvec3, 3>& corners, const ColourAt& colour_at) {
+    void triangle(const std::array<glm::dvec3, 3>& corners, Rgb8 colour) {
         const glm::dvec3 a = at(corners[0]), b = at(corners[1]), c = at(corners[2]);
         const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         if (twice == 0)
@@ -82,7 +79,7 @@ public:
                 if (z <= depth_[index(x, y)])
                     continue;
                 depth_[index(x, y)] = z;
-                colour_[index(x, y)] = colour_at(v, w);
+                colour_[index(x, y)] = colour;
             }
     }
 
@@ -209,7 +206,7 @@ glm::dvec3 middle_of(const Mesh& mesh) {
     return box.low + 0.5 * (box.high - box.low);
 }
 
-/// deg: that 99 % of the corners do not exceed; the largest where these are not turned at all.
+/// deg: that 99 % of the parts do not exceed; the largest where these are not turned at all.
 double usual_turn(std::vector<float> turns) {
     if (turns.empty())
         return 0;
@@ -218,32 +215,23 @@ double usual_turn(std::vector<float> turns) {
     return *at > 0 ? *at : *std::ranges::max_element(turns);
 }
 
-void draw_turned(View& view, const ViewPoint& point, const Mesh& mesh, const std::vector<float>& turns,
+void draw_turned(View& view, const ViewPoint& point, const Mesh& mesh, const TurnedMesh& turned,
                  const ColourScale& scale) {
-    const PolygonSoup& polygons = mesh.polygons;
-    const bool nowhere = std::ranges::all_of(turns, [](float turn) { return turn == 0; });
-    std::vector<float> of_vertex(polygons.vertices.size()); // in the facet of the triangle
-    std::uint32_t known = ~0u;
+    const bool nowhere = std::ranges::all_of(turned.turns, [](float turn) { return turn == 0; });
+    auto turn = turned.turns.begin();
     for (std::size_t triangle = 0; triangle < mesh.triangles.corners.size(); ++triangle) {
-        const std::uint32_t facet = mesh.triangles.facets[triangle];
-        if (facet != known)
-            for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner)
-                of_vertex[polygons.corners[corner]] = turns[corner];
-        known = facet;
-        std::array<glm::dvec3, 3> places{};
-        std::array<double, 3> turned{};
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t vertex = mesh.triangles.corners[triangle][i];
-            places[i] = polygons.vertices[vertex];
-            turned[i] = of_vertex[vertex];
-        }
+        const auto& [first, second, third] = mesh.triangles.corners[triangle];
+        const glm::dvec3 from = mesh.polygons.vertices[first], across = mesh.polygons.vertices[second] - from,
+                         up = mesh.polygons.vertices[third] - from;
         const double lit = 0.6 + 0.4 * std::abs(glm::dot(mesh.triangles.normals[triangle], point.from));
-        const auto colour_of = [&](double turn) {
-            return nowhere ? kFront : scale.of(std::min(turn, scale.high)); // grey shows the facets better
-        };
-        view.triangle(places, [&](double v, double w) {
-            const double turn = turned[0] + v * (turned[1] - turned[0]) + w * (turned[2] - turned[0]);
-            return mixed({30, 34, 40}, colour_of(turn), lit);
+        for_each_part(turned.parts, [&](const auto& shares) {
+            std::array<glm::dvec3, 3> places{};
+            std::ranges::transform(shares, places.begin(),
+                                   [&](const auto& share) { return from + share[0] * across + share[1] * up; });
+            const Rgb8 of_turn = nowhere ? kFront : scale.of(std::min<double>(*turn, scale.high)); // grey shows facets
+            const Rgb8 colour = mixed({30, 34, 40}, of_turn, lit);
+            view.triangle(places, colour);
+            ++turn;
         });
     }
 }
@@ -274,7 +262,7 @@ Picture draw_turns(const Look& look, const std::vector<std::string>& notes, cons
     draw_heading(canvas, heading);
     for (std::size_t i = 0; i < shadings.size(); ++i) {
         View pane(point, middle, half, side);
-        draw_turned(pane, point, mesh, shadings[i].turns, scale);
+        draw_turned(pane, point, mesh, shadings[i], scale);
         const int left = static_cast<int>(kMargin) + static_cast<int>(i % 2) * step,
                   upper = top + static_cast<int>(i / 2) * step;
         canvas.image(left, upper, side, side, pane.pixels());

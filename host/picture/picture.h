@@ -129,17 +129,31 @@ Breadth drawn_breadth(const std::vector<DrawnPath>& paths);
 Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh, const MeshMarks& marks,
                   const std::string& unit = "m");
 
-/// A mesh under one shading.
+/// A mesh under one shading, each of its triangles cut into parts * parts equal ones.
 struct TurnedMesh {
-    std::string shading;      // its name
-    std::vector<float> turns; /* deg: of the force at each corner of the facets */
+    std::string shading; // its name
+    unsigned parts = 1;
+    std::vector<float> turns; /* deg: of the force in the middle of each part, as for_each_part() has them */
 };
+
+/// Calls use(corners) for each part: what share of the way to the triangle's second and third corner its corners have.
+template <typename Use> void for_each_part(unsigned parts, const Use& use) {
+    using Shares = std::array<std::array<double, 2>, 3>;
+    const double step = 1.0 / parts;
+    for (unsigned row = 0; row < parts; ++row)
+        for (unsigned column = 0; column + row < parts; ++column) {
+            const double v = column * step, w = row * step;
+            use(Shares{{{v, w}, {v + step, w}, {v, w + step}}});
+            if (column + row + 1 < parts)
+                use(Shares{{{v + step, w}, {v + step, w + step}, {v, w + step}}});
+        }
+}
 
 /// Where meshes are seen from unless the user says: from the right, in front and above.
 inline constexpr std::array<double, 3> kView{0.9, -1.3, 0.8};
 
 /// A mesh under several shadings, at most two side by side, from `view` (a vector towards us, not 0), coloured by how
-/// far each turns the force; one scale for all, up to what 99 of 100 corners stay below in each.
+/// far each turns the force; one scale for all, up to what 99 of 100 parts stay below in each.
 Picture draw_turns(const Look& look, const std::vector<std::string>& notes, const Mesh& mesh,
                    std::span<const TurnedMesh> shadings, const std::array<double, 3>& view = kView);
 

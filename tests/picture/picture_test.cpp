@@ -38,9 +38,9 @@ TEST(Picture, OfAMeshUnderShadingsIsClearFromAnywhere) {
     tetrahedron.corners = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
     tetrahedron.begins = {0, 3, 6, 9, 12};
     const Mesh mesh = prepare_mesh(tetrahedron, {}, VertexNormals::plain);
-    std::vector<TurnedMesh> shadings{{"none", std::vector<float>(12)}};
+    std::vector<TurnedMesh> shadings{{"none", 1, std::vector<float>(4)}};
     for (const float most : {3.0F, 70.0F, 20.0F}) {
-        shadings.push_back({"mean_value", std::vector<float>(12, most)});
+        shadings.push_back({"mean_value", 2, std::vector<float>(16, most)});
         for (const int width : {1400, 700})
             for (const std::array<double, 3> view : {kView, {0, 0, 1}, {0, 0, -1}, {1e-300, 5, 0}}) {
                 const Picture picture = draw_turns({"A tetrahedron", width}, {}, mesh, shadings, view);

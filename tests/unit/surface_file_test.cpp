@@ -196,32 +196,38 @@ TEST_F(SurfaceFile, OfAMeshHoldsWhatAProbeFeelsOnEachFacet) {
     }
 }
 
-TEST_F(SurfaceFile, TurnsOfAMeshUnderAnyShadingAreThoseOfTheSceneWithIt) {
-    folder_.write("house.off", kHouse);
-    const PreparedCase plain = prepare(mesh("house.off", ""));
-    for (const auto& [shading, name] : {std::pair(Shading::none, "none"),
-                                        {Shading::morgenbesser, "morgenbesser"},
-                                        {Shading::mean_value, "mean_value"},
-                                        {Shading::two_pass, "two_pass"}}) {
-        PreparedCase shaded = prepare(mesh("house.off", fmt::format("[force]\nshading = \"{}\"\n", name)));
-        shaded.one.scene.precision = Precision::f64;
-        const ReadSurface surface = written(shaded);
-        const std::vector<float> turns = mesh_turns(plain, shading);
-        ASSERT_EQ(turns.size(), surface.turn.size());
-        for (std::size_t point = 0; point < turns.size(); ++point)
-            EXPECT_EQ(turns[point], float(surface.turn[point])) << name;
-        EXPECT_EQ(*std::ranges::max_element(turns) > 10, shading != Shading::none) << name;
-    }
+// On a cube's face vertex normals are (x, y, 1), linear in the place, which mean value coordinates reproduce.
+TEST_F(SurfaceFile, TurnsOfACubeAreThoseOfItsNormalsAllOverAFace) {
+    folder_.write("cube.off", "OFF\n8 6 0\n-1 -1 -1\n1 -1 -1\n1 1 -1\n-1 1 -1\n-1 -1 1\n1 -1 1\n1 1 1\n-1 1 1\n"
+                              "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
+    const PreparedCase plain = prepare(mesh("cube.off", ""));
+    const Mesh& cube = plain.images.mesh->mesh;
+    const picture::TurnedMesh turned = mesh_turns(plain, Shading::mean_value), flat = mesh_turns(plain, Shading::none);
+    EXPECT_EQ(turned.parts, 48u);
+    ASSERT_EQ(turned.turns.size(), 12u * 48 * 48);
+    EXPECT_EQ(std::ranges::count(flat.turns, 0.0f), std::ssize(turned.turns));
+    auto turn = turned.turns.begin();
+    for (const auto& [a, b, c] : cube.triangles.corners)
+        picture::for_each_part(turned.parts, [&](const auto& shares) {
+            glm::dvec3 place(0);
+            for (const auto& [v, w] : shares)
+                place += ((1 - v - w) * cube.polygons.vertices[a] + v * cube.polygons.vertices[b] +
+                          w * cube.polygons.vertices[c]) /
+                         3.0;
+            const glm::dvec3 across =
+                glm::abs(place) / std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+            const double tangent = std::sqrt(std::max(0.0, glm::dot(across, across) - 1));
+            EXPECT_NEAR(*turn++, std::atan(tangent) * kDegreesOfRadian, 1e-4);
+        });
 }
 
 TEST_F(SurfaceFile, TurnsOfAFacetOfManyCornersStandForTheirNeighbours) {
     constexpr int kCorners = 1000;
     folder_.write("prism.off", testing::as_off(shapes::many_gon_prism(kCorners)));
-    const std::vector<float> turns = mesh_turns(prepare(mesh("prism.off", "")), Shading::mean_value);
-    ASSERT_EQ(turns.size(), 6u * kCorners);
-    EXPECT_GT(turns[0], 10);
-    for (int i = 1; i < 2 * kCorners; ++i) // every corner of a cap is like the others
-        EXPECT_NEAR(turns[std::size_t(i)], turns[0], 0.5) << i;
+    const picture::TurnedMesh turned = mesh_turns(prepare(mesh("prism.off", "")), Shading::mean_value);
+    ASSERT_EQ(turned.turns.size(), 4u * (kCorners - 1) * turned.parts * turned.parts);
+    EXPECT_GT(std::ranges::max(turned.turns), 10);
+    EXPECT_TRUE(std::ranges::all_of(turned.turns, [](float turn) { return turn >= 0 && turn < 64; }));
 }
 
 // Facets this fine are the cylinder: nothing is left between them, however depth is read.
