@@ -155,8 +155,11 @@ Json to_json(const CaseRecord& record) {
     json["oracle"]["relative_error"] = record.error.relative();
     if (record.deviation)
         json["compare"] = deviation_json(*record.deviation);
-    if (record.touch)
+    if (record.touch) {
         list_touch(JsonWriter{json["touch"]}, *record.touch);
+        json["touch"]["missed_share"] = record.touch->missed_share;
+    }
+    json["seconds"]["modelled_saving"] = record.saved();
     if (record.paths)
         json["paths"] = paths_json(*record.paths);
     return json;
@@ -184,8 +187,10 @@ CaseRecord from_json(const Json& json) {
         deviation->from = from.at("compare").value("from", deviation->from); // older records do not say
     };
     read_deviation(json, record.deviation);
-    if (json.contains("touch"))
+    if (json.contains("touch")) {
         list_touch(JsonReader{json.at("touch")}, record.touch.emplace());
+        record.touch->missed_share = json.at("touch").value("missed_share", 0.0); // older records have none
+    }
     if (json.contains("paths")) {
         list_paths(JsonReader{json.at("paths")}, record.paths.emplace());
         read_deviation(json.at("paths"), record.paths->deviation);

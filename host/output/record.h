@@ -89,7 +89,8 @@ struct TouchRecord {
     std::uint64_t places = 0;               /* under points anywhere on the surface, depths log-uniform */
     double deepest = 0;                     /* m */
     double direction_rms = 0;               /* deg */
-    double median_error = 0, p95_error = 0; /* 1: |F - F_true| / |F_true| */
+    double median_error = 0, p95_error = 0; /* 1: |F - F_true| / |F_true|, 1 where a force is missing */
+    double missed_share = 0;                /* 1: of the places, those without the force that should be there */
 };
 
 // What is known of paths that were taken through an engine.
@@ -129,6 +130,9 @@ std::string error_text(const PathRecord& record, const std::string& name, const 
 /// Of the layout of manifest.json.
 inline constexpr int kManifestFormat = 1;
 
+/// Among what a mesh's field leaves out; in its record if any voxel was skipped for it.
+inline constexpr const char* kFreeSpace = "blocks of free space";
+
 struct CaseRecord {
     std::string name;
     std::string fingerprint; /* of everything that decides the bytes: scene, images, program, engine */
@@ -148,6 +152,9 @@ struct CaseRecord {
     std::optional<PathRecord> paths;          /* without files, which stand above, and warnings */
     EngineTimes engine_times;
     VolumeTimings volume_times;
+
+    /// s: modelled: of the voxels that were not evaluated, if each took as long as the others.
+    double saved() const { return evaluated == 0 ? 0 : engine_times.kernel * (double(voxels) / double(evaluated) - 1); }
 };
 
 /// What is wrong with a case whose field or paths are further from the oracle than rounding allows; else empty.

@@ -83,12 +83,13 @@ std::string opening(const Contents& contents, bool table_follows) {
                "takes.</p>\n";
     std::string buys_and_costs;
     if (!table_follows)
-        buys_and_costs = sentence_of(contents, "error-time", "shading",
-                                     "Edges are felt less, at some more time for each evaluation.") +
-                         " " +
-                         sentence_of(contents, "stability", "loop_shading",
-                                     "Such a force has no potential: a round can give the hand energy, and a "
-                                     "loop may come to rest only at lower stiffness.");
+        buys_and_costs =
+            sentence_of(contents, "error-time", "shading",
+                        "Edges are felt less; what that costs in time, 'forceshade study error-time' measures.") +
+            " " +
+            sentence_of(contents, "stability", "loop_shading",
+                        "Such a force has no potential: a round can give the hand energy, and a "
+                        "loop may come to rest only at lower stiffness.");
     return fmt::format(
         "<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
         "facet to facet, towards that on the smooth shape (Morgenbesser and Srinivasan 1996, here the paper). {}</p>\n",
@@ -115,6 +116,15 @@ std::string words_section(bool of_score) {
          "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed in, and "
          "the force pulls the probe to it"},
         {"look-up volume", "forces computed beforehand on a grid, between which a loop interpolates"},
+        {"octree", "a look-up volume of bricks that are finer near the surface"},
+        {"trilinear", "between eight samples, linear along each axis"},
+        {"tessellation", "the facets that stand for a smooth shape, and where they lie"},
+        {"bootstrap", "an interval from drawing the same measurements again, with repetition"},
+        {"front", "the methods than which no other is both faster and closer"},
+        {"crest", "the highest place of a shape, where the surface turns away on both sides"},
+        {"virtual coupling", "a spring, and perhaps a damper, between the device and the probe that the law sees"},
+        {"K_crit", "the stiffness up to which a loop on a flat wall comes to rest"},
+        {"limit cycle", "a swing that neither grows nor dies out"},
         {"kernel", "a program that a Vulkan device runs for many voxels or paths at a time"},
         {"reference", "shading of the bump: the direction of the cylinder that its facets stand for"},
         {"none", "no shading: the direction is the facet's normal"},

@@ -171,7 +171,7 @@ std::string page_data(const std::string& id, const study::StudyData& data) {
                        script_text(json));
 }
 
-std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings) {
+std::string findings_list(const std::string& id, std::span<const study::Finding> findings) {
     std::string html;
     for (const study::Finding& finding : findings) {
         std::string when;

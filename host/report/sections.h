@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -82,7 +83,7 @@ std::string folded(const std::string& heading, const std::string& body, bool ope
 std::string section_start(const std::string& id, const std::string& title, const std::string& answer);
 
 /// The findings of a study or a sweep: a sentence each, with the place, the condition and the interval.
-std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings);
+std::string findings_list(const std::string& id, std::span<const study::Finding> findings);
 
 /// A link to a file of a folder below the root, if it is there: its absence is reported elsewhere.
 std::string file_link(const std::filesystem::path& root, const std::string& folder, const std::string& name,

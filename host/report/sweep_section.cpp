@@ -6,8 +6,10 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <span>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -59,18 +61,26 @@ std::string parameter(const CaseRecord& record, const std::string& key) {
     return found == record.parameters.end() ? "" : found->second;
 }
 
-struct Touched {
+struct Plotted {
     const CaseRecord* record = nullptr;
-    double x = 0;
-    std::string series; /* the other parameters */
+    study::Cell x{};
+    std::string series, panel{};
 };
 
-// The parameter with the most numbers; empty: none varies.
-std::string axis_of(const Rows& cases) {
+// What errors are drawn over: `axis`, a number that the sweep varies, the facets first; without one the cases. Where
+// shading varies, too, another number has a panel each; the other parameters are series.
+struct Axes {
+    std::string axis, panel;
+    std::vector<Plotted> rows;
+    study::FigureAxis x;
+};
+
+// Of the numbers that vary the one with the most values, but for `taken`; empty: none.
+std::string most_varied(const Rows& cases, const std::string& taken) {
     std::map<std::string, std::set<double>> numbers;
     for (const CaseRecord* record : cases)
         for (const auto& [key, text] : record->parameters)
-            if (const auto value = leading_number(text))
+            if (const auto value = leading_number(text); value && key != taken)
                 numbers[key].insert(*value);
     std::string axis;
     std::size_t most = 1;
@@ -79,31 +89,39 @@ std::string axis_of(const Rows& cases) {
             most = values.size();
             axis = key;
         }
-    return axis;
+    return taken.empty() && numbers["facets"].size() > 1 ? "facets" : axis;
 }
 
-std::vector<Touched> touched_of(const Rows& cases, const std::string& axis) {
+std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, const std::string& panel) {
     std::map<std::string, std::set<std::string>> values;
     for (const CaseRecord* record : cases)
         for (const auto& [key, value] : record->parameters)
             values[key].insert(value);
-    std::vector<Touched> rows;
+    std::vector<Plotted> rows;
     for (const CaseRecord* record : cases) {
-        const auto x = leading_number(parameter(*record, axis));
-        if (!x)
-            continue;
-        Touched row{record, *x, {}};
+        Plotted row{record, record->name, {}};
+        if (!axis.empty()) {
+            const auto x = leading_number(parameter(*record, axis));
+            if (!x)
+                continue;
+            row.x = *x;
+        }
         for (const auto& [key, value] : record->parameters)
-            if (key != axis && values[key].size() > 1)
+            if (key == panel)
+                row.panel = key + " " + value;
+            else if (key != axis && values[key].size() > 1)
                 row.series += (row.series.empty() ? "" : ", ") + (key == "shading" ? value : key + " " + value);
         rows.push_back(std::move(row));
     }
+    if (axis.empty())
+        return rows;
     std::vector<std::string> order; // in which series come
-    for (const Touched& row : rows)
+    for (const Plotted& row : rows)
         if (std::ranges::find(order, row.series) == order.end())
             order.push_back(row.series);
-    std::ranges::stable_sort(rows, {}, [&](const Touched& row) {
-        return std::pair(std::ranges::find(order, row.series) - order.begin(), row.x);
+    std::ranges::stable_sort(rows, {}, [&](const Plotted& row) {
+        return std::tuple(std::ranges::find(order, row.series) - order.begin(),
+                          leading_number(parameter(*row.record, panel)).value_or(0), std::get<double>(row.x));
     });
     return rows;
 }
@@ -114,21 +132,18 @@ std::string unit_of(const Rows& cases, const std::string& axis) {
     return space == std::string::npos ? axis : axis + " / " + text.substr(space + 1);
 }
 
-// What errors are drawn over: what the sweep varies most, and the other parameters as series.
-struct OverAxis {
-    std::string axis;
-    std::vector<Touched> rows;
-    study::FigureAxis x;
-};
-
-// Nothing if no number varies.
-std::optional<OverAxis> over_axis(const Rows& cases) {
-    const std::string axis = axis_of(cases);
-    if (axis.empty())
-        return std::nullopt;
-    std::vector<Touched> rows = touched_of(cases, axis);
-    const auto [least, most] = std::ranges::minmax(rows, {}, &Touched::x);
-    return OverAxis{axis, std::move(rows), {axis, unit_of(cases, axis), least.x > 0 && most.x / least.x > 16}};
+Axes axes_of(const Rows& cases) {
+    const std::string axis = most_varied(cases, "");
+    const std::string& shading = parameter(*cases.front(), "shading");
+    const bool shaded = std::ranges::any_of(cases, [&](R one) { return parameter(*one, "shading") != shading; });
+    const std::string panel = axis.empty() || !shaded ? "" : most_varied(cases, axis);
+    Axes axes{axis, panel, plotted_of(cases, axis, panel), {"case", "case"}};
+    if (!axis.empty()) {
+        const auto number = [](const Plotted& row) { return std::get<double>(row.x); };
+        const auto [least, most] = std::ranges::minmax(axes.rows | std::views::transform(number));
+        axes.x = {axis, unit_of(cases, axis), least > 0 && most / least > 16};
+    }
+    return axes;
 }
 
 // A figure for a column of errors.
@@ -138,18 +153,25 @@ struct DrawnError {
 };
 
 // A table with the errors of each case, and figures of it.
-void add_errors(study::StudyData& data, const OverAxis& over, const char* table, const char* title,
-                std::vector<study::ColumnOf<Touched>> errors, const std::string& caption,
+void add_errors(study::StudyData& data, const Axes& axes, const char* table, const char* title,
+                std::vector<study::ColumnOf<Plotted>> errors, const std::string& caption,
                 const std::vector<DrawnError>& figures) {
-    std::vector<study::ColumnOf<Touched>> columns{{{"case", "", ""}, [](const Touched& r) { return r.record->name; }},
-                                                  {{over.axis, "1", ""}, &Touched::x},
-                                                  {{"series", "", "the other parameters"}, &Touched::series}};
+    std::vector<study::ColumnOf<Plotted>> columns{{{"case", "", ""}, [](const Plotted& r) { return r.record->name; }}};
+    if (!axes.axis.empty())
+        columns.push_back({{axes.axis, "1", ""}, &Plotted::x});
+    if (!axes.panel.empty())
+        columns.push_back({{axes.panel, "", ""}, &Plotted::panel});
+    columns.push_back({{"series", "", "the other parameters"}, &Plotted::series});
     study::append(columns, std::move(errors));
-    data.tables.push_back(study::table_of<Touched>(table, title, columns, over.rows));
+    data.tables.push_back(study::table_of<Plotted>(table, title, columns, axes.rows));
+    constexpr std::size_t kMostBars = 60;
+    if (axes.axis.empty() && (axes.rows.size() < 2 || axes.rows.size() > kMostBars))
+        return;
     for (const DrawnError& one : figures)
-        data.figures.push_back(study::make_figure(one.figure, fmt::format("{} over {}", one.title, over.axis), caption,
-                                                  study::FigureKind::scatter, table, {}, over.x, one.y, "series", "",
-                                                  {.joined = true}));
+        data.figures.push_back(study::make_figure(
+            one.figure, fmt::format("{} over {}", one.title, axes.x.column), caption,
+            axes.axis.empty() ? study::FigureKind::bars : study::FigureKind::scatter, table, {}, axes.x, one.y,
+            axes.axis.empty() ? "" : "series", "", {.joined = !axes.axis.empty(), .panels = axes.panel}));
 }
 
 // The least and the largest of some numbers, of one alone that.
@@ -182,13 +204,17 @@ std::string touch_finding(const Sweep& sweep) {
     const Rows cases = with_touch(sweep);
     if (cases.empty())
         return "";
+    const double missed =
+        std::ranges::max(cases | std::views::transform([](R one) { return one->touch->missed_share; }));
     return fmt::format(
-        "Where a hand touches, the force's direction is {} (RMS) from that of {}; the whole force errs by {} (median).",
+        "Where a hand touches, the force's direction is {} (RMS) from that of {}; the whole force errs by {} "
+        "(median{}).",
         by_shading(
             cases, [](const CaseRecord& one) { return one.touch->direction_rms; }, 1, "deg"),
         cases.front()->touch->against,
         by_shading(
-            cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"));
+            cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"),
+        missed < 0.01 ? "" : fmt::format("; up to {} % of the places have no force", number_text(100 * missed, 2)));
 }
 
 // What the cases are compared with, if they agree.
@@ -203,8 +229,8 @@ std::string compare_finding(const Sweep& sweep) {
     const Rows cases = with_compare(sweep);
     if (cases.empty())
         return "";
-    return fmt::format("Compared with {}, the force's direction is {} off, its magnitude {} (RMS, contact at most "
-                       "compare.depth deep).",
+    return fmt::format("Compared with {}, the force's direction differs by {}, its magnitude by {} (RMS, contact at "
+                       "most compare.depth deep).",
                        compared_with(cases),
                        by_shading(
                            cases, [](const CaseRecord& one) { return one.deviation->rms_angle; }, 1, "deg"),
@@ -216,11 +242,10 @@ std::string compare_finding(const Sweep& sweep) {
 
 void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
     const Rows cases = with_compare(sweep);
-    const auto over = over_axis(cases);
-    if (!over)
+    if (cases.empty())
         return;
-    using Row = const Touched&;
-    add_errors(data, *over, "compare", "Forces compared with the shape of [compare]",
+    using Row = const Plotted&;
+    add_errors(data, axes_of(cases), "compare", "Forces compared with the shape of [compare]",
                {{{"angle_deg", "deg", "between the force and the shape's normal, root mean square"},
                  [](Row r) { return r.record->deviation->rms_angle; }},
                 {{"largest_angle_deg", "deg", ""}, [](Row r) { return r.record->deviation->largest_angle; }},
@@ -236,19 +261,20 @@ void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
 
 void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
     const Rows cases = with_touch(sweep);
-    const auto over = over_axis(cases);
-    if (!over)
+    if (cases.empty())
         return;
-    using Row = const Touched&;
+    using Row = const Plotted&;
     const TouchRecord& touch = *cases.front()->touch;
     add_errors(
-        data, *over, "touch", "Errors where a hand touches",
+        data, axes_of(cases), "touch", "Errors where a hand touches",
         {{{"direction_deg", "deg", "angle to the force that should be there, root mean square"},
           [](Row r) { return r.record->touch->direction_rms; }},
          {{"force_percent", "%", "|F - F_true| / |F_true|, median"},
           [](Row r) { return 100 * r.record->touch->median_error; }},
          {{"force_p95_percent", "%", "the same, 95th percentile"},
-          [](Row r) { return 100 * r.record->touch->p95_error; }}},
+          [](Row r) { return 100 * r.record->touch->p95_error; }},
+         {{"missed_percent", "%", "of the places, those without the force that should be there"},
+          [](Row r) { return 100 * r.record->touch->missed_share; }}},
         fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform.",
                     touch.against, touch.places, 10 * touch.deepest, 1e3 * touch.deepest),
         {{"touch-direction", "Error of the force's direction", {"direction_deg", "RMS error of the direction / deg"}},
@@ -257,7 +283,11 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
 
 namespace {
 
-std::string agreement(const Rows& cases) {
+// Of cases that another engine than the oracle's computed.
+std::string agreement(Rows cases) {
+    std::erase_if(cases, [](R one) { return one->engine.engine == "cpu"; });
+    if (cases.empty())
+        return "";
     const std::uint64_t compared = sum_of(cases, [](const CaseRecord& one) { return one.error.compared; });
     const std::uint64_t differing = sum_of(cases, [](const CaseRecord& one) { return one.error.differing; });
     const std::uint64_t beyond = sum_of(cases, [](const CaseRecord& one) { return one.error.beyond; });
@@ -266,7 +296,7 @@ std::string agreement(const Rows& cases) {
     if (compared == 0)
         return "No voxel was compared with the CPU oracle.";
     if (differing == 0)
-        return cases.front()->engine.engine == "cpu" ? "" : text + "all are equal bit for bit.";
+        return text + "all are equal bit for bit.";
     text += fmt::format("{} differ{}", count_text(differing), differing == 1 ? "s" : "");
     return text + (beyond == 0 ? ", none by more than rounding allows."
                                : fmt::format(", {} of them by more than rounding allows: those volumes are not to be "
@@ -312,9 +342,12 @@ std::string left_out(const Rows& cases) {
     const std::uint64_t voxels = sum_of(cases, &CaseRecord::voxels), evaluated = sum_of(cases, &CaseRecord::evaluated);
     if (evaluated >= voxels)
         return "";
-    return fmt::format("Only {} of {} voxels had to be evaluated ({} %); the others are copies or free space.",
-                       count_text(evaluated), count_text(voxels),
-                       number_text(100 * static_cast<double>(evaluated) / static_cast<double>(voxels), 2));
+    return fmt::format(
+        "Only {} of {} voxels had to be evaluated ({} %); the others are {}.", count_text(evaluated),
+        count_text(voxels), number_text(100 * static_cast<double>(evaluated) / static_cast<double>(voxels), 2),
+        std::ranges::any_of(cases, [](R one) { return std::ranges::count(one->omitted, kFreeSpace) > 0; })
+            ? "copies or free space"
+            : "copies");
 }
 
 std::string paths(const Sweep& sweep) {
@@ -406,7 +439,8 @@ study::StudyData tables_of(const Sweep& sweep) {
         rows->resize(std::min(rows->size(), kMostCases));
     study::StudyData data;
     add_compare_figures(sweep, data);
-    add_touch_figures(sweep, data);
+    if (data.figures.empty())
+        add_touch_figures(sweep, data);
     if (!fields.empty()) {
         data.tables.push_back(cases_table(sweep, fields));
         data.tables.push_back(times_table(fields));
@@ -449,7 +483,8 @@ std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
             findings.push_back({name, text});
     };
     add("compare", compare_finding(sweep));
-    add("touch", touch_finding(sweep));
+    if (findings.empty())
+        add("touch", touch_finding(sweep));
     if (const Rows cases = with_field(sweep); !cases.empty()) {
         add("agreement", agreement(cases));
         add("largest_error", error(cases));
@@ -463,7 +498,11 @@ std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
 
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep) {
     const std::string id = anchor(sweep);
-    std::string html = section_start(id, title(sweep), sweep.findings.empty() ? "" : findings_list(id, sweep.findings));
+    const std::span findings(sweep.findings);
+    const std::size_t answers = std::min<std::size_t>(1, findings.size());
+    std::string html = section_start(id, title(sweep), answers == 0 ? "" : findings_list(id, findings.first(answers)));
+    if (findings.size() > answers)
+        html += folded("How it was computed", findings_list(id, findings.subspan(answers)));
     html += facts({{"Program", sweep.program.empty() ? "" : "forceshade " + sweep.program},
                    {"Device", sweep.device},
                    {"Driver", sweep.driver},

@@ -126,7 +126,7 @@ constexpr std::uint64_t kLeastSamples = 512;
 struct Wanted {
     std::string name, path; /* path below the report's folder */
     std::string paths{};    /* the same for the file of its paths; may be empty */
-    Json touch_deg{};       /* RMS error of the direction where a hand touches; null: not known */
+    Json error_deg{};       /* RMS error of the direction; null: not known */
 };
 
 struct Packed {
@@ -149,11 +149,18 @@ bool is_file(const std::filesystem::path& path) {
     return std::filesystem::is_regular_file(path, ignored);
 }
 
+// Of the direction: from the shape of [compare], else from what should be there where a hand touches.
+Json error_of(const CaseRecord& record) {
+    if (record.deviation && record.deviation->angles > 0)
+        return record.deviation->rms_angle;
+    return record.touch ? Json(record.touch->direction_rms) : Json();
+}
+
 void add_volume(std::vector<Wanted>& all, const std::filesystem::path& root, const std::string& name,
-                const std::string& path, const std::optional<TouchRecord>& touch = {}) {
+                const std::string& path, const Json& error = {}) {
     const std::string paths = path.substr(0, path.size() - 4) + ".paths.exr";
     if (is_file(root / path))
-        all.push_back({name, path, is_file(root / paths) ? paths : "", touch ? Json(touch->direction_rms) : Json()});
+        all.push_back({name, path, is_file(root / paths) ? paths : "", error});
 }
 
 std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Contents& contents) {
@@ -162,7 +169,7 @@ std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Cont
         for (const CaseRecord& record : sweep.cases)
             if (record.voxels > 0 && !volume_name(record).empty())
                 add_volume(all, root, below(sweep.folder, record.name), below(sweep.folder, volume_name(record)),
-                           record.touch);
+                           error_of(record));
     for (const StudyPart& part : contents.studies)
         for (const FileRecord& file : part.data.volumes)
             if (is_plain_name(file.name) && file.name.ends_with(".exr"))
@@ -184,7 +191,7 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
                     {"size", volume.size},          {"origin_m", volume.origin},
                     {"spacing_m", volume.spacing},  {"alike_in_y", volume.alike_in_y},
                     {"scale_N", force.scale},       {"loop", loop_data(volume.scene)},
-                    {"touch_deg", wanted.touch_deg}};
+                    {"error_deg", wanted.error_deg}};
     return packed;
 }
 

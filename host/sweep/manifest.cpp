@@ -137,8 +137,8 @@ std::string summary(const Study& study, const std::vector<std::optional<CaseReco
     csv.add("case");
     for (const std::string& key : keys)
         csv.add(key);
-    for (const char* column : {"precision", "voxels", "voxels_evaluated", "largest_force_N", "oracle_voxels",
-                               "oracle_differing", "oracle_largest_error_N", "oracle_relative_error",
+    for (const char* column : {"precision", "voxels", "voxels_evaluated", "left_out", "largest_force_N",
+                               "oracle_voxels", "oracle_differing", "oracle_largest_error_N", "oracle_relative_error",
                                "touch_direction_deg", "touch_force_error", "exr_bytes", "exr_sha256"})
         csv.add(column);
     const auto any = [&](auto has) { return std::ranges::any_of(study.cases, has, &Case::scene); };
@@ -165,7 +165,8 @@ std::string summary(const Study& study, const std::vector<std::optional<CaseReco
                                                 [&](const auto& one) { return one.first == key; });
             csv.add(parameter == record.parameters.end() ? std::string() : parameter->second);
         }
-        csv.add(record.precision).add(record.voxels).add(record.evaluated).add(record.largest_force);
+        csv.add(record.precision).add(record.voxels).add(record.evaluated);
+        csv.add(fmt::format("{}", fmt::join(record.omitted, "; "))).add(record.largest_force);
         csv.add(record.error.compared).add(record.error.differing).add(record.error.largest);
         csv.add(record.error.relative());
         if (record.touch)

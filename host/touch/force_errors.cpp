@@ -102,6 +102,11 @@ std::optional<TouchRecord> touched_error(const PreparedCase& prepared) {
     try {
         TouchedShape shape = scene_shape(prepared);
         const std::string against = set_true_force(shape, prepared);
+        if (shape.smooth) { // on the plane around the bump no shading changes anything
+            const double half = SmoothCylinder(prepared.one.scene).half;
+            shape.low.x = std::max(shape.low.x, -half);
+            shape.high.x = std::min(shape.high.x, half);
+        }
         const std::vector<TouchPlace> places = touched_places(shape, prepared, kPlaces);
         ContactForce law(prepared, shape.scale);
         std::vector<glm::dvec3> forces, true_ones;
@@ -113,7 +118,8 @@ std::optional<TouchRecord> touched_error(const PreparedCase& prepared) {
         if (std::isnan(errors.direction.rms) || std::isnan(errors.local.median))
             return std::nullopt;
         return TouchRecord{
-            against, places.size(), shape.scale.deepest, errors.direction.rms, errors.local.median, errors.local.p95};
+            against,          places.size(),        shape.scale.deepest, errors.direction.rms, errors.local.median,
+            errors.local.p95, errors.missed_share()};
     } catch (const UsageError&) { // nothing to touch, or beyond the numbers
         return std::nullopt;
     }

@@ -75,7 +75,7 @@ private:
 /// `forces` and `truth`, N, place by place; `typical`, N.
 ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth, double typical);
 
-/// Of a case's own law where a hand touches its surface; empty where nothing is touched in its box.
+/// Of a case's own law where a hand touches its surface, of a bump above the plane; empty where nothing is touched.
 std::optional<TouchRecord> touched_error(const PreparedCase& prepared);
 
 // Angles between directions, and directions across one.

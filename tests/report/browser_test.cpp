@@ -81,7 +81,7 @@ TEST_F(Page, BeginsWithThePairThatDiffersMostWhereAHandTouches) {
     const auto first = [&](const std::string& errors) {
         return browser_->text(
             "Viewer.prototype.firstPair.call({ cases: [['a', 'none'], ['a', 'reference'], ['b', 'none'], ['b', "
-            "'reference']].map(([name, shading], i) => ({ name: name + '_shading-' + shading, touch_deg: " +
+            "'reference']].map(([name, shading], i) => ({ name: name + '_shading-' + shading, error_deg: " +
             errors + "[i] })) }).join()");
     };
     EXPECT_EQ(first("[1, 0, 5, 0]"), "2,3");

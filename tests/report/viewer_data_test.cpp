@@ -204,22 +204,38 @@ TEST(SweepFindings, FollowTheData) {
     sweep.cases[0].touch = {"the smooth shape", 200, 2e-3, 7.9, 0.47, 1};
     sweep.cases[1].touch = {"the smooth shape", 200, 2e-3, 1e-15, 0.049, 1};
     expect("touch", "7.9 deg without shading and 0 deg with it (RMS) from that of the smooth shape");
-    expect("touch", "the whole force errs by 47 % without shading and 4.9 % with it");
+    expect("touch", "the whole force errs by 47 % without shading and 4.9 % with it (median).");
+    sweep.cases[0].touch->missed_share = 0.25;
+    expect("touch", "(median; up to 25 % of the places have no force)");
     for (CaseRecord& one : sweep.cases)
         one.deviation = {
             .from = "the sphere", .angles = 10, .rms_angle = 3, .magnitudes = 10, .rms_magnitude_error = 0.5};
-    expect("compare", "Compared with the sphere, the force's direction is 3 deg without shading and 3 deg with it off");
+    expect("compare",
+           "Compared with the sphere, the force's direction differs by 3 deg without shading and 3 deg with it");
     study::StudyData data;
     add_touch_figures(sweep, data);
-    EXPECT_TRUE(data.figures.empty()) << "no number varies";
+    ASSERT_EQ(data.figures.size(), 2u);
+    EXPECT_EQ(data.figures[0].kind, study::FigureKind::bars) << "no number varies";
+    data = {};
     sweep.cases[1].parameters[0].second = "3";
     add_touch_figures(sweep, data);
     ASSERT_EQ(data.figures.size(), 2u);
     EXPECT_EQ(data.figures[0].x.column, "facets");
     EXPECT_EQ(data.table("touch").rows.size(), 2u);
+    EXPECT_EQ(data.figures[0].panels, "");
+    data = {};
+    for (const char* radius : {"600 mil", "900 mil", "1 in"})
+        for (std::size_t i : {0, 1})
+            sweep.cases.push_back(sweep.cases[i]), sweep.cases.back().parameters.push_back({"radius", radius});
+    add_touch_figures(sweep, data);
+    EXPECT_EQ(data.figures[0].x.column, "facets") << "before the radius, which has more values";
+    EXPECT_EQ(data.figures[0].panels, "radius");
+    sweep.cases.resize(2);
     add_compare_figures(sweep, data);
     EXPECT_EQ(data.table("compare").needed(1, "angle_deg"), 3);
     sweep.cases[0].error.differing = sweep.cases[0].error.beyond = 0;
+    sweep.cases[0].engine.engine = "cpu";
+    expect("agreement", "Of 1\u00a0000 voxels"); // of the other case alone
     for (CaseRecord& one : sweep.cases)
         one.engine.engine = "cpu";
     EXPECT_EQ(std::ranges::count(sweep_findings(sweep), "agreement", &study::Finding::name), 0)

@@ -46,7 +46,7 @@ function scaleOf(axis, values, range) {
     return d3.scaleLog().domain([low / pad, high * pad]).range(range);
   }
   const pad = (high - low) * 0.05 || Math.abs(high) * 0.1 || 1;
-  return d3.scaleLinear().domain([low === 0 ? 0 : low - pad, high + pad]).nice().range(range);
+  return d3.scaleLinear().domain([low >= 0 ? Math.max(0, low - pad) : low - pad, high + pad]).nice().range(range);
 }
 
 // Ticks with a number: of a logarithmic axis the powers of ten, and 2 and 5 times these where the range is short.

@@ -32,10 +32,10 @@ class Viewer {
   }
 
   // One shape without shading and with, if possible; else two cases that differ in shading alone. Of several pairs that
-  // whose directions differ most where a hand touches.
+  // whose directions err most differently.
   firstPair() {
     const plain = (one) => one.name.replace(/_?shading-[^_]*/, ""), bare = (one) => /shading-none/.test(one.name);
-    const apart = (a, b) => Math.abs((a.touch_deg || 0) - (b.touch_deg || 0));
+    const apart = (a, b) => Math.abs((a.error_deg || 0) - (b.error_deg || 0));
     for (const wanted of [(a, b) => bare(a) && !bare(b), () => true]) {
       let best = null, most = -1;
       for (let i = 0; i < this.cases.length; ++i)
@@ -58,7 +58,7 @@ class Viewer {
     this.a = b.alike(1) ? a : a.spread(b);
     this.b = b.spread(this.a);
     if (!this.state.point)
-      this.state.point = this.a.middle();
+      this.state.point = this.a.typical(this.b);
     this.settle();
     byId("viewer-status").textContent = "";
     byId("viewer-body").hidden = false;
@@ -88,7 +88,7 @@ class Viewer {
   get stroke() {
     const { strokes, axis } = this.state;
     if (!strokes[axis]) {
-      const middle = this.a.middle(), along = this.a.size[this.plane[0]] > 1 ? 0 : 1, [low, high] = this.a.edges(this.plane[along]);
+      const middle = this.state.point, along = this.a.size[this.plane[0]] > 1 ? 0 : 1, [low, high] = this.a.edges(this.plane[along]);
       strokes[axis] = [0.12, 0.88].map((part) => this.plane.map((one, c) => c === along ? low + part * (high - low) : middle[one]));
     }
     return strokes[axis];
@@ -222,7 +222,7 @@ class Viewer {
     if (missed === undefined)
       return "";
     return "No sample of A in this slice is a place of B, which has " + b.places(missed) + "." +
-      (a.force(b.middle()) ? " With A and B exchanged they can be compared." : "");
+      (a.force(b.typical(a)) ? " With A and B exchanged they can be compared." : "");
   }
 
   // What a picture without colours means.

@@ -2,6 +2,9 @@
 
 const AXES = ["x", "y", "z"];
 
+// Of the largest force, where a hand touches.
+const SHALLOW = 0.2;
+
 // Value of each half.
 const HALVES = (() => {
   const values = new Float32Array(65536);
@@ -67,7 +70,8 @@ class Volume {
   }
 
   position(axis, index) {
-    return this.first[axis] + index * this.pitch[axis];
+    const position = this.first[axis] + index * this.pitch[axis];
+    return Math.abs(position) < 1e-9 * this.pitch[axis] ? 0 : position; // but for rounding
   }
 
   edges(axis) {
@@ -90,16 +94,26 @@ class Volume {
     return this.alike(axis) ? "any " + name : low === high ? name + " = " + low + " mm" : name + " from " + low + " to " + high + " mm";
   }
 
-  // Of the samples with a force, at a sample.
-  middle() {
-    const sum = [0, 0, 0], [nx, ny] = this.about.size;
-    let count = 0;
-    for (let i = 0; i < this.components[0].length; ++i)
-      if (this.components.some((values) => values[i] !== 0)) {
-        [i % nx, Math.floor(i / nx) % ny, Math.floor(i / nx / ny)].forEach((index, a) => { sum[a] += index; });
-        ++count;
+  // A sample near the surface whose force differs most in direction from another field's, of equal ones that closest to
+  // the middle; of the whole field where none is near the surface.
+  typical(other) {
+    const middle = [0, 1, 2].map((a) => this.position(a, Math.floor((this.size[a] - 1) / 2)));
+    const [nx, ny] = this.about.size, at = (i) => [i % nx, Math.floor(i / nx) % ny, Math.floor(i / nx / ny)].map((index, a) => this.position(a, index));
+    for (const most of [SHALLOW * this.largest, Infinity]) {
+      let found = null, widest = -Infinity;
+      for (let i = 0; i < this.components[0].length; ++i) {
+        const force = this.components.map((values) => values[i]), size = Math.hypot(...force);
+        if (!(size > 0 && size <= most))
+          continue;
+        const place = at(i), there = other.force(place), off = place.map((one, a) => (one - middle[a]) / this.pitch[a]);
+        const turn = (there && Math.hypot(...there) > 0 ? angleBetween(force, there) : 0) - 1e-3 * Math.hypot(...off);
+        if (turn > widest)
+          [found, widest] = [place, turn];
       }
-    return sum.map((s, a) => this.position(a, Math.floor(count && !this.alike(a) ? s / count : this.size[a] / 2)));
+      if (found)
+        return found.map((place, a) => this.alike(a) ? middle[a] : place);
+    }
+    return middle;
   }
 
   nearest(axis, position) {
