@@ -39,7 +39,9 @@ void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene&
     options.scene = prepared.scene;
     options.place_origin = scene_origin(prepared);
     options.version = version();
-    options.omitted = fmt::format("{}", fmt::join(omissions(written), "; "));
+    std::vector<std::string> omitted = omissions(written);
+    std::erase(omitted, kFreeSpace); // known only when all is evaluated
+    options.omitted = fmt::format("{}", fmt::join(omitted, "; "));
     options.threads = threads;
 }
 
@@ -117,25 +119,42 @@ CaseRecord empty_record(const PreparedCase& prepared) {
     return record;
 }
 
-std::string left_out_text(const CaseRecord& record) {
+namespace {
+
+// `share`: what is said of voxels, before the names of those.
+std::string left_out_text(const std::vector<std::string>& omitted, const std::string& share) {
     std::vector<std::string> voxels, features, channels;
-    for (const std::string& one : record.omitted)
-        if (one == "blocks of free space" || one.ends_with("alike"))
+    for (const std::string& one : omitted)
+        if (one == kFreeSpace || one.ends_with("alike"))
             voxels.push_back(one);
         else if (const std::size_t at = one.find(" channel"); at != std::string::npos)
             channels.push_back(one.substr(0, at));
         else
             features.push_back(one);
     std::vector<std::string> parts;
-    if (record.evaluated < record.voxels)
-        parts.push_back(fmt::format("{:.0f} % of the voxels ({})",
-                                    100 - 100 * double(record.evaluated) / double(record.voxels),
-                                    fmt::join(voxels, ", ")));
+    if (!share.empty())
+        parts.push_back(fmt::format("{} ({})", share, fmt::join(voxels, ", ")));
     if (!features.empty())
         parts.push_back(fmt::format("{}", fmt::join(features, ", ")));
     if (!channels.empty())
         parts.push_back(fmt::format("channels {}", fmt::join(channels, ", ")));
     return parts.empty() ? "left out: nothing" : fmt::format("left out: {}", fmt::join(parts, "; "));
+}
+
+} // namespace
+
+std::string left_out_text(const CaseRecord& record) {
+    return left_out_text(record.omitted, record.evaluated == record.voxels
+                                             ? ""
+                                             : fmt::format("{:.0f} % of the voxels, modelled saving {:.2g} s",
+                                                           100 - 100 * double(record.evaluated) / double(record.voxels),
+                                                           record.saved()));
+}
+
+std::string left_out_text(const Scene& scene) {
+    Scene paths = scene;
+    paths.field = false;
+    return left_out_text(omissions(paths), "");
 }
 
 } // namespace forceshade

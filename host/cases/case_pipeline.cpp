@@ -154,14 +154,14 @@ void FieldOutput::add_turns(CaseRecord& record) const {
     std::vector<picture::TurnedMesh> shadings;
     for (const auto& [shading, name] : shadings_of(prepared))
         if (shading != Shading::barycentric) // on triangles mean_value is the same
-            shadings.push_back({name, mesh_turns(prepared, shading)});
+            shadings.push_back(mesh_turns(prepared, shading)), shadings.back().shading = name;
     const std::string depth = numbers::quantity_text(pressed_depth(prepared.one.scene), "m");
     output_.draw(".turns",
                  picture::draw_turns(
                      output_.look(picture::title_of(prepared.one, false) + ": by how much shading turns the force"),
                      {fmt::format("pressed {} along each facet's normal; on triangles barycentric equals mean_value; "
                                   "the colours end at the "
-                                  "angle that 99 % of the corners do not exceed",
+                                  "angle that 99 % of the surface does not exceed",
                                   depth)},
                      prepared.images.mesh->mesh, shadings, job_.pictures.view),
                  record);
@@ -293,6 +293,8 @@ private:
         record.engine_times.prepare = transfer.job->prepared.seconds;
         if (transfer.job->prepared.images.mesh)
             record.evaluated = transfer.times.voxels_evaluated;
+        if (record.evaluated == record.voxels)
+            std::erase(record.omitted, kFreeSpace);
         return true;
     }
 

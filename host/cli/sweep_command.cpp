@@ -111,8 +111,11 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
     const bool fields = any_case(study, [](const Scene& scene) { return scene.field; });
     const bool paths = any_case(study, [](const Scene& scene) { return scene.paths.has_value(); });
     if (result.evaluated < result.voxels)
-        print_note("left out: {:.3g} % of {:.4g} million voxels, which are alike or in free space\n",
-                   100 - 100 * double(result.evaluated) / double(result.voxels), double(result.voxels) / 1e6);
+        print_note("left out: {:.3g} % of {:.4g} million voxels, which are {}; summary.csv says what else\n",
+                   100 - 100 * double(result.evaluated) / double(result.voxels), double(result.voxels) / 1e6,
+                   any_case(study, [](const Scene& scene) { return scene.surface.kind == SurfaceKind::mesh; })
+                       ? "alike or in free space"
+                       : "alike along y");
     if (fields)
         print_note("largest error against the oracle in double precision: {:.2g} of the largest force\n",
                    result.largest_relative_error);
@@ -123,7 +126,7 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
     }
     print_note(
         "look at {} (in a browser), summary.csv (a row a case), manifest.json (all records){}{} and *.exr next to it\n",
-        (folder / report.filename()).string(), options.also.pictures.any() && fields ? ", *.arrows.*, *.mosaic.*" : "",
+        (folder / report.filename()).string(), options.also.pictures.any() && fields ? ", *.arrows.*, *.stroke.*" : "",
         options.also.pictures.any() && paths ? ", *.paths.*" : "");
 }
 

@@ -8,6 +8,7 @@
 
 #include "host/error.h"
 #include "host/output/height_image.h"
+#include "host/output/record.h"
 
 namespace forceshade {
 
@@ -252,7 +253,7 @@ std::vector<std::string> omissions(const Scene& scene) {
     if (scene.field && features.surface == layout::kSurfaceMesh && features.inside != layout::kInsideWinding)
         left_out.push_back("winding number");
     if (scene.field && features.surface == layout::kSurfaceMesh)
-        left_out.push_back("blocks of free space");
+        left_out.push_back(kFreeSpace);
     if (features.map != layout::kMapSamples && features.texture != layout::kMapSamples)
         left_out.push_back("sampled height maps");
     const auto channel = [&](layout::uint bit, const char* name) {

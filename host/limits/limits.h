@@ -128,6 +128,7 @@ struct SceneLimits {
     double wall = 0;                 /* N/m: K_crit of a wall without coupling; 0 without damping */
     std::optional<LeastLimit> least; /* the lowest on the scene's surface without coupling; none where nothing is
                                         touched */
+    std::optional<HoldLimit> turned; /* the lowest of a hand that presses in any direction that the surface supports */
     std::string hand;                /* hand_text */
     std::optional<double> coupling;  /* N/m: of the hand's virtual coupling */
     bool coupled_rests = false;      // with it, everywhere
@@ -144,8 +145,8 @@ struct SceneLimits {
     double limit() const { return least && least->limit ? std::min(*least->limit, wall) : wall; }
     bool stable() const { return presses_stably() && bristle_rests(); }
     bool presses_stably() const { return coupling ? coupled_rests : stiffness < limit(); } /* into the surface */
-    /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)", but on a foot, and but for
-    /// steps of the measured position.
+    /// "1000 N/m; a hand of ... comes to rest below 1166 N/m (slope, 2 mm deep, held down)", turned to another
+    /// direction below what, but on a foot, and but for steps of the measured position.
     std::string text() const;
     /// What would hold: "a lower force.stiffness, ...".
     std::string remedy() const;

@@ -119,9 +119,12 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
     surface.rate = rate;
     found.hand = hand_text(surface);
     const Touched as_it_is = touched(prepared, rate, most, scene.force.stiffness);
-    for (const LeastLimit& one : least_limits(as_it_is.surface, as_it_is.places, {{bare, rate, 1}}))
+    for (const LeastLimit& one : least_limits(as_it_is.surface, as_it_is.places, {{bare, rate, 1}}, true)) {
         if (one.limit && (!found.least || *one.limit < *found.least->limit))
             found.least = one;
+        if (one.any_press && (!found.turned || one.any_press->limit < found.turned->limit))
+            found.turned = one.any_press;
+    }
     for (const RestPlace& place : as_it_is.places)
         if (place.kind == PlaceKind::foot)
             found.foot = std::max(found.foot, place.jump);
@@ -167,6 +170,9 @@ std::string SceneLimits::text() const {
                  : "";
     std::string text = fmt::format("{:.6g} N/m{}; a {} comes to rest below {:.4g} N/m{}{}", stiffness, through, hand,
                                    limit(), place, coupling ? " without coupling" : "");
+    if (turned && turned->limit < 0.99 * limit())
+        text += fmt::format("; pressed {} ({}) below {:.4g} N/m", turned->hold.name, name_of(turned->place.kind),
+                            turned->limit);
     if (foot > 0)
         text += fmt::format("; not where the surface turns inwards (by {:.0f} deg), as at the foot of a bump",
                             foot / kDegree);

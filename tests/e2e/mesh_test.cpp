@@ -87,6 +87,16 @@ TEST_F(MeshField, IsValidated) {
     }
 }
 
+TEST_F(MeshField, WithoutFreeSpaceDoesNotListIt) {
+    write("inside.toml", scene("cube.off", "[grid]\nsize = [8, 8, 8]\norigin = [\"-1 mm\", \"-1 mm\", \"-1 mm\"]\n"
+                                           "spacing = \"0.2 mm\"\n"));
+    expect_success({"sweep", "inside.toml", "--out", "out"});
+    const nlohmann::json one = read_json("out/manifest.json")["cases"].at(0);
+    EXPECT_EQ(one["voxels_evaluated"], one["voxels"]);
+    EXPECT_FALSE(says(one["omitted"].dump(), "free space"));
+    EXPECT_EQ(one["seconds"]["modelled_saving"], 0);
+}
+
 TEST_F(MeshField, SweepsAndTellsWhatWasEvaluated) {
     write("study.toml",
           scene("cube.off", "[force]\nshading = [\"none\", \"morgenbesser\"]\n[grid]\nsize = [64, 64, 64]\n"
@@ -100,6 +110,8 @@ TEST_F(MeshField, SweepsAndTellsWhatWasEvaluated) {
         // Blocks of four that meet the cube: 15 or 16 samples of 64 a side.
         EXPECT_GE(one["voxels_evaluated"], 15 * 15 * 15);
         EXPECT_LE(one["voxels_evaluated"], 24 * 24 * 24);
+        EXPECT_TRUE(says(one["omitted"].dump(), "blocks of free space"));
+        EXPECT_GT(one["seconds"]["modelled_saving"], 0);
     }
     EXPECT_TRUE(std::filesystem::exists(path("out/mesh_shading-none.exr")));
     EXPECT_TRUE(std::filesystem::exists(path("out/mesh_shading-none.arrows.png")));

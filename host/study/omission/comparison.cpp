@@ -199,7 +199,7 @@ std::vector<Comparison> comparisons_of(const BaseScene& base, bool gpu) {
             scene_of(one.without).surface.mesh.inside = InsideTest::pseudonormal;
         }
         if (mesh && gpu) {
-            Comparison& one = add("free space", "every block visited", "skipped", kOptional, "blocks of free space");
+            Comparison& one = add("free space", "every block visited", "skipped", kOptional, kFreeSpace);
             one.with.free = FreeSpace::visited;
             one.always = true;
         }
