@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <span>
 #include <tuple>
@@ -140,7 +139,8 @@ Axes axes_of(const Rows& cases) {
     Axes axes{axis, panel, plotted_of(cases, axis, panel), {"case", "case"}};
     if (!axis.empty()) {
         const auto number = [](const Plotted& row) { return std::get<double>(row.x); };
-        const auto [least, most] = std::ranges::minmax(axes.rows | std::views::transform(number));
+        const auto [first, last] = std::ranges::minmax_element(axes.rows, {}, number);
+        const double least = number(*first), most = number(*last);
         axes.x = {axis, unit_of(cases, axis), least > 0 && most / least > 16};
     }
     return axes;
@@ -204,8 +204,8 @@ std::string touch_finding(const Sweep& sweep) {
     const Rows cases = with_touch(sweep);
     if (cases.empty())
         return "";
-    const double missed =
-        std::ranges::max(cases | std::views::transform([](R one) { return one->touch->missed_share; }));
+    const auto missed_share = [](R one) { return one->touch->missed_share; };
+    const double missed = missed_share(*std::ranges::max_element(cases, {}, missed_share));
     return fmt::format(
         "Where a hand touches, the force's direction is {} (RMS) from that of {}; the whole force errs by {} "
         "(median{}).",

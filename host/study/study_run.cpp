@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 
@@ -104,6 +105,8 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
         scene_->one.scene.friction.reset();
         scene_->one.scene.vibration.reset();
     }
+    if (::getloadavg(&load_, 1) != 1)
+        load_ = NAN;
     scene_text_ = scene_ ? scene_->scene : "";
     for (const Case& one : options_.cases)
         scene_text_ += resolved_toml(one) + "\n";
@@ -152,6 +155,9 @@ StudyData StudyRun::data() const {
     data.fingerprint = fingerprint_;
     data.seconds = seconds_since(start_);
     data.scene = scene_text_;
+    if (!std::isnan(load_))
+        data.notes.push_back(fmt::format(
+            "When it began {:.2g} threads ran or waited on the machine (load, the mean of a minute).", load_));
     return data;
 }
 

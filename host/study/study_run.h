@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -94,6 +95,7 @@ private:
     std::unique_ptr<Engine> engine_;
     std::string scene_text_, fingerprint_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double load_ = NAN; // mean number of threads that ran or waited, in the minute before; NaN: not known
 };
 
 } // namespace forceshade::study

@@ -226,6 +226,15 @@ TEST(OmissionFindings, TellProgramAndSceneApartAndNothingFromTheSpread) {
     EXPECT_TRUE(says(data.findings[1].text, "20 [19, 21] % longer with depth channel (bump)"));
     EXPECT_FALSE(says(data.findings[1].text, "other law")) << "its forces are others";
     EXPECT_EQ(data.table("features").word(3, "same"), "no: 1 of 10 differ");
+    EXPECT_TRUE(data.notes.empty());
+}
+
+TEST(OmissionFindings, AreNoneWhereEqualSidesTakeUnequalTimes) {
+    StudyData data;
+    add_omissions(data, {}, {timed(kControl, 1.3), timed("every y", 3, true), timed("depth channel", 1.4)});
+    EXPECT_TRUE(data.findings.empty());
+    ASSERT_EQ(data.notes.size(), 1u);
+    EXPECT_TRUE(says(data.notes[0], "one took 1.3 to 1.3 times as long as the other"));
 }
 
 TEST(OmissionScene, OfTheUserIsThinnedOut) {
