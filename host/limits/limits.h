@@ -155,7 +155,7 @@ struct SceneLimits {
 };
 
 /// In a loop of `rate` Hz, as deep as a force of `most` N presses, 2 mm at most, each metre of the hand's being `scale`
-/// m of the scene's; takes some hundredths of a second.
+/// m of the scene's; takes up to some tenths of a second.
 SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most, double scale = 1);
 
 /// The same for the scene's own closed loop.
