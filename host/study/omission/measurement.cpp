@@ -207,6 +207,7 @@ Measurement measure_in(Engine& engine, const Comparison& comparison, const Round
         with.end_round();
         without.end_round();
     }
+    with.draw(1), without.draw(1); // files of the same grid, however many rounds there was time for
     return {comparison, with.finish(engine, folder), without.finish(engine, folder), agreement};
 }
 
