@@ -1,7 +1,8 @@
 // What the stubs of the vendors' libraries have in common: which calls fail, and the record of every force.
 //
 // A test in the same process steers a stub by the functions named stub_...; a test that runs the program sets
-//   STUB_FAIL=dhdOpen,dhdGetPosition@100+50   calls that fail, from the first or the hundredth on, for good or 50 times
+//   STUB_FAIL=dhdOpen,dhdGetPosition@100+50   calls that fail, from the first or from the hundredth after the first
+//                                          push on, for good or 50 times
 //   STUB_POSITION=0.01,0.02,0.03           in the vendor's units and axes
 //   STUB_DEVICES=0                         how many devices there are
 //   STUB_BUTTONS=2                         which buttons are pressed
@@ -33,6 +34,7 @@ namespace {
 struct Call {
     std::atomic<const char*> name = nullptr;
     std::atomic<long> made = 0, first_failing = 0, end_failing = 0;
+    std::atomic<long> after_push = 0, times_after_push = 0; // how it fails once the device pushes
 };
 
 struct State {
@@ -40,6 +42,7 @@ struct State {
     std::array<std::atomic<double>, 3> position{0.01, 0.02, 0.03};
     std::array<std::atomic<double>, 3> force{};
     std::atomic<long> forces = 0; // displayed
+    std::atomic<bool> pushes = false;
     std::atomic<long> devices = 1;
     std::atomic<double> most_force = 8, scale = 1; // N; of the workspace
     std::atomic<long> calibration = 0x5000;
@@ -78,6 +81,11 @@ void place(double x, double y, double z) {
     state.position[2] = z;
 }
 
+void fail(Call& entry, long from, long count) {
+    entry.first_failing = entry.made + from;
+    entry.end_failing = entry.made + from + count;
+}
+
 /// Remembers that something was called.
 void note(const std::string& call) {
     const std::lock_guard lock(state.order_mutex);
@@ -104,6 +112,10 @@ void display(double x, double y, double z) {
     state.force[1] = y;
     state.force[2] = z;
     ++state.forces;
+    if ((x != 0 || y != 0 || z != 0) && !state.pushes.exchange(true))
+        for (Call& entry : state.calls)
+            if (entry.after_push > 0)
+                fail(entry, entry.after_push, entry.times_after_push);
     yield_to(x, y, z);
     if (state.record < 0)
         return;
@@ -123,9 +135,7 @@ const char* kept(std::string_view name) {
 }
 
 void fail(std::string_view name, long from, long count) {
-    Call& entry = call(kept(name));
-    entry.first_failing = entry.made + from;
-    entry.end_failing = entry.made + from + count;
+    fail(call(kept(name)), from, count);
 }
 
 void fail_as_told(std::string_view list) {
@@ -136,7 +146,13 @@ void fail_as_told(std::string_view list) {
         const std::size_t plus = item.find('+');
         const long from = at == item.npos ? 1 : std::atol(std::string(item.substr(at + 1)).c_str());
         const long count = plus == item.npos ? 1L << 40 : std::atol(std::string(item.substr(plus + 1)).c_str());
-        fail(item.substr(0, at), from, count);
+        Call& entry = call(kept(item.substr(0, at)));
+        if (from == 1) {
+            fail(entry, from, count);
+        } else {
+            entry.times_after_push = count;
+            entry.after_push = from;
+        }
     }
 }
 
