@@ -17,6 +17,13 @@ inline double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// s: of computing by this thread, without what it waits for.
+inline double thread_seconds() {
+    std::timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 /// s: that reading the clock twice takes.
 inline double clock_seconds() {
     double least = 1;

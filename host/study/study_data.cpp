@@ -90,7 +90,11 @@ Interval bootstrap_median(const std::vector<double>& values) {
 }
 
 std::string ratio_text(const Interval& ratio) {
-    return fmt::format("{:.2f} [{:.2f}, {:.2f}]", ratio.median, ratio.low, ratio.high);
+    int digits = 2;
+    const double nearest = std::min(std::abs(ratio.low - 1), std::abs(ratio.high - 1));
+    while (is_significant(ratio) && digits < 5 && nearest < 0.5 * std::pow(10, -digits))
+        ++digits;
+    return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", ratio.median, digits, ratio.low, digits, ratio.high, digits);
 }
 
 std::string times_as_long(const Interval& ratio, const char* other) {

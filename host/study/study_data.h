@@ -205,7 +205,13 @@ inline bool is_significant(const Interval& ratio, double none = 1) {
     return ratio.high < none || ratio.low > none;
 }
 
-/// "1.30 [1.21, 1.42]"
+/// Whether a control, the ratio of the times of two equal sides, is so wide that other ratios say nothing.
+inline bool was_busy(const Interval& control) {
+    constexpr double kWide = 1.25;
+    return control.high > kWide || control.low < 1 / kWide;
+}
+
+/// "1.30 [1.21, 1.42]", with as many digits as tell its ends from 1.
 std::string ratio_text(const Interval& ratio);
 
 /// "takes 1.30 [1.21, 1.42] times as long as the other", or that the difference is not significant.

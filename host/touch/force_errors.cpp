@@ -88,6 +88,8 @@ ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm
         errors.missed += should && !is;
         errors.phantom += is && !should;
         errors.above += !should;
+        if (!should)
+            errors.phantom_largest = std::max(errors.phantom_largest, off / typical);
     }
     errors.direction = summary_of(std::move(directions));
     errors.local = summary_of(std::move(local));

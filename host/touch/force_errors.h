@@ -53,12 +53,13 @@ Summary summary_of(std::vector<double> values);
 /// The local error of a missing force is 1; out of contact a force has no direction.
 struct ForceErrors {
     std::size_t places = 0;
-    std::size_t missed = 0;  /* places without a force that should have one */
-    std::size_t phantom = 0; /* places with a force that should have none */
-    std::size_t above = 0;   /* places that should have none */
-    Summary direction;       /* deg */
-    Summary local;           /* 1: |F - truth| / |truth|, where there should be a force */
-    Summary typical;         /* 1: |F - truth| over the root mean square of the true force */
+    std::size_t missed = 0;     /* places without a force that should have one */
+    std::size_t phantom = 0;    /* places with a force that should have none */
+    std::size_t above = 0;      /* places that should have none */
+    double phantom_largest = 0; /* 1: the largest force at these over the root mean square of the true force */
+    Summary direction;          /* deg */
+    Summary local;              /* 1: |F - truth| / |truth|, where there should be a force */
+    Summary typical;            /* 1: |F - truth| over the root mean square of the true force */
 
     double missed_share() const { return double(missed) / double(places); }
     /// Of the places that should have no force, those that have one; NaN without such places.

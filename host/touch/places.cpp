@@ -98,8 +98,9 @@ std::optional<TouchPlace> PlaceDraw::drawn_on_mesh() {
     return u + v > 1 ? on_triangle(shape_, *mesh_, i, 1 - u, 1 - v) : on_triangle(shape_, *mesh_, i, u, v);
 }
 
-std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count) {
-    PlaceDraw draw(shape, prepared, 1);
+std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count,
+                                       std::uint64_t seed) {
+    PlaceDraw draw(shape, prepared, seed);
     std::vector<TouchPlace> places;
     for (std::size_t tries = 0; places.size() < count && tries < kTriesAPlace * count; ++tries)
         if (const auto place = draw())

@@ -71,8 +71,9 @@ private:
     std::vector<double> areas_; /* up to each triangle */
 };
 
-/// Up to `count` places, always the same. \throws UsageError without contact in the box.
-std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count);
+/// Up to `count` places, the same for the same seed. \throws UsageError without contact in the box.
+std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count,
+                                       std::uint64_t seed = 1);
 
 /// The box of a scene's grid, or without one that of its mesh, or of its paths; as deep as a hand goes. Without a
 /// force.

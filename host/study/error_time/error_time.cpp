@@ -58,8 +58,9 @@ MethodErrors over_all(std::vector<MethodErrors> all) {
 
 // The errors of one draw, by method.
 std::map<std::string, MethodErrors> errors_by_method(std::span<const Method> methods, const KindPlaces& places,
-                                                     const Subject& subject, const Variant& drawn, double typical) {
+                                                     const Subject& subject, const Variant& drawn) {
     const Forces truth = true_forces(subject, places.at);
+    const double typical = rms({truth.begin(), truth.begin() + static_cast<std::ptrdiff_t>(places.shared)});
     KindOf kind_of(subject, drawn);
     std::map<std::string, Forces> in_double; // of the static law and of the god-object
     std::map<std::string, MethodErrors> all;
@@ -90,21 +91,22 @@ std::map<std::string, MethodErrors> errors_by_method(std::span<const Method> met
 
 void add_errors(std::vector<Method>& methods, const Subject& subject, const Variant& variant, const Extents& extents,
                 const Engines& engines, KnownPlaces& known) {
-    const double typical = rms(true_forces(subject, subject.places));
     std::vector<Method> own; // that have errors
     std::ranges::copy_if(methods, std::back_inserter(own),
                          [&](const Method& method) { return method.variant == &variant && method.forces; });
-    const bool is_drawn = std::ranges::any_of(own, &Method::drawn);
-    std::vector<std::map<std::string, MethodErrors>> draws(is_drawn ? extents.draws : 1);
+    std::vector<std::map<std::string, MethodErrors>> draws(extents.draws);
+    std::erase_if(known, [&](const auto& one) {
+        return std::get<0>(one.first) != &subject || std::get<1>(one.first) != variant.elements;
+    });
     std::mutex known_mutex;
     const auto take = [&](std::size_t draw) {
         const Variant& drawn = variant.at(draw);
-        const auto key = std::tuple(&subject, variant.elements, &drawn == &variant ? 0 : draw);
+        const auto key = std::tuple(&subject, variant.elements, draw);
         std::unique_lock lock(known_mutex);
         auto at = known.find(key);
         if (at == known.end()) {
             lock.unlock();
-            const KindPlaces places = places_of(subject, drawn, extents);
+            const KindPlaces places = places_of(subject, drawn, extents, draw);
             lock.lock();
             at = known.emplace(key, places).first;
         }
@@ -112,9 +114,11 @@ void add_errors(std::vector<Method>& methods, const Subject& subject, const Vari
         std::vector<Method> moved;
         if (draw > 0) {
             add_methods(moved, subject, variant, draw, engines);
-            std::erase_if(moved, [](const Method& method) { return !method.forces || !method.drawn; });
+            std::erase_if(moved, [&](const Method& method) {
+                return std::ranges::find(own, method.name, &Method::name) == own.end();
+            });
         }
-        draws[draw] = errors_by_method(draw > 0 ? moved : own, at->second, subject, drawn, typical);
+        draws[draw] = errors_by_method(draw > 0 ? moved : own, at->second, subject, drawn);
     };
     take(0); // alone: it measures how long volumes take to make
     on_all_cores(draws.size() - 1, [&](std::size_t i) { take(i + 1); });
@@ -175,6 +179,39 @@ std::vector<std::size_t> front_of(const Times& times, const std::vector<std::siz
     return front;
 }
 
+std::vector<double> front_shares(const Times& times, const std::vector<std::size_t>& methods,
+                                 const std::vector<std::vector<double>>& errors) {
+    constexpr int kSamples = 200;
+    const std::vector<Round>& rounds = times.rounds();
+    Random random(8);
+    const auto below = [&random](std::size_t count) {
+        return static_cast<std::size_t>(random(0, static_cast<double>(count)));
+    };
+    std::vector<double> shares(methods.size());
+    for (int sample = 0; sample < kSamples; ++sample) {
+        std::vector<const Round*> some;
+        for (std::size_t i = 0; i < rounds.size(); ++i)
+            some.push_back(&rounds[below(rounds.size())]);
+        const std::size_t draw = below(1 << 20);
+        std::vector<std::tuple<double, double, std::size_t>> found; // error, time, place in `methods`
+        for (std::size_t i = 0; i < methods.size(); ++i)
+            if (const double error = errors[i][draw % errors[i].size()]; std::isfinite(error)) {
+                std::vector<double> ratios;
+                for (const Round* round : some)
+                    ratios.push_back((*round)[methods[i]] / (*round)[times.unit()]);
+                found.emplace_back(error, quantile(std::move(ratios), 0.5), i);
+            }
+        std::ranges::sort(found);
+        double least = INFINITY;
+        for (const auto& [error, time, i] : found)
+            if (time < least) {
+                least = time;
+                shares[i] += 1.0 / kSamples;
+            }
+    }
+    return shares;
+}
+
 Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& methods) {
     Cheapest cheapest;
     cheapest.method =
@@ -189,6 +226,26 @@ Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& methods
 
 using namespace error_time;
 namespace {
+
+// The unit of time: the first subject's thorough law, shaded, in double.
+std::size_t unit_of(const std::vector<Method>& methods) {
+    std::size_t unit = 0;
+    for (std::size_t i = 0; i < methods.size(); ++i)
+        if (methods[i].subject == methods.front().subject && methods[i].variant->thorough &&
+            methods[i].family == "direct" && methods[i].precision == "f64")
+            unit = i;
+    return unit;
+}
+
+// The unit once more, a method like any other.
+Method control_of(const Method& unit) {
+    Method control = unit;
+    control.name += ", again";
+    control.family = "control";
+    control.forces = nullptr;
+    control.once = nullptr;
+    return control;
+}
 
 std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Method& unit, const EngineReport& engine,
                                   unsigned cores) {
@@ -206,8 +263,8 @@ std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Me
     notes.push_back(fmt::format(
         "Times are of paired rounds, each in an order of its own; intervals are 95 % of 1000 bootstrap samples of the "
         "median ratio to \"{}\" in the same round. Direct evaluation, god-object and look-up are one thread, one place "
-        "after the other; a field's time is that of all voxels over their number, on {} ({} cores{}), without reading "
-        "back, of a mesh with the plan of its contact regions.",
+        "after the other, in processor time of that thread; a field's time is that of all voxels over their number, on "
+        "{} ({} cores{}), without reading back, of a mesh with the plan of its contact regions.",
         unit.name, engine.device, cores, engine.software ? ", a software device" : ""));
     return notes;
 }
@@ -251,6 +308,8 @@ StudyData study_error_time(StudyRun& run) {
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
                              [&] { add_errors(methods, subject, variant, extents, engines, known); }});
         }
+    const std::size_t unit = unit_of(methods), control = methods.size();
+    methods.push_back(control_of(methods[unit]));
     OtherTimes others;
     for (const Subject& subject : subjects)
         append(others.fields, field_runs(subject, run.engine(), *single_thread));
@@ -270,16 +329,15 @@ StudyData study_error_time(StudyRun& run) {
                          others.met = measure_as_met(methods, met_methods(methods), extents.ticks, extents.colds);
                      }});
     run.run(parts);
-    // The unit of time: the first subject's thorough law, shaded, in double.
-    std::size_t unit = 0;
-    for (std::size_t i = 0; i < methods.size(); ++i)
-        if (methods[i].subject == &subjects.front() && methods[i].variant->thorough && methods[i].family == "direct" &&
-            methods[i].precision == "f64")
-            unit = i;
     const Times times(std::move(rounds), unit);
-    const Measured measured{subjects, methods, times};
+    const Measured measured{subjects, methods, times, times.ratio(control, unit)};
     StudyData data = run.data();
     data.notes = notes_of(subjects, methods[unit], run.engine().report(), data.cores);
+    if (!measured.steady())
+        data.notes.push_back(
+            fmt::format("\"{}\" took {:.2g} to {:.2g} times as long as itself, so busy was the machine: "
+                        "findings compare no times; run the study again.",
+                        methods[unit].name, measured.control.low, measured.control.high));
     data.tables = tables_of(measured);
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);

@@ -14,7 +14,7 @@
 namespace forceshade::study {
 namespace error_time {
 
-/// Of a number over the draws of a method's grid or mesh: least, median, largest. Empty without draws or without a
+/// Of a number over the draws of places, grid and mesh: least, median, largest. Empty without draws or without a
 /// number.
 template <typename Number> std::optional<Interval> over_draws(const MethodErrors& errors, const Number& number) {
     std::vector<double> values;
@@ -34,10 +34,10 @@ inline std::optional<Interval> rms_over_draws(const MethodErrors& errors, Summar
 /// Root mean square of vectors, or of how far they are from others.
 double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>* less = nullptr);
 
-/// The places of laws that differ in their shading alone: by surface, elements and draw.
+/// The places of laws that differ in their shading alone: by surface, elements and draw. Those of the last only.
 using KnownPlaces = std::map<std::tuple<const Subject*, std::optional<double>, std::size_t>, KindPlaces>;
 
-/// Measures the errors of every method of a law that has errors; of those that depend on the draw, over all draws.
+/// Measures the errors of every method of a law that has errors, over all draws; of a renderer of the first alone.
 void add_errors(std::vector<Method>& methods, const Subject& subject, const Variant& variant, const Extents& extents,
                 const Engines& engines, KnownPlaces& known);
 
@@ -74,6 +74,11 @@ private:
 std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& methods,
                                   const std::vector<double>& errors);
 
+/// How sure that is: of each method the share of 200 random samples of the rounds, with errors of a draw each, in which
+/// its median time is below that of every closer one. `errors`: by method, one or one for each draw.
+std::vector<double> front_shares(const Times& times, const std::vector<std::size_t>& methods,
+                                 const std::vector<std::vector<double>>& errors);
+
 /// The cheapest of some methods, and those that are not significantly slower.
 struct Cheapest {
     std::size_t method = 0;        /* of the least median */
@@ -85,6 +90,10 @@ struct Measured {
     const std::vector<Subject>& subjects;
     const std::vector<Method>& methods;
     const Times& times;
+    Interval control{1, 1, 1}; /* the unit's time over its own in the same round */
+
+    /// Whether times say anything.
+    bool steady() const { return !was_busy(control); }
 
     /// The methods with errors for which a condition holds.
     template <typename Condition> std::vector<std::size_t> find(const Condition& condition) const {

@@ -33,6 +33,7 @@ struct LookUpErrors {
     Interval rms;                /* 1: of the RMS force */
     std::optional<Interval> rim; /* deg */
     Interval phantom;            /* 1: of the places just above the surface */
+    double phantom_largest;      /* 1: of the RMS force, median of the draws */
 };
 
 std::optional<LookUpErrors> lookup_errors(const MethodErrors& errors) {
@@ -42,7 +43,9 @@ std::optional<LookUpErrors> lookup_errors(const MethodErrors& errors) {
         const ForceErrors& near = one.of(Kind::boundary);
         return near.places > 0 && near.above == 0 ? 0 : near.phantom_share();
     });
-    return rms && phantom ? std::optional(LookUpErrors{*rms, rim, *phantom}) : std::nullopt;
+    const auto largest =
+        over_draws(errors, [](const MethodErrors& one) { return one.of(Kind::boundary).phantom_largest; });
+    return rms && phantom && largest ? std::optional(LookUpErrors{*rms, rim, *phantom, largest->median}) : std::nullopt;
 }
 
 std::string percents(const Interval& share) {
@@ -70,8 +73,10 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     if (errors->rim)
         text += fmt::format("; at the rim that of the direction is {:.0f} deg ({:.0f} to {:.0f})", errors->rim->median,
                             errors->rim->low, errors->rim->high);
-    text += fmt::format("; up to {:.2g} mm above the surface {} of the places have a force, where there is none.",
-                        1e3 * method.subject->scale.skin(), percent(errors->phantom.median));
+    text +=
+        fmt::format("; up to {:.2g} mm above the surface, where there is no force, {} of the places have one, of "
+                    "up to {} of the RMS force.",
+                    1e3 * method.subject->scale.skin(), percents(errors->phantom), percent(errors->phantom_largest));
     const auto same = [&](const std::string& family) {
         std::vector<std::size_t> found = of_family(family);
         std::erase_if(found, [&](std::size_t i) {
@@ -91,10 +96,10 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
                             percents(adaptive->rms), adaptive->rim->median, adaptive->rim->low, adaptive->rim->high);
     findings.push_back(
         {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
-         fmt::format("{} places; in round brackets the least and largest of {} random offsets and orientations of the "
-                     "volume",
-                     measured.methods[*finest].errors->shared.places,
-                     measured.methods[*finest].errors->by_draw.size())});
+         fmt::format(
+             "in round brackets the least and largest of {} draws, each of {} places and of the volume's offset "
+             "and orientation",
+             measured.methods[*finest].errors->by_draw.size(), measured.methods[*finest].errors->shared.places)});
 }
 
 // Benefit and cost of shading a mesh.
@@ -126,13 +131,12 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     findings.push_back(
         {"shading",
          fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
-                     "error from {} to {} deg; a god-object's update takes at most {:.2f} times as long.",
-                     degrees(plain[0]), degrees(shaded[0]), cost.high),
+                     "error from {} to {} deg{}.",
+                     degrees(plain[0]), degrees(shaded[0]),
+                     measured.steady() ? "; a god-object's update " + times_as_long(cost, "unshaded") : ""),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
-         fmt::format("the upper end of a {}; {} places{}", kBootstrap, with.places,
-                     draws > 0
-                         ? fmt::format("; in round brackets the least and largest of {} random tessellations", draws)
-                         : "")});
+         fmt::format("{}; in round brackets the least and largest of {} draws, each of {} places and a tessellation",
+                     kBootstrap, draws, with.places)});
 }
 
 // Of the first surface; the table has the others.
@@ -144,7 +148,7 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
             const ForceErrors& errors = measured.methods[i].errors->shared;
             return !(errors.bounded_direction() <= 1 && errors.bounded_local() <= 0.1);
         });
-        if (within.empty() || subject.against != kSmoothShape)
+        if (within.empty() || subject.against != kSmoothShape || !measured.steady())
             continue;
         // Of ties the one with the fewest elements, so that chance does not choose.
         auto [cheapest, ties] = cheapest_of(measured.times, within);
@@ -188,10 +192,11 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     }
     if (significant.empty() && others == 0)
         return;
-    std::string times = significant.empty()
+    std::string times = !measured.steady() ? "times are not compared: the machine was busy"
+                        : significant.empty()
                             ? "no difference in time is significant"
                             : fmt::format("it takes {} of the time of double", fmt::join(significant, ", "));
-    if (!significant.empty() && others > 0)
+    if (measured.steady() && !significant.empty() && others > 0)
         times += fmt::format("; {} of the laws {} not significantly different", others, others == 1 ? "is" : "are");
     findings.push_back(
         {"precision",
@@ -220,6 +225,8 @@ std::optional<std::pair<Interval, const Method*>> between(const Measured& measur
 
 // What a hint saves, and what threads do.
 void add_ways_to_run(std::vector<Finding>& findings, const Measured& measured) {
+    if (!measured.steady())
+        return;
     const Subject& subject = measured.subjects.back();
     if (const auto proxy = between(measured, subject, "god-object, without a hint", "god-object"))
         findings.push_back({"hints",

@@ -40,15 +40,20 @@ template <typename Make> auto lazily(Make make) {
     };
 }
 
-// Measures the seconds of one of the `count` evaluations of pass(), by as many passes as take a millisecond or more.
-// The result of pass() is used, so that the compiler removes no part of it.
-template <typename Pass> std::function<double()> timed(std::size_t count, Pass pass) {
-    return [count, pass, passes = std::size_t(0), sink = 0.0]() mutable {
+double clock_now() {
+    return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+// Measures the seconds of one of the `count` evaluations of pass(), by as many passes as take a millisecond or more, by
+// a clock in s: thread_seconds where one thread computes. The result of pass() is used, so that the compiler removes no
+// part of it.
+template <typename Pass> std::function<double()> timed(double (*now)(), std::size_t count, Pass pass) {
+    return [now, count, pass, passes = std::size_t(0), sink = 0.0]() mutable {
         const auto run = [&](std::size_t times) {
-            const Clock::time_point start = Clock::now();
+            const double start = now();
             for (std::size_t i = 0; i < times; ++i)
                 sink += pass();
-            return seconds_since(start);
+            return now() - start;
         };
         if (passes == 0) {
             run(1);
@@ -194,8 +199,8 @@ class MethodBuilder {
 
 public:
     MethodBuilder(std::vector<Method>& methods, const Subject& subject, const Variant& variant, std::size_t draw)
-        : methods_(methods), subject_(subject), variant_(variant.at(draw)), tessellated_(!variant.drawn.empty()),
-          draw_(draw), random_(21 + 1000 * draw) {}
+        : methods_(methods), subject_(subject), variant_(variant.at(draw)), draw_(draw),
+          random_(subject.seed(Subject::Random::grids, draw)) {}
 
     void add_direct() {
         add_laws("direct", [&]<typename T>(T) { return direct_law<T>(); });
@@ -227,17 +232,18 @@ public:
                 all.push_back(law()->rounded(places[i % std::min(kTimedPlaces, places.size())].at));
             return all;
         });
-        add(Use::batch, "direct, a batch on all threads", kPrecision<T>).seconds = timed(kBatch, [law, inputs] {
-            const CaseLaw<T>& one = *law(); // made here, before threads share them
-            const auto& at = inputs();
-            std::vector<double> sums(kBatch / kShare);
-            reference::share_out(reference::threads_for(0), sums.size(), [&](std::size_t, std::size_t share) {
-                layout::uint hint = 0;
-                for (std::size_t i = share * kShare; i < (share + 1) * kShare; ++i)
-                    sums[share] += static_cast<double>(one.at_rounded(at[i], hint).force.z);
+        add(Use::batch, "direct, a batch on all threads", kPrecision<T>).seconds =
+            timed(clock_now, kBatch, [law, inputs] {
+                const CaseLaw<T>& one = *law(); // made here, before threads share them
+                const auto& at = inputs();
+                std::vector<double> sums(kBatch / kShare);
+                reference::share_out(reference::threads_for(0), sums.size(), [&](std::size_t, std::size_t share) {
+                    layout::uint hint = 0;
+                    for (std::size_t i = share * kShare; i < (share + 1) * kShare; ++i)
+                        sums[share] += static_cast<double>(one.at_rounded(at[i], hint).force.z);
+                });
+                return std::accumulate(sums.begin(), sums.end(), 0.0);
             });
-            return std::accumulate(sums.begin(), sums.end(), 0.0);
-        });
     }
     void add_lookups() {
         for (const double spacing : subject_.spacings) {
@@ -301,7 +307,6 @@ public:
 
     template <typename T> void add_field(const std::string& by, Engine& engine) {
         Method& method = add(Use::volume, "field, " + by, kPrecision<T>);
-        method.drawn = true;
         GridSpec grid = subject_.grid;
         for (std::size_t axis = 0; axis < 3; ++axis)
             grid.origin[axis] -= draw_ > 0 ? random_(0, 1) * grid.spacing[axis] : 0;
@@ -362,7 +367,6 @@ private:
         const auto add_law = [&](const char* precision, const auto& make) {
             Method& method = set_law(add(Use::live, family, precision), make);
             method.exact = exact;
-            method.drawn = tessellated_;
         };
         add_law("f64", make_of(0.0));
         add_law("f32", make_of(0.0F));
@@ -380,7 +384,7 @@ private:
                 inputs.push_back(law->input(place));
             return std::pair(std::move(law), std::move(inputs));
         });
-        method.seconds = timed(updates * places.size(), [loop] {
+        method.seconds = timed(thread_seconds, updates * places.size(), [loop] {
             auto& [law, inputs] = loop();
             double sum = 0;
             for (const auto& input : inputs) {
@@ -415,7 +419,6 @@ private:
         method.spacing = grid.grid.spacing[0];
         method.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, method.family,
                                   *method.spacing * 1e3, kHalves ? ", half stored" : "");
-        method.drawn = true;
         const double deepest = subject_.stiffness * subject_.scale.deepest;
         const auto law = lazily([&prepared = *variant_.prepared, grid, values, deepest] {
             return std::make_shared<LookUp<R, Stored>>(prepared, grid, values(), deepest);
@@ -427,7 +430,6 @@ private:
     std::vector<Method>& methods_;
     const Subject& subject_;
     const Variant& variant_; /* of this draw */
-    bool tessellated_;       /* anew in each draw */
     std::size_t draw_;
     Random random_;
 };

@@ -69,13 +69,14 @@ std::vector<glm::dvec3> stroke_of(const std::vector<glm::dvec3>& values, std::si
     return {first, first + length};
 }
 
-// The RMS error of a field read between its samples, over the RMS true force: that of the look-up with its spacing.
-double look_up_error(const Measured& measured, const FieldRun& run) {
+// The RMS error of a field read between its samples, over the RMS true force: that of the look-up with its spacing,
+// over the draws.
+std::optional<Interval> look_up_error(const Measured& measured, const FieldRun& run) {
     const std::vector<std::size_t> found = measured.find([&](const Method& method) {
         return method.variant == run.variant && method.family == "look-up, trilinear" && method.precision == "f32" &&
                method.spacing == run.grid.spacing[0];
     });
-    return found.empty() ? NAN : measured.methods[found[0]].errors->shared.typical.rms;
+    return found.empty() ? std::nullopt : rms_over_draws(*measured.methods[found[0]].errors, &ForceErrors::typical);
 }
 
 const char* word_of(Precision precision) {
@@ -277,8 +278,11 @@ std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldR
                  {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.bytes; }},
                  {"typical_rms_1", "1",
                   "error of the force between the samples (trilinear) over the RMS true force, root mean square, at "
-                  "the median of random draws of the grid",
-                  [&](const R& r) { return look_up_error(measured, r); }}},
+                  "the median of random draws of places and grid",
+                  [&](const R& r) {
+                      const auto error = look_up_error(measured, r);
+                      return error ? Cell(error->median) : Cell();
+                  }}},
                 fields),
             table_of<LoopRun>(
                 "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
@@ -354,25 +358,28 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
         return nth < same.size() ? same[nth] : nullptr;
     };
     const FieldRun *fine = by(0), *coarse = by(1);
-    if (!fine || !coarse)
+    if (!fine || !coarse || !measured.steady())
         return findings;
-    const double of_fine = look_up_error(measured, *fine), of_coarse = look_up_error(measured, *coarse);
-    if (std::isnan(of_fine) || std::isnan(of_coarse))
+    const auto of_fine = look_up_error(measured, *fine), of_coarse = look_up_error(measured, *coarse);
+    if (!of_fine || !of_coarse)
         return findings;
+    const auto over_draws = [](const Interval& error) {
+        return fmt::format("{:.1f} ({:.1f} to {:.1f})", 100 * error.median, 100 * error.low, 100 * error.high);
+    };
     std::vector<double> ratios;
     for (std::size_t i = 0; i < fine->seconds.size(); ++i)
         ratios.push_back(fine->seconds[i] / coarse->seconds[i]);
     findings.push_back(
         {"field_spacing",
-         fmt::format(
-             "A field of {:.2g} mm instead of {:.2g} mm {}; the RMS error of reading between its samples is {:.1f} "
-             "instead of {:.1f} % of the RMS force, and the file has {:.1f} times the bytes.",
-             1e3 * fine->grid.spacing[0], 1e3 * coarse->grid.spacing[0],
-             times_as_long(bootstrap_median(ratios), "that one"), 100 * of_fine, 100 * of_coarse,
-             fine->bytes / coarse->bytes),
+         fmt::format("A field of {:.2g} mm instead of {:.2g} mm {}; the RMS error of reading between its samples is {} "
+                     "instead of {} % of the RMS force, and the file has {:.1f} times the bytes.",
+                     1e3 * fine->grid.spacing[0], 1e3 * coarse->grid.spacing[0],
+                     times_as_long(bootstrap_median(ratios), "that one"), over_draws(*of_fine), over_draws(*of_coarse),
+                     fine->bytes / coarse->bytes),
          "field-runs", fmt::format("{}, {}", fine->surface, fine->variant->name),
          fmt::format("{}; evaluated, compressed, written and checked", fine->by),
-         "95 % bootstrap interval of paired rounds"});
+         "95 % bootstrap interval of paired rounds; in round brackets the least and largest of draws of places and "
+         "grid"});
     return findings;
 }
 

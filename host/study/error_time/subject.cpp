@@ -104,7 +104,7 @@ std::vector<double> spacings_within(const Subject& subject, std::vector<double> 
 void complete(Subject& subject, const Extents& extents) {
     const PreparedCase& finest = *subject.variants.back().prepared;
     subject.stiffness = finest.one.scene.force.stiffness;
-    subject.places = touched_places(subject, finest, extents.places);
+    subject.places = touched_places(subject, finest, extents.places, subject.seed(Subject::Random::places, 0));
 }
 
 // Cells on the unrolled cylinder, from its middle: a grid that ends with the patch, or one that is turned and moved and
@@ -125,9 +125,9 @@ Cells whole_patch(const SmoothCylinder& own, unsigned cells) {
 }
 
 // About the places that are compared: a disc about the middle, whatever the draw.
-Cells drawn_patch(const SmoothCylinder& own, unsigned cells, std::size_t draw) {
+Cells drawn_patch(const SmoothCylinder& own, unsigned cells, std::uint64_t seed) {
     const double reach = std::hypot(own.radius * std::asin(kMeshHigh.x / own.radius), kMeshHigh.y) + 1e-3; // m
-    Random random(31 + draw);
+    Random random(seed);
     Cells patch = whole_patch(own, cells);
     const auto enough = [&](double size) { return 2 * static_cast<unsigned>(std::ceil(reach / size) + 1); };
     patch.along = enough(patch.size.x);
@@ -162,6 +162,7 @@ std::shared_ptr<const SceneMesh> cylinder_mesh(const SmoothCylinder& own, const 
 
 Subject own_bump(const PreparedCase& own, const Extents& extents) {
     Subject subject{"bump", "facets"};
+    subject.first_draw = extents.first_draw;
     subject.force = cylinder_force(own.one.scene);
     set_grid(subject, own.one.scene.grid);
     subject.spacings = extents.spacings;
@@ -179,6 +180,7 @@ Subject own_bump(const PreparedCase& own, const Extents& extents) {
 
 Subject own_mesh(const PreparedCase& own, const Extents& extents) {
     Subject subject{"mesh", "cells"};
+    subject.first_draw = extents.first_draw;
     subject.force = mesh_truth(own.one.scene);
     subject.low = kMeshLow;
     subject.high = kMeshHigh;
@@ -197,7 +199,7 @@ Subject own_mesh(const PreparedCase& own, const Extents& extents) {
     for (const unsigned cells : extents.cells) {
         std::vector<PreparedCase> drawn;
         for (std::size_t draw = 1; draw < extents.draws; ++draw)
-            drawn.push_back(on_mesh(drawn_patch(smooth, cells, draw)));
+            drawn.push_back(on_mesh(drawn_patch(smooth, cells, subject.seed(Subject::Random::tessellation, draw))));
         const auto thorough = [&](Shading shading) {
             return cells == kThoroughCells && (shading == Shading::none || shading == Shading::mean_value);
         };
@@ -228,6 +230,7 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
     if (!own.field && mesh) // of paths alone: no grid was given
         own.grid = fitted_grid(kLongestSide, scene.images.mesh->mesh);
     Subject subject("scene", bump ? "facets" : "");
+    subject.first_draw = extents.first_draw;
     set_grid(subject, own.grid);
     subject.scale = scene_shape(scene).scale;
     subject.grid.samples = 0;
@@ -303,24 +306,28 @@ Kind KindOf::operator()(const TouchPlace& place) {
     return smooth_turn < kFlatTurn && facet_turn < kFlatTurn ? Kind::flat : Kind::facet;
 }
 
-KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents) {
+KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents, std::size_t draw) {
     KindOf kind_of(subject, variant);
-    KindPlaces all{{}, {}, subject.places.size()};
+    const std::vector<TouchPlace> shared =
+        draw == 0 ? subject.places
+                  : touched_places(subject, *subject.variants.back().prepared, extents.places,
+                                   subject.seed(Subject::Random::places, draw));
+    KindPlaces all{{}, {}, shared.size()};
     std::array<std::size_t, kKinds.size()> counts{};
     const auto add = [&](const TouchPlace& place, Kind kind) {
         all.at.push_back(place);
         all.kinds.push_back(kind);
         ++counts[static_cast<std::size_t>(kind)];
     };
-    for (const TouchPlace& place : subject.places)
+    for (const TouchPlace& place : shared)
         add(place, kind_of(place));
-    PlaceDraw draw(subject, *variant.prepared, 2);
+    PlaceDraw draw_place(subject, *variant.prepared, subject.seed(Subject::Random::kinds, draw));
     const std::size_t wanted = extents.places_of_kind;
     for (std::size_t tries = 0; tries < kTriesOfKinds * wanted; ++tries) {
         const bool early = tries < kTriesOfRare * wanted; // a kind not met by then does not exist
         if (std::ranges::all_of(counts, [&](std::size_t count) { return count >= wanted || (count == 0 && !early); }))
             break;
-        if (const auto place = draw())
+        if (const auto place = draw_place())
             if (const Kind kind = kind_of(*place); counts[static_cast<std::size_t>(kind)] < wanted)
                 add(*place, kind);
     }

@@ -27,10 +27,11 @@ struct Extents {
     std::size_t places = 0;         /* that all laws of a surface share */
     std::size_t places_of_kind = 0; /* of each kind, if that many are found */
     std::size_t rounds = 0;         /* of timing; each measures everything once */
-    std::size_t draws = 1;          /* of grids' offsets and orientations and of the own meshes' tessellations */
+    std::size_t draws = 1;          /* of places, grids' offsets and orientations, and the own meshes' tessellations */
     std::size_t runs = 0;           /* of whole fields and loops */
     std::size_t ticks = 0;          /* of a loop that waits, for each method */
     std::size_t colds = 0;          /* evaluations with empty caches, of each method */
+    std::uint64_t first_draw = 0;   /* others have other random numbers */
 };
 
 Extents extents_of(bool quick);
@@ -55,11 +56,18 @@ struct Subject : TouchedShape {
     std::string elements; /* what Variant::elements counts: "facets", "cells"; empty: none */
     std::string against = kSmoothShape;
     double stiffness = 1;           /* N/m */
-    std::vector<TouchPlace> places; /* that all laws meet */
-    GridSpec grid;                  /* for kernels */
+    std::vector<TouchPlace> places; /* that all laws meet in the first draw; times are of these */
+    std::uint64_t first_draw = 0;
+    GridSpec grid; /* for kernels */
     std::vector<double> spacings;
     std::vector<Variant> variants;
     std::vector<std::string> notes;
+
+    /// What random numbers are for.
+    enum class Random { places = 1, kinds = 2, grids = 21, tessellation = 31 };
+    std::uint64_t seed(Random use, std::size_t draw) const {
+        return 1000 * (first_draw + draw) + static_cast<std::uint64_t>(use);
+    }
 
     /// The law that all methods are measured on, shaded; null: none.
     const Variant* main_variant() const {
@@ -100,8 +108,9 @@ struct KindPlaces {
     std::size_t shared = 0; /* how many the subject's own are */
 };
 
-/// The subject's places and more, so that each kind has `extents.places_of_kind` where the surface has such places.
-KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents);
+/// The places that all laws of the subject meet in a draw, and more, so that each kind has `extents.places_of_kind`
+/// where the surface has such places.
+KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents, std::size_t draw);
 
 // A method of computing a force: a law, its evaluation, and its errors.
 
@@ -124,7 +133,7 @@ struct MethodErrors {
     ForceErrors shared;                             /* over the places that all laws share */
     std::array<ForceErrors, kKinds.size()> by_kind; /* without places: there are none of that kind */
     Summary precision; /* 1: |F - same law in double| over the root mean square true force; all places */
-    /// Of each draw of grid or mesh; then the others are those of the draw with the median RMS error.
+    /// Of each draw of places, grid and mesh; then the others are those of the draw with the median RMS error.
     std::vector<MethodErrors> by_draw;
 
     const ForceErrors& of(Kind kind) const { return by_kind[static_cast<std::size_t>(kind)]; }
@@ -140,7 +149,6 @@ struct Method {
     std::optional<double> spacing; /* m: of a look-up's volume */
     std::function<Built()> built;  /* its volume, measured once; empty: it has none */
     ForcesAt forces;               /* empty: has no errors of its own */
-    bool drawn = false;            // its errors depend on where its samples or its mesh's vertices lie: on the draw
     ForcesAt exact;                /* the same law in double: the reference for precision */
     /// The places at which it has forces, if not any; empty: any.
     std::function<std::vector<TouchPlace>()> places;

@@ -54,7 +54,8 @@ const ErrorColumns& method_columns() {
          "live: one place after the other on one thread; batch: 65536 places at once on all threads; volume: whole "
          "grids; loop: steps with a hand",
          [](const R& r) { return name_of(r.method.use); }},
-        {"family", "", "kind of evaluation", [](const R& r) { return r.method.family; }},
+        {"family", "", "kind of evaluation; control: the unit of the notes once more",
+         [](const R& r) { return r.method.family; }},
         {"method", "", "the family's kind",
          [](const R& r) { return r.method.family.substr(0, r.method.family.find(',')); }},
         {"precision", "", "of the arithmetic, and of the stored forces", [](const R& r) { return r.method.precision; }},
@@ -87,7 +88,7 @@ const ErrorColumns& method_columns() {
         {"local_p95_1", "1", "the same, 95th percentile", of_errors(&ForceErrors::local, &Summary::p95)},
         {"typical_rms_1", "1", "error of the force over the RMS true force, root mean square",
          of_errors(&ForceErrors::typical, &Summary::rms)},
-        {"direction_low_deg", "deg", "direction_rms_deg, the least over draws of grid or mesh (table draws)",
+        {"direction_low_deg", "deg", "direction_rms_deg, the least over draws of places, grid and mesh (table draws)",
          of_draws(&ForceErrors::direction, &Interval::low)},
         {"direction_high_deg", "deg", "the largest", of_draws(&ForceErrors::direction, &Interval::high)},
         {"typical_low_1", "1", "typical_rms_1, the least over draws", of_draws(&ForceErrors::typical, &Interval::low)},
@@ -143,6 +144,7 @@ struct FrontRow {
     const Criterion& criterion;
     std::size_t method;
     double error;
+    double stays; /* 1: share of front_shares */
 };
 
 std::vector<FrontRow> fronts(const Measured& measured) {
@@ -156,8 +158,20 @@ std::vector<FrontRow> fronts(const Measured& measured) {
                 const std::vector<std::size_t> methods = methods_with(measured, subject, use);
                 std::vector<double> errors;
                 std::ranges::transform(methods, std::back_inserter(errors), error_of);
+                std::vector<std::vector<double>> by_draw;
+                for (const std::size_t method : methods) {
+                    const MethodErrors& of = *measured.methods[method].errors;
+                    std::vector<double>& draws = by_draw.emplace_back();
+                    for (const MethodErrors& one : of.by_draw)
+                        draws.push_back(shown((one.shared.*criterion->error)()));
+                    if (draws.empty())
+                        draws.push_back(error_of(method));
+                }
+                const std::vector<double> shares = front_shares(measured.times, methods, by_draw);
                 for (const std::size_t method : front_of(measured.times, methods, errors))
-                    rows.push_back({subject, use, *criterion, method, error_of(method)});
+                    rows.push_back(
+                        {subject, use, *criterion, method, error_of(method),
+                         shares[static_cast<std::size_t>(std::ranges::find(methods, method) - methods.begin())]});
             }
     return rows;
 }
@@ -178,7 +192,11 @@ Table front_table(const Measured& measured, const std::vector<FrontRow>& rows) {
                         {"time_ns", "ns", "as in ways", time(&Interval::median)},
                         {"time_low_ns", "ns", "as in ways", time(&Interval::low)},
                         {"time_high_ns", "ns", "as in ways", time(&Interval::high)},
-                        {"error", "deg or 1", "the criterion's, at least 1e-7", &R::error}},
+                        {"error", "deg or 1", "the criterion's, at least 1e-7", &R::error},
+                        {"stays", "1",
+                         "share of 200 random samples of the rounds and draws in which it is cheaper than all closer "
+                         "ones: near 1 another run has it on its front, too",
+                         &R::stays}},
                        rows);
 }
 
@@ -264,7 +282,9 @@ Table draws_table(const Measured& measured) {
         for (std::size_t draw = 0; method.errors && draw < method.errors->by_draw.size(); ++draw)
             rows.push_back({method, draw + 1, method.errors->by_draw[draw]});
     return table_of<R>(
-        "draws", "Errors of volumes and fields at random offsets and orientations, and of meshes tessellated at random",
+        "draws",
+        "Errors at random places, of volumes and fields also at random offsets and orientations, of meshes also "
+        "tessellated at random",
         {{"way", "", "as in ways", [](const R& r) { return r.method.name; }},
          {"spacing_mm", "mm", "as in ways", [](const R& r) { return 1e3 * r.method.spacing.value_or(NAN); }},
          {"draw", "1", "its number; from the second on a volume is turned about the vertical", &R::draw},
@@ -275,7 +295,9 @@ Table draws_table(const Measured& measured) {
          {"boundary_p95_1", "1", "error of the force over the true force near the surface, 95th percentile",
           [](const R& r) { return r.errors.of(Kind::boundary).local.p95; }},
          {"phantom_1", "1", "share of the places just above the surface that have a force",
-          [](const R& r) { return r.errors.of(Kind::boundary).phantom_share(); }}},
+          [](const R& r) { return r.errors.of(Kind::boundary).phantom_share(); }},
+         {"phantom_max_1", "1", "the largest of these forces over the RMS true force",
+          [](const R& r) { return r.errors.of(Kind::boundary).phantom_largest; }}},
         rows);
 }
 
@@ -312,7 +334,9 @@ Table volumes_table(const Measured& measured) {
          {"rim_direction_rms_deg", "deg", "angle to the true force at the rim, root mean square",
           [](const R& r) { return r.errors.of(Kind::rim).direction.rms; }},
          {"phantom_1", "1", "share of the places just above the surface that have a force",
-          [](const R& r) { return r.errors.of(Kind::boundary).phantom_share(); }}},
+          [](const R& r) { return r.errors.of(Kind::boundary).phantom_share(); }},
+         {"phantom_max_1", "1", "the largest of these forces over the RMS true force",
+          [](const R& r) { return r.errors.of(Kind::boundary).phantom_largest; }}},
         rows);
 }
 

@@ -30,12 +30,6 @@ Interval control_of(const std::vector<Row>& rows, const std::string& scene, Rati
     return {1, 1, 1};
 }
 
-// Whether equal sides took so unequal times that other sides' times say nothing.
-bool was_busy(const Interval& control) {
-    constexpr double kWide = 1.25;
-    return control.high > kWide || control.low < 1 / kWide;
-}
-
 // Whether it takes significantly longer with the feature: beyond the control.
 bool costs(const std::vector<Row>& rows, const Row& row, Ratio ratio) {
     const Interval control = control_of(rows, row.comparison.scene, ratio);
