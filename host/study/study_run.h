@@ -10,9 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "host/clock.h"
 #include "host/field/case_law.h"
 #include "host/field/engine.h"
 #include "host/field/prepared_case.h"
+#include "host/mesh/block_plan.h"
 #include "host/renderer/renderer_process.h"
 #include "host/study/study_data.h"
 
@@ -60,6 +62,24 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
 
 /// The same engine, for one thread at a time: others wait.
 std::unique_ptr<Engine> shared_engine(std::unique_ptr<Engine> engine);
+
+/// A field by an engine, a mesh's with its blocks of free space skipped, or visited: then the plan of the whole grid is
+/// made first, and counts as the others do.
+template <typename T>
+EngineTimes evaluate(Engine& engine, layout::FieldInput<T> input, FreeSpace free,
+                     const std::type_identity_t<std::function<void(const layout::FieldChunk<T>&)>>& take) {
+    if (free == FreeSpace::skipped)
+        return engine.evaluate<T>(input, take);
+    const Clock::time_point start = Clock::now();
+    const BlockPlan plan =
+        plan_blocks<T>(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0, free);
+    const double planning = seconds_since(start);
+    input.plan = plan.view();
+    EngineTimes times = engine.evaluate<T>(input, take);
+    times.plan = planning;
+    times.voxels_evaluated = plan.voxels_evaluated;
+    return times;
+}
 
 class StudyRun {
 public:

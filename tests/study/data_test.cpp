@@ -57,6 +57,14 @@ TEST(StudyFiles, WhatIsNoNumberIsNothing) {
 }
 
 // A cell is drawn in its panel.
+TEST(Ratios, AreWrittenSoThatTheirEndsDifferFromOne) {
+    EXPECT_EQ(ratio_text({1.21, 1.3, 1.42}), "1.30 [1.21, 1.42]");
+    EXPECT_EQ(ratio_text({0.82, 0.84, 0.998}), "0.840 [0.820, 0.998]");
+    EXPECT_EQ(ratio_text({0.9, 1, 1.001}), "1.00 [0.90, 1.00]") << "not significant";
+    EXPECT_TRUE(was_busy({0.9, 1, 1.3}));
+    EXPECT_FALSE(was_busy({0.9, 1, 1.1}));
+}
+
 TEST(StudyFigures, HavePanels) {
     StudyData data;
     data.tables = {{"cells", "", {{"law", "", ""}, {"x", "m", ""}}, {}}};

@@ -206,9 +206,11 @@ std::vector<double> front_shares(const Times& times, const std::vector<std::size
         for (const auto& [error, time, i] : found)
             if (time < least) {
                 least = time;
-                shares[i] += 1.0 / kSamples;
+                ++shares[i];
             }
     }
+    for (double& share : shares)
+        share /= kSamples;
     return shares;
 }
 

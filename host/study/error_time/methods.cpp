@@ -17,6 +17,7 @@
 #include "host/random.h"
 #include "host/reference/chunks.h"
 #include "host/study/error_time/volumes.h"
+#include "host/study/study_run.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -223,8 +224,8 @@ public:
         add_one(0.0);
         add_one(0.0F);
     }
-    // Many places at once, as Python's force() takes them.
-    template <typename T> void add_batch() {
+    // Many places at once, as Python's force() takes them; by 1, 2, 4 ... threads and all.
+    template <typename T> void add_batches() {
         const auto law = lazily([&prepared = *variant_.prepared] { return std::make_unique<CaseLaw<T>>(prepared); });
         const auto inputs = lazily([law, &places = subject_.places] {
             std::vector<reference::Vector<T>> all;
@@ -232,18 +233,24 @@ public:
                 all.push_back(law()->rounded(places[i % std::min(kTimedPlaces, places.size())].at));
             return all;
         });
-        add(Use::batch, "direct, a batch on all threads", kPrecision<T>).seconds =
-            timed(clock_now, kBatch, [law, inputs] {
-                const CaseLaw<T>& one = *law(); // made here, before threads share them
-                const auto& at = inputs();
-                std::vector<double> sums(kBatch / kShare);
-                reference::share_out(reference::threads_for(0), sums.size(), [&](std::size_t, std::size_t share) {
-                    layout::uint hint = 0;
-                    for (std::size_t i = share * kShare; i < (share + 1) * kShare; ++i)
-                        sums[share] += static_cast<double>(one.at_rounded(at[i], hint).force.z);
+        const auto add_by = [&](const std::string& threads_text, std::size_t threads) {
+            add(Use::batch, "direct, a batch on " + threads_text, kPrecision<T>).seconds =
+                timed(clock_now, kBatch, [law, inputs, threads] {
+                    const CaseLaw<T>& one = *law(); // made here, before threads share them
+                    const auto& at = inputs();
+                    std::vector<double> sums(kBatch / kShare);
+                    reference::share_out(threads, sums.size(), [&](std::size_t, std::size_t share) {
+                        layout::uint hint = 0;
+                        for (std::size_t i = share * kShare; i < (share + 1) * kShare; ++i)
+                            sums[share] += static_cast<double>(one.at_rounded(at[i], hint).force.z);
+                    });
+                    return std::accumulate(sums.begin(), sums.end(), 0.0);
                 });
-                return std::accumulate(sums.begin(), sums.end(), 0.0);
-            });
+        };
+        const std::size_t all = reference::threads_for(0);
+        for (std::size_t threads = 1; threads < all; threads *= 2)
+            add_by(fmt::format("{} thread{}", threads, threads == 1 ? "" : "s"), threads);
+        add_by("all threads", all);
     }
     void add_lookups() {
         for (const double spacing : subject_.spacings) {
@@ -305,8 +312,10 @@ public:
         };
     }
 
-    template <typename T> void add_field(const std::string& by, Engine& engine) {
-        Method& method = add(Use::volume, "field, " + by, kPrecision<T>);
+    // Where free space is visited the forces are the same to the bit: it has no errors of its own.
+    template <typename T> void add_field(const std::string& by, Engine& engine, FreeSpace free = FreeSpace::skipped) {
+        const bool visits = free == FreeSpace::visited;
+        Method& method = add(Use::volume, fmt::format("field, {}{}", by, visits ? ", every block" : ""), kPrecision<T>);
         GridSpec grid = subject_.grid;
         for (std::size_t axis = 0; axis < 3; ++axis)
             grid.origin[axis] -= draw_ > 0 ? random_(0, 1) * grid.spacing[axis] : 0;
@@ -319,14 +328,16 @@ public:
         const auto touched = lazily([this_subject = &subject_, grid, tables, &engine] {
             return touched_voxels<T>(*this_subject, grid, tables(), engine);
         });
-        method.places = [touched] { return touched().at; };
-        method.forces = [touched](std::span<const TouchPlace>) { return touched().forces; };
-        method.seconds = [tables, &engine] {
+        if (!visits) {
+            method.places = [touched] { return touched().at; };
+            method.forces = [touched](std::span<const TouchPlace>) { return touched().forces; };
+        }
+        method.seconds = [tables, free, &engine] {
             const auto voxels = static_cast<double>(tables().x.size() * tables().y.size() * tables().z.size());
             // A small grid takes about a millisecond, too short for one measurement: the median of three.
             double seconds[3];
             for (double& one : seconds) {
-                const EngineTimes times = engine.evaluate<T>(tables().input(), [](const auto&) {});
+                const EngineTimes times = study::evaluate<T>(engine, tables().input(), free, [](const auto&) {});
                 one = (times.kernel + times.plan) / voxels;
             }
             std::ranges::sort(seconds);
@@ -467,12 +478,16 @@ void add_methods(std::vector<Method>& methods, const Subject& subject, const Var
         return;
     if (variant.prepared->images.mesh)
         law.add_god_object_without_hint();
-    law.add_batch<float>();
-    law.add_batch<double>();
+    law.add_batches<float>();
+    law.add_batches<double>();
     law.add_lookups();
     law.add_field<float>(by, engine);
     if (report.f64)
         law.add_field<double>(by, engine);
+    if (variant.prepared->images.mesh) {
+        law.add_field<float>(by, engine, FreeSpace::visited);
+        law.add_field<float>(by_one, single_thread, FreeSpace::visited);
+    }
     law.add_field<float>(by_one, single_thread);
     law.add_field<double>(by_one, single_thread);
     law.add_closed_loop<float>(by, engine);

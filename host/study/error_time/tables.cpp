@@ -51,10 +51,12 @@ const ErrorColumns& method_columns() {
         {"surface", "", "the subject of comparison", [](const R& r) { return r.method.subject->name; }},
         {"against", "", "the reference of the errors", [](const R& r) { return r.method.subject->against; }},
         {"use", "",
-         "live: one place after the other on one thread; batch: 65536 places at once on all threads; volume: whole "
+         "live: one place after the other on one thread; batch: 65536 places at once; volume: whole "
          "grids; loop: steps with a hand",
          [](const R& r) { return name_of(r.method.use); }},
-        {"family", "", "kind of evaluation; control: the unit of the notes once more",
+        {"family", "",
+         "kind of evaluation; every block: of a mesh, blocks of free space are visited, too; control: the unit of the "
+         "notes once more",
          [](const R& r) { return r.method.family; }},
         {"method", "", "the family's kind",
          [](const R& r) { return r.method.family.substr(0, r.method.family.find(',')); }},

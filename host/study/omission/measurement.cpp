@@ -70,8 +70,8 @@ public:
         } else {
             const layout::FieldInput<T> input = tables_.input();
             start = Clock::now();
-            times = evaluate(engine, input,
-                             [&](const auto& c) { receive(c.force, c.depth, c.facet, c.proxy, c.unshaded); });
+            times = study::evaluate<T>(engine, input, setup_.free,
+                                       [&](const auto& c) { receive(c.force, c.depth, c.facet, c.proxy, c.unshaded); });
             cost.evaluated =
                 times.voxels_evaluated ? times.voxels_evaluated : input.x.size() * input.y.size() * input.z.size();
         }
@@ -117,7 +117,7 @@ public:
         layout::FieldInput<T> input = tables_.input();
         input.law.features.channels |= channels;
         const std::size_t repeats = scene_.grid.size[1] / input.y.size();
-        evaluate(engine, input, [&](const auto& chunk) { captured.append(chunk, repeats); });
+        study::evaluate<T>(engine, input, setup_.free, [&](const auto& chunk) { captured.append(chunk, repeats); });
         return captured;
     }
 
@@ -153,22 +153,6 @@ private:
         std::error_code ignored;
         std::filesystem::remove(volume, ignored);
         return bytes;
-    }
-
-    // A mesh's blocks are planned here where free space is visited; else by the engine, slab by slab.
-    EngineTimes evaluate(Engine& engine, layout::FieldInput<T> input,
-                         const std::function<void(const layout::FieldChunk<T>&)>& consume) const {
-        if (setup_.free == FreeSpace::skipped)
-            return engine.evaluate(input, consume);
-        const Clock::time_point start = Clock::now();
-        const BlockPlan plan =
-            plan_blocks<T>(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0, setup_.free);
-        const double planning = seconds_since(start);
-        input.plan = plan.view();
-        EngineTimes times = engine.evaluate(input, consume);
-        times.plan = planning;
-        times.voxels_evaluated = plan.voxels_evaluated;
-        return times;
     }
 
     const Setup& setup_;
