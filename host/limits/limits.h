@@ -161,4 +161,15 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
 /// The same for the scene's own closed loop.
 SceneLimits scene_limits(const PreparedCase& prepared);
 
+/// A place of a scene's surface, and a way to be held there, where some hand's loop is the least stable.
+struct WeakPlace {
+    RestPlace place;
+    Hold hold;
+    bool usual = true; // of usual_holds; else pressed in another direction
+};
+
+/// Of each kind and depth that of the scene's own hand, and with ten times its grip and a tenth of it; and pressed in
+/// any direction. Empty where nothing is touched, or without damping.
+std::vector<WeakPlace> weak_places(const PreparedCase& prepared);
+
 } // namespace forceshade

@@ -173,7 +173,7 @@ bool supports(const glm::dvec3& along, const glm::dvec3& force, const glm::dmat3
 Hold pressed_along(const glm::dvec3& along) {
     constexpr double kUpright = 1e-3; // rad: less is down
     const double tilt = std::atan2(std::hypot(along.x, along.y), along.z);
-    return {tilt < kUpright ? "down" : fmt::format("{:.0f} deg off down", tilt / kDegree), along};
+    return {tilt < kUpright ? "down" : fmt::format("{:.0f} deg from straight down", tilt / kDegree), along};
 }
 
 std::vector<Hold> usual_holds(const glm::dvec3& force, const glm::dmat3& slope) {

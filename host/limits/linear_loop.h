@@ -26,7 +26,7 @@ struct Hold {
 /// stiffness: otherwise the probe gives way at any stiffness.
 bool supports(const glm::dvec3& along, const glm::dvec3& force, const glm::dmat3& slope);
 
-/// By its name: "down", "14 deg off down".
+/// By its name: "down", "14 deg from straight down".
 Hold pressed_along(const glm::dvec3& along);
 
 /// On all sides; and pressed down, and straight against the force, where the surface supports that.

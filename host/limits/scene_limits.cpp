@@ -150,10 +150,46 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
     return found;
 }
 
+namespace {
+
+// N: by which the hand of the scene's own closed loop presses, at most.
+double most_press(const Scene& scene) {
+    const PathsSpec paths = scene.paths.value_or(PathsSpec{});
+    return paths.drive == PathDrive::press ? paths.press : scene.hand.max_force;
+}
+
+} // namespace
+
 SceneLimits scene_limits(const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
-    const PathsSpec paths = scene.paths.value_or(PathsSpec{});
-    return scene_limits(prepared, paths.rate, paths.drive == PathDrive::press ? paths.press : scene.hand.max_force);
+    return scene_limits(prepared, scene.paths.value_or(PathsSpec{}).rate, most_press(scene));
+}
+
+std::vector<WeakPlace> weak_places(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    if (!(damping_of(scene.hand) > 0 && scene.force.stiffness > 0))
+        return {};
+    const double rate = scene.paths.value_or(PathsSpec{}).rate;
+    const Touched found = touched(prepared, rate, most_press(scene), scene.force.stiffness);
+    std::vector<LoopCell> cells;
+    for (const double grip : {1.0, 10.0, 0.1}) {
+        HandSpec hand = coupled(scene.hand, 0, 0);
+        hand.grip_stiffness *= grip;
+        cells.push_back({hand, rate, 1});
+    }
+    std::vector<WeakPlace> weak;
+    const auto add = [&](const RestPlace& place, const Hold& hold, bool usual) {
+        if (std::ranges::none_of(
+                weak, [&](const WeakPlace& one) { return one.place.at == place.at && one.hold.along == hold.along; }))
+            weak.push_back({place, hold, usual});
+    };
+    for (const LeastLimit& one : least_limits(found.surface, found.places, cells, true)) {
+        if (one.limit)
+            add(one.place, one.hold, true);
+        if (one.any_press)
+            add(one.any_press->place, one.any_press->hold, false);
+    }
+    return weak;
 }
 
 std::string SceneLimits::text() const {

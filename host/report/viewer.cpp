@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <zlib.h>
 
 #include "host/error.h"
 #include "host/field/prepared_case.h"
-#include "host/limits/linear_loop.h"
+#include "host/limits/limits.h"
 #include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/picture/picture.h"
@@ -133,6 +134,7 @@ struct Packed {
     Json about;
     std::string data; /* base64 */
     Json surface;     /* null where the scene does not say */
+    std::string scene{};
     std::uint64_t samples = 0;
     bool thinned = false;
 };
@@ -184,6 +186,7 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
     Packed packed;
     packed.data = base64(force.bytes);
     packed.surface = surface_data(volume);
+    packed.scene = volume.scene;
     packed.samples = samples(volume);
     packed.thinned = volume.stride[0] > 1 || volume.stride[2] > 1 || (volume.stride[1] > 1 && !volume.alike_in_y);
     packed.about = {{"name", wanted.name},          {"address", address(wanted.path)},
@@ -354,6 +357,35 @@ Json loop_data(const std::string& scene) {
             {"stiffness", coupled_share(hand, stiffness) * stiffness}};
 }
 
+// Where a loop on the surfaces of a few scenes is the least stable, for the page to compute the limits of any hand
+// from: of the first case with shading and the first without; nothing of a scene whose files are not there.
+Json weak_places_data(const std::vector<Packed>& packed) {
+    Json all = Json::array();
+    bool known[2]{};
+    for (const Packed& one : packed) {
+        const std::optional<Case> stated = stated_scene(one.scene);
+        if (!stated || std::exchange(known[stated->scene.force.shading != Shading::none], true))
+            continue;
+        try {
+            for (const WeakPlace& weak : weak_places(CasePreparation().prepare(*stated))) {
+                Json slope = Json::array(); // columns
+                for (int i = 0; i < 9; ++i)
+                    slope.push_back(weak.place.slope[i / 3][i % 3]);
+                const glm::dvec3& along = weak.hold.along;
+                all.push_back({{"case", one.about["name"]},
+                               {"place", name_of(weak.place.kind)},
+                               {"depth_m", weak.place.depth},
+                               {"held", weak.hold.name},
+                               {"along", {along.x, along.y, along.z}},
+                               {"usual", weak.usual},
+                               {"slope", std::move(slope)}});
+            }
+        } catch (const Error&) { // a file that is not there or has changed
+        }
+    }
+    return all;
+}
+
 double path_period(const std::string& scene) {
     const std::optional<Case> one = stated_scene(scene);
     return one && one->scene.paths && one->scene.paths->kind != PathKind::recorded ? 1 / one->scene.paths->rate : NAN;
@@ -391,7 +423,7 @@ std::string viewer_section(const std::filesystem::path& root, const Contents& co
     const std::vector<Packed> packed = pack_within(root, wanted, budget - for_paths, troubles);
     if (packed.empty())
         return "";
-    Json about{{"cases", Json::array()}, {"surfaces", Json::array()}};
+    Json about{{"cases", Json::array()}, {"surfaces", Json::array()}, {"weak", weak_places_data(packed)}};
     std::string data;
     for (std::size_t i = 0; i < packed.size(); ++i) {
         const auto add = [&](const std::string& id, const std::string& text) {

@@ -2,9 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "host/error.h"
+#include "host/limits/limits.h"
 #include "host/output/exr_volume.h"
 #include "host/report/sections.h"
+#include "host/scene/study.h"
 #include "tests/report/page_test.h"
 
 namespace forceshade::report {
@@ -129,6 +133,43 @@ TEST_F(Space, DeviceComputesTheLimits) {
                 500 * (radius * radius - aside * aside) / radius / 2e-3, 1e-6);
 }
 
+// For any hand what the program finds at these places, by other code; for the scene's own hand what `live` says of it.
+TEST_F(Space, DeviceComputesTheLimitsOfTheScenesSurface) {
+    open();
+    const PreparedCase prepared = CasePreparation().prepare(parse_scene(kScene, "test"));
+    const std::vector<WeakPlace> weak = weak_places(prepared);
+    ASSERT_GT(weak.size(), 4U);
+    const auto least_of = [&](const HandSpec& hand, double rate) {
+        double least = INFINITY;
+        for (const WeakPlace& one : weak)
+            if (one.usual)
+                least =
+                    std::min(least, linear_limit(hand, rate, one.hold, one.place.force_around()).value_or(INFINITY));
+        return least;
+    };
+    const HandSpec own = prepared.one.scene.hand;
+    HandSpec soft = own, stiff = own, late = own, quick = own;
+    soft.grip_stiffness = 60;
+    stiff.grip_stiffness = 4000;
+    late.delay_samples = 3;
+    quick.mass = 0.03;
+    quick.damping = 4;
+    for (const HandSpec& hand : {own, soft, stiff, late, quick})
+        for (const double rate : {1000.0, 4000.0}) {
+            const double least = least_of(hand, rate);
+            const std::string values =
+                fmt::format("{{mass: {}, damping: {}, grip: {}, spring: {}, period: {}, delay: {}}}", hand.mass,
+                            hand.damping, hand.grip_damping, hand.grip_stiffness, 1 / rate, hand.delay_samples);
+            EXPECT_NEAR(number("weakest(" + values +
+                               ", JSON.parse(document.getElementById('volumes').textContent).weak.filter((one) => "
+                               "one.usual), 1e7).limit"),
+                        least, 1e-3 * least)
+                << values;
+        }
+    const double said = *scene_limits(prepared).least->limit;
+    EXPECT_NEAR(least_of(own, 1000), said, 1e-3 * said);
+}
+
 TEST_F(Space, DeviceSaysWhetherAWallIsStable) {
     open();
     const std::string verdict = "document.getElementById('device-verdict').textContent";
@@ -136,10 +177,10 @@ TEST_F(Space, DeviceSaysWhetherAWallIsStable) {
         << "the scene's stiffness";
     EXPECT_TRUE(says(browser_->text(verdict), "is passive"));
     slide("device-spring", 1);
-    EXPECT_TRUE(says(browser_->text(verdict), "the grip holds the probe up to"));
+    EXPECT_TRUE(says(browser_->text(verdict), "On bump_shading-reference it comes to rest"));
     slide("device-stiffness", 1);
     EXPECT_TRUE(says(browser_->text(verdict), "does not come to rest"));
-    EXPECT_TRUE(says(browser_->text(verdict), "the grip does not hold the probe"));
+    EXPECT_TRUE(says(browser_->text(verdict), "On bump_shading-reference it does not"));
     const std::string limits = browser_->text("document.getElementById('device-limits').textContent");
     slide("device-delay", 0.4);
     EXPECT_NE(browser_->text("document.getElementById('device-limits').textContent"), limits);

@@ -104,12 +104,110 @@ function heldStiffness(spring, radius, slope, depth) {
   return spring * radius * Math.cos(slope) ** 2 / depth;
 }
 
+// An axis of a hand over a period in which a force holds: place and speed after it, of place, speed and force (newtons).
+function axisMap(mass, damping, spring, period) {
+  const a = damping / 2 / mass, square = spring / mass - a * a, w = Math.sqrt(Math.abs(square)), e = Math.exp(-a * period);
+  if (!(spring > 0)) {
+    const lost = -Math.expm1(-damping * period / mass), q = mass / damping * lost;
+    return { xx: 1, xv: q, xf: (period - q) / damping, vx: 0, vv: 1 - lost, vf: lost / damping };
+  }
+  const t = w * period, c = square > 0 ? Math.cos(t) : Math.cosh(t), s = w > 0 ? (square > 0 ? Math.sin(t) : Math.sinh(t)) / w : period;
+  const xx = e * (c + a * s);
+  return { xx, xv: e * s, xf: (1 - xx) / spring, vx: -e * s * spring / mass, vv: e * (c - a * s), vf: e * s / mass };
+}
+
+// A loop near a place where a probe rests, linearised: whether it grows at a stiffness, N/m. `along`: the direction in
+// which the hand presses, its spring acts across; on all sides if it is 0. `slope`: -dF/dp for 1 N/m, columns first.
+class RestingLoop {
+  constructor({ mass, damping, grip, spring, period, delay }, { along, slope }) {
+    const pressed = along.some((one) => one !== 0), unit = (v) => v.map((one) => one / Math.hypot(...v));
+    const cross = (u, v) => [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    if (pressed) {
+      const first = unit(cross(along, Math.abs(along[0]) < 0.5 ? [1, 0, 0] : [0, 1, 0]));
+      axes = [first, cross(along, first), along];
+    }
+    const times = (v) => [0, 1, 2].map((i) => slope[i] * v[0] + slope[3 + i] * v[1] + slope[6 + i] * v[2]);
+    const dot = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    this.pull = axes.map((to) => axes.map((from) => -dot(to, times(from)))); // m of force over K for a metre of place
+    this.maps = [0, 1, 2].map((i) => axisMap(mass, damping + grip, i === 2 && pressed ? 0 : spring, period));
+    this.unit = mass / period / period, this.period = period, this.delay = delay;
+  }
+
+  // Rows of (places, speeds times the period, forces under way over mass / period^2).
+  matrix(stiffness) {
+    const { pull, maps, unit, period, delay } = this, size = 6 + 3 * delay, map = new Float64Array(size * size);
+    const answer = (row, factor, i) => pull[i].forEach((one, j) => map[row * size + j] += factor * stiffness / unit * one);
+    maps.forEach(({ xx, xv, xf, vx, vv, vf }, i) => {
+      map[i * size + i] = xx, map[i * size + 3 + i] = xv / period;
+      map[(3 + i) * size + i] = vx * period, map[(3 + i) * size + 3 + i] = vv;
+      for (const [row, factor] of [[i, unit * xf], [3 + i, period * unit * vf]])
+        if (delay === 0)
+          answer(row, factor, i);
+        else
+          map[row * size + 6 + i] += factor;
+      for (let age = 0; age + 1 < delay; ++age)
+        map[(6 + 3 * age + i) * size + 9 + 3 * age + i] = 1;
+      if (delay > 0)
+        answer(6 + 3 * (delay - 1) + i, 1, i);
+    });
+    return map;
+  }
+
+  // By powers: none grows if one has a norm below 1, and if the trace of one is larger than its rows are many some do.
+  grows(stiffness) {
+    const size = 6 + 3 * this.delay;
+    let map = this.matrix(stiffness), norm = 0;
+    for (let squaring = 0; squaring < 26; ++squaring) {
+      let trace = norm = 0;
+      const square = new Float64Array(size * size);
+      for (let i = 0; i < size; ++i) {
+        let sum = 0;
+        for (let j = 0; j < size; ++j) {
+          const one = map[i * size + j];
+          sum += Math.abs(one);
+          if (one !== 0)
+            for (let k = 0; k < size; ++k)
+              square[i * size + k] += one * map[j * size + k];
+        }
+        norm = Math.max(norm, sum), trace += map[i * size + i];
+      }
+      if (2 * norm < 1 || !(Math.abs(trace) <= 2 * size))
+        return !(2 * norm < 1);
+      map = square;
+    }
+    return norm > 1;
+  }
+}
+
+// The place of the least stiffness, N/m, at which a hand's loop grows, up to `most`; it has that as `limit`.
+function weakest(hand, places, most) {
+  let least = null, below = most;
+  for (const place of places) {
+    const loop = new RestingLoop(hand, place);
+    if (!loop.grows(below))
+      continue;
+    let low = 1e-4 * below, high = low;
+    while (!loop.grows(high) && high < below)
+      [low, high] = [high, Math.min(1.15 * high, below)];
+    while (high > 1.0002 * low) {
+      const middle = Math.sqrt(low * high);
+      [low, high] = loop.grows(middle) ? [low, middle] : [middle, high];
+    }
+    below = high, least = { ...place, limit: high };
+  }
+  return least;
+}
+
 class Device {
-  constructor(element, loop) {
+  constructor(element, loop, weak) {
+    this.weak = weak;
     this.element = d3.select(element);
     const form = this.element.append("form").attr("class", "controls").attr("autocomplete", "off").on("submit", () => d3.event.preventDefault());
     this.values = {};
     for (const [name, one] of Object.entries(DEVICE)) {
+      if (this.weak.length && ["radius", "slope", "depth"].includes(name))
+        continue; // the scene has them
       const start = loop && Number.isFinite(loop[name]) ? loop[name] / one.factor : one.value;
       const label = form.append("label").text(one.label + " "), output = label.append("output").attr("for", "device-" + name);
       const [to, from] = one.step ? [(v) => v, (v) => v] : [Math.log10, (v) => 10 ** v];
@@ -137,15 +235,30 @@ class Device {
     const { mass, damping, grip, spring, period, delay, radius, slope, depth, stiffness } = this.values, b = damping + grip;
     const late = (samples) => samples === 0 ? "at once" : samples === 1 ? "one sample late" : samples + " samples late";
     const rows = [...new Set([0, 1, delay])].map((samples) => ["a wall comes to rest below; force " + late(samples), criticalStiffness(mass, b, period, samples)]);
-    rows.push(["the grip's spring holds a probe on that shaded cylinder below", heldStiffness(spring, radius, slope, depth)]);
-    rows.push(["a wall is passive with any hand below (the device's own damping alone); force " + late(delay), passiveStiffness(damping, period, delay)]);
+    const passive = passiveStiffness(damping, period, delay), critical = criticalStiffness(mass, b, period, delay);
+    const held = this.weak.length ? Infinity : heldStiffness(spring, radius, slope, depth);
+    const most = 8 * passiveStiffness(b, period, delay), where = (one) => one.place + ", " + numberText(1e3 * one.depth_m, 2) + " mm deep, " + (one.usual ? "held " : "pressed ") + one.held;
+    let surface = null;
+    for (const name of new Set(this.weak.map((one) => one.case))) {
+      const places = this.weak.filter((one) => one.case === name), usual = weakest(this.values, places.filter((one) => one.usual), most);
+      const turned = usual && weakest(this.values, places, usual.limit);
+      if (usual)
+        rows.push(["on " + name + " it comes to rest below; " + where(usual), usual.limit]);
+      if (turned && turned.limit < 0.99 * usual.limit)
+        rows.push(["on " + name + ", pressed in any direction, below; " + where(turned), turned.limit]);
+      surface = usual && (!surface || usual.limit < surface.limit) ? usual : surface;
+    }
+    if (!this.weak.length)
+      rows.push(["the grip's spring holds a probe on that shaded cylinder below", held]);
+    rows.push(["a wall is passive with any hand below (the device's own damping alone); force " + late(delay), passive]);
     const cells = this.table.select("tbody").selectAll("tr").data(rows).join("tr").selectAll("td")
       .data(([words, limit]) => [words, numberText(limit, 4), numberText(100 * stiffness / limit, 3) + " %"]).join("td");
     cells.classed("n", (_, i) => i > 0).text((text) => text);
-    const critical = criticalStiffness(mass, b, period, delay), passive = passiveStiffness(damping, period, delay), held = heldStiffness(spring, radius, slope, depth);
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
-      : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. On the shaded cylinder the grip "
-      + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m.");
+      : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. " + (surface
+        ? "On " + surface.case + " it " + (stiffness < surface.limit ? "comes to rest: below " : "does not: it does so below ") + numberText(surface.limit, 4) + " N/m."
+        : this.weak.length ? "The surfaces of the scenes ask for no less."
+          : "On the shaded cylinder the grip " + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m."));
     this.mark();
   }
 
@@ -163,7 +276,9 @@ class Device {
       marked += within;
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
-    d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the hand of the scene in the viewer, else with the default one, and at the rim of the paper's bump." +
+    d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.weak.length
+      ? "On a case's surface: the loop linearised at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of the first case with shading and the first without. The sliders begin with the scene's hand."
+      : "Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the default hand, at the rim of the paper's bump.") +
       (maps ? ` A cross marks it on ${marked} of ${maps} map${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));
   }
 }
@@ -171,7 +286,7 @@ class Device {
 function startDevice() {
   const section = document.getElementById("device"), volumes = document.getElementById("volumes");
   if (section)
-    new Device(section, volumes && JSON.parse(volumes.textContent).cases.map((one) => one.loop).find((loop) => loop));
+    new Device(section, volumes && JSON.parse(volumes.textContent).cases.map((one) => one.loop).find((loop) => loop), volumes && JSON.parse(volumes.textContent).weak || []);
 }
 
 startDevice();
