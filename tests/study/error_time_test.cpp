@@ -123,6 +123,29 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     EXPECT_GT(force_errors(found[1], truth[1], 1).local.p95, 0.5);
 }
 
+// Of a mesh the distance and what is above the nearest point: no force outside, and a plane is read without an error.
+TEST(LookUps, OfDepthsHaveNoForceAboveAMesh) {
+    const Subject mesh = own_subjects(few()).back();
+    for (const char* shading : {"none", "mean_value"}) {
+        const Variant& law = variant_named(mesh, std::string("8 cells, ") + shading);
+        const TurnedGrid grid(mesh.low, mesh.high, 0.4e-3, glm::dvec3(0.3), 0.5);
+        const Volume<float, float, 4> volume(grid.grid, sampled_depths(*law.prepared, grid));
+        StaticForce<double> exact(*law.prepared);
+        std::size_t near = 0;
+        for (const TouchPlace& place : mesh.places) {
+            const auto read = volume.trilinear(reference::Vector<float>(grid.in_grid(place.at)));
+            const glm::dvec3 force = exact.force(exact.input(place));
+            EXPECT_NEAR(std::max(0.0F, read.x) * mesh.stiffness, reference::length(force), 0.05) << shading;
+            const glm::dvec3 direction(read.y, read.z, read.w);
+            near += touches(force) && angle_between(direction, force) < 3 * kDegree;
+            TouchPlace above = place;
+            above.at += (place.depth + 0.2e-3) * place.normal;
+            EXPECT_LT(volume.trilinear(reference::Vector<float>(grid.in_grid(above.at))).x, 0) << shading;
+        }
+        EXPECT_GT(near, mesh.places.size() * 3 / 5) << shading;
+    }
+}
+
 // A narrow band gives what the whole volume gives where a hand is; an adaptive one of as many bytes errs less.
 TEST(Bricks, GiveTheForceWhereAHandIs) {
     const Subject bump = own_subjects(few()).front();
@@ -540,7 +563,7 @@ TEST(AsMetTimes, AreOfEachLawsFinestVolume) {
         proxies += methods[i].family == "god-object";
         EXPECT_GT(methods[i].once(0), 0);
     }
-    EXPECT_EQ(volumes, 6U + 5) << "of a bump also of depth and direction";
+    EXPECT_EQ(volumes, 6U + 6);
     EXPECT_EQ(proxies, 2U);
 }
 

@@ -9,6 +9,7 @@
 
 #include "host/field/case_law.h"
 #include "host/field/engine.h"
+#include "host/reference/mesh_contact.h"
 #include "host/threads.h"
 
 namespace forceshade::study::error_time {
@@ -104,10 +105,43 @@ std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turne
 
 bool has_depths(const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
-    return scene.surface.kind != SurfaceKind::mesh && scene.force.depth == DepthReading::vertical && !scene.texture;
+    if (scene.texture)
+        return false;
+    return scene.surface.kind == SurfaceKind::mesh ? scene.force.shading != Shading::two_pass
+                                                   : scene.force.depth == DepthReading::vertical;
 }
 
+namespace {
+
+// Of a mesh: the distance from its nearest point, and the force's direction there.
+std::vector<float> mesh_depths(const PreparedCase& prepared, const TurnedGrid& turned) {
+    const GridSpec& grid = turned.grid;
+    const CaseLaw<double> of_case(prepared);
+    const layout::Law<double>& law = of_case.law();
+    std::vector<float> values;
+    layout::uint hint = 0;
+    for_each({grid.size[0], grid.size[1], grid.size[2]}, [&](const Samples& at) {
+        const reference::Vector<double> place = of_case.rounded(turned.place_of(at[0], at[1], at[2]));
+        const reference::Nearest<double> found = reference::nearest(law.mesh, place, hint);
+        hint = found.triangle;
+        const bool inside = reference::is_inside(law, found, place);
+        const reference::Contact<double> contact = reference::contact_with(law, found, place);
+        const reference::Vector<double> normal = reference::vector_at(law.mesh.facet_normals, found.facet);
+        // Seen from outside an unshaded force points to the surface.
+        const bool turns = reference::dot(contact.force, normal) < 0;
+        const double size = reference::length(contact.force);
+        const glm::dvec3 direction(size > 0 ? (turns ? -1 : 1) / size * contact.force : normal);
+        values.insert(values.end(), {float(inside ? contact.depth : -contact.depth), float(direction.x),
+                                     float(direction.y), float(direction.z)});
+    });
+    return values;
+}
+
+} // namespace
+
 std::vector<float> sampled_depths(const PreparedCase& prepared, const TurnedGrid& turned) {
+    if (prepared.images.mesh)
+        return mesh_depths(prepared, turned);
     const GridSpec& grid = turned.grid;
     const CaseLaw<double> law(prepared);
     const double below = grid.origin[2] - 1; // m: far below any surface

@@ -49,8 +49,8 @@ struct TurnedGrid {
 /// The scene's forces at the samples of a grid, N, 3 a sample, along the world's axes, by the oracle on all cores.
 std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turned);
 
-/// Of a surface over x and y whose depth is read vertically: depth, m, below 0 above the surface, and the direction of
-/// the force below it, 4 a sample.
+/// Of a surface over x and y whose depth is read vertically, or of a mesh: depth, m, below 0 above the surface, and the
+/// direction of the force below it, 4 a sample.
 std::vector<float> sampled_depths(const PreparedCase& prepared, const TurnedGrid& turned);
 bool has_depths(const PreparedCase& prepared);
 
