@@ -28,6 +28,28 @@ struct Disturbance {
 };
 constexpr Disturbance kLinear{1e-6, 1e4, 1e-6}; // by which a loop is still linear
 
+// Around a place, m: of a mesh the god-object's, which has come down to it and goes on from there.
+class ForceThere {
+public:
+    ForceThere(const LoopSurface& surface, const RestPlace& place)
+        : at_(place.at), mesh_(surface.is_mesh()), probe_(surface.prepared),
+          descent_(descent(touched_at(place), surface.scale())) {}
+
+    void begin() {
+        if (mesh_)
+            force_after(probe_, descent_);
+    }
+    glm::dvec3 operator()(const glm::dvec3& aside) {
+        return glm::dvec3(mesh_ ? probe_.at(at_ + aside).contact.force : probe_.law().at(at_ + aside).force);
+    }
+
+private:
+    glm::dvec3 at_;
+    bool mesh_;
+    CaseProbe<double> probe_;
+    std::vector<glm::dvec3> descent_;
+};
+
 // How a disturbance of a loop grows: the logarithm of its energy late over early.
 class Simulation {
 public:
@@ -35,11 +57,7 @@ public:
     using Force = std::function<glm::dvec3(const glm::dvec3& aside)>;
 
     Simulation(const LoopSurface& surface, const LeastLimit& least)
-        : Simulation(
-              least, settling_steps(least.cell, surface.is_mesh() ? 100 : 400), kLinear,
-              [force = std::make_shared<ContactForce>(surface.prepared, surface.scale()),
-               place = touched_at(least.place)](const glm::dvec3& aside) { return (*force)(place, aside); },
-              least.place.force) {}
+        : Simulation(least, std::make_shared<ForceThere>(surface, least.place), surface.is_mesh() ? 100 : 400) {}
 
     /// `rest` is the force at the place, which the hand balances.
     Simulation(const LeastLimit& least, std::size_t steps, const Disturbance& disturbance, Force force,
@@ -50,12 +68,24 @@ public:
         for (std::size_t i = 0; i < 3; ++i) {
             maps_[i] = axis_map(held[i], 1 / least.cell.rate);
             lags_[i] = lag_map(held[i], 1 / least.cell.rate, least.cell.lag);
+            springs_[i] = held[i].stiffness;
         }
+    }
+
+    /// With the hand's Coulomb friction on each axis, and `steps`; without a lag.
+    static Simulation with_friction(const LoopSurface& surface, const LeastLimit& there, std::size_t steps) {
+        Simulation simulation(surface, there);
+        simulation.coulomb_ = there.cell.hand.coulomb;
+        simulation.steps_ = steps;
+        simulation.disturbance_.anywhere = true;
+        return simulation;
     }
 
     // `disturbance`, m, in the hand's axes.
     double growth(double stiffness, const glm::dvec3& disturbance) {
         constexpr double kFarthest = 3; // depths
+        constexpr double kStill = 0.01;
+        constexpr std::size_t kLongStill = 100;
         const double begins = reference::length(disturbance);
         const double far = std::min(disturbance_.far * begins, kFarthest * least_.place.depth);
         glm::dvec3 at = disturbance, speed(0), shown(0);
@@ -67,6 +97,9 @@ public:
         double lag = (1 - share) * reference::length(rest_); /* m */
         double early = 0, last = 0, squares = 0;
         glm::dvec3 begin(0), sum(0); // of the last quarter, from its begin
+        std::size_t still = 0;       // samples in a row with next to no energy
+        if (begin_)
+            begin_();
         rest_found_ = {INFINITY, INFINITY};
         for (std::size_t step = 0; step < steps_; ++step) {
             const glm::dvec3 force = force_(axes_ * at); /* m: for each N/m */
@@ -76,6 +109,14 @@ public:
             const glm::dvec3 given = late[(step + 1) % late.size()], excess = shown - given;
             for (int i = 0; i < 3; ++i) {
                 const auto& map = maps_[static_cast<std::size_t>(i)];
+                if (coulomb_ > 0) {
+                    const auto motion = reference::advance_axis_with_friction(
+                        map, {at[i], speed[i], given[i], springs_[static_cast<std::size_t>(i)]}, coulomb_,
+                        1 / least_.cell.rate);
+                    at[i] += motion.shift;
+                    speed[i] = motion.speed;
+                    continue;
+                }
                 const LagMap& lag_of = lags_[static_cast<std::size_t>(i)];
                 const double before = at[i];
                 at[i] +=
@@ -88,6 +129,10 @@ public:
             if (moving + away > quick * far * far)
                 return 1;
             const double energy = moving + (disturbance_.anywhere ? 0 : away);
+            const double left = coulomb_ > 0 ? moving : moving + away; // friction may hold it anywhere
+            still = left < kStill * disturbance_.gone * quick * begins * begins ? still + 1 : 0;
+            if (still > kLongStill + late.size() && (coulomb_ > 0 || !disturbance_.anywhere) && least_.cell.lag == 0)
+                return -1;
             if (step >= steps_ / 4 && step < steps_ / 2)
                 early = std::max(early, energy);
             if (step >= steps_ - steps_ / 4) {
@@ -111,7 +156,15 @@ public:
     const SteppedRest& rest_found() const { return rest_found_; } // of the last
 
 private:
+    Simulation(const LeastLimit& least, const std::shared_ptr<ForceThere>& there, double patience)
+        : Simulation(
+              least, settling_steps(least.cell, patience), kLinear,
+              [there](const glm::dvec3& aside) { return (*there)(aside); }, least.place.force) {
+        begin_ = [there] { there->begin(); };
+    }
+
     Force force_;
+    std::function<void()> begin_; // a path, if its force has a history
     SteppedRest rest_found_;
     glm::dvec3 rest_; /* m */
     const LeastLimit& least_;
@@ -119,6 +172,8 @@ private:
     Disturbance disturbance_;
     std::array<layout::AxisMap<double>, 3> maps_{};
     std::array<LagMap, 3> lags_{};
+    std::array<double, 3> springs_{}; /* N/m */
+    double coulomb_ = 0;              /* N */
     std::size_t steps_;
 };
 
@@ -167,6 +222,24 @@ std::size_t settling_steps(const LoopCell& cell, double patience) {
     return static_cast<std::size_t>(std::clamp(patience / loses, kLeast, kMost));
 }
 
+LeastLimit least_of(const LoopSurface& surface, const std::vector<const RestPlace*>& places, const LoopCell& cell) {
+    std::optional<HoldLimit> lowest;
+    for (const RestPlace* place : places)
+        for (const Hold& hold : usual_holds(place->force, place->slope))
+            take_lower(lowest, cell, *place, hold);
+    LeastLimit one;
+    one.surface = surface.name;
+    one.place = lowest ? lowest->place : *places.front();
+    if (lowest) {
+        one.hold = lowest->hold;
+        one.limit = lowest->limit;
+    }
+    one.cell = cell;
+    one.places = places.size();
+    one.wall = wall_limit(cell.hand, cell.rate, cell.lag);
+    return one;
+}
+
 std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places,
                                      const std::vector<LoopCell>& cells, bool any_press) {
     std::vector<LeastLimit> least;
@@ -176,27 +249,25 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
             for (const RestPlace& place : places)
                 if (place.kind == kind && !jumps(kind) && place.depth == depth)
                     some.push_back(&place);
+            std::optional<HoldLimit> own_press;
             for (const LoopCell& cell : cells) {
                 if (some.empty())
                     continue;
-                std::optional<HoldLimit> lowest;
-                for (const RestPlace* place : some)
-                    for (const Hold& hold : usual_holds(place->force, place->slope))
-                        take_lower(lowest, cell, *place, hold);
-                LeastLimit one;
-                one.surface = surface.name;
-                one.place = lowest ? lowest->place : *some.front();
-                if (lowest) {
-                    one.hold = lowest->hold;
-                    one.limit = lowest->limit;
-                }
-                one.cell = cell;
+                LeastLimit& one = least.emplace_back(least_of(surface, some, cell));
                 one.own = &cell == &cells.front();
-                one.places = some.size();
-                one.wall = wall_limit(cell.hand, cell.rate, cell.lag);
-                if (one.own && any_press)
-                    one.any_press = least_of_any_press(cell, some, lowest);
-                least.push_back(one);
+                if (!any_press)
+                    continue;
+                std::optional<HoldLimit> lowest;
+                if (one.limit)
+                    lowest = HoldLimit{*one.limit, one.hold, one.place};
+                if (one.own) {
+                    own_press = one.any_press = least_of_any_press(cell, some, lowest);
+                    continue;
+                }
+                std::vector<const RestPlace*> likely{&one.place};
+                if (own_press && own_press->place.at != one.place.at)
+                    likely.push_back(&own_press->place);
+                one.any_press = least_of_any_press(cell, likely, lowest);
             }
         }
     return least;
@@ -204,11 +275,15 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
 
 std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least) {
     constexpr double kFrom = 0.3, kTo = 3, kClose = 1.0005; // of the linearised loop's limit
+    constexpr double kBelow = 0.98, kAbove = 1.02;          // where it is looked for first
     if (!least.limit || !(*least.limit > 0))
         return std::nullopt;
     Simulation simulation(surface, least);
-    return least_growing(kFrom * *least.limit, kTo * *least.limit, kClose,
-                         [&](double stiffness) { return !(simulation.growth(stiffness) < 0); });
+    const auto grows_at = [&](double stiffness) { return !(simulation.growth(stiffness) < 0); };
+    const bool near = std::ranges::none_of(std::array{kFrom, 0.6, 0.9, kBelow},
+                                           [&](double share) { return grows_at(share * *least.limit); }) &&
+                      grows_at(kAbove * *least.limit);
+    return least_growing((near ? kBelow : kFrom) * *least.limit, kTo * *least.limit, kClose, grows_at);
 }
 
 bool decays(const LoopSurface& surface, const LeastLimit& there) {
@@ -270,7 +345,7 @@ SteppedRest stepped_rest(const LoopSurface& surface, const LeastLimit& there, co
 }
 
 SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make) {
-    constexpr double kLow = 10, kHigh = 1e6, kClose = 1.01; /* N/m; of a stiffness */
+    constexpr double kLow = 10, kHigh = 1e7, kClose = 1.01; /* N/m; of a stiffness */
     constexpr double kDecays = -0.05; // moves a limit by a thousandth; less is a steady vibration, rounded
     constexpr double kFar = 30;       // of the kick: there it has left the place
     KickedLoop loop(surface, there, make, kFar);
@@ -306,6 +381,24 @@ std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit&
         largest = kick;
     }
     return largest;
+}
+
+std::optional<double> dying_kick(const LoopSurface& surface, const LeastLimit& there, double expected) {
+    constexpr double kRange = 4, kClose = 1.001;
+    constexpr double kPatience = 80, kMost = 30000; // a kick 1 % beyond has grown by e^(80 / 4) of that
+    const double turn = std::sqrt(there.cell.stiffness / there.cell.hand.mass) / there.cell.rate; // rad: w T
+    Simulation simulation =
+        Simulation::with_friction(surface, there, static_cast<std::size_t>(std::min(kPatience / (turn * turn), kMost)));
+    const glm::dvec3 down = glm::transpose(axes_of(there.hold)) * glm::dvec3(0, 0, -1);
+    const auto dies = [&](double kick) { return simulation.growth(there.cell.stiffness, kick * down) < 0; };
+    double low = expected / kRange, high = expected * kRange;
+    if (!dies(low) || dies(high))
+        return std::nullopt;
+    while (high > kClose * low) {
+        const double middle = std::sqrt(low * high);
+        (dies(middle) ? low : high) = middle;
+    }
+    return std::sqrt(low * high);
 }
 
 } // namespace forceshade

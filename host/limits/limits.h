@@ -18,6 +18,7 @@ struct HoldLimit {
     double limit = 0; /* N/m */
     Hold hold;
     RestPlace place;
+    std::optional<double> simulated{}; /* N/m: as LeastLimit's */
 };
 
 /// The least limit of all places of a kind at a depth.
@@ -36,13 +37,18 @@ struct LeastLimit {
     std::size_t places = 0;          /* examined */
 };
 
+/// The least of some places, at least one, over the usual holds.
+LeastLimit least_of(const LoopSurface& surface, const std::vector<const RestPlace*>& places, const LoopCell& cell);
+
 /// A row for each kind but jumps, depth and cell.
-/// The first of `cells` is marked as the hand's own; of that `any_press` is searched if asked for.
+/// The first of `cells` is marked as the hand's own. `any_press` is searched if asked for: of the first at all places,
+/// of the others where the first has its least one and where their own least limit is.
 std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places,
                                      const std::vector<LoopCell>& cells, bool any_press = false);
 
 /// The stiffness, N/m, at which a disturbance of a millionth of the depth begins to grow when the loop is stepped
-/// through the surface's own force, from 0.3 of the linearised limit on; empty: none up to three times that.
+/// through the surface's own force, of a mesh along the path, from 0.3 of the linearised limit on; empty: none up to
+/// three times that.
 std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least);
 
 /// Whether a disturbance of a millionth of the depth decays there when the loop of its cell is stepped through the
@@ -62,7 +68,7 @@ struct SteppedLimit {
 };
 
 /// The stiffness up to which a probe comes to rest, within 30 times the kick, after one of a thousandth of the depth,
-/// when the loop of `there` is stepped through a law's forces, by bisection from 10 to 1e6 N/m to 1 %. The probe comes
+/// when the loop of `there` is stepped through a law's forces, by bisection from 10 to 1e7 N/m to 1 %. The probe comes
 /// down to the place first, where the hand balances the law's own force; a law without a force there has no limit.
 /// \throws what the law throws.
 SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, const MakePathForce& make);
@@ -80,6 +86,11 @@ SteppedRest stepped_rest(const LoopSurface& surface, const LeastLimit& there, co
 /// m: of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that decays at half the linearised limit, as all smaller
 /// ones do; 0 if none does.
 std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least);
+
+/// m: up to which kicks straight down die out by the hand's Coulomb friction, when the loop is stepped through the
+/// surface's own force; from a quarter to four times of what is `expected`, m, by bisection to 0.1 %. Empty: they do at
+/// neither end or at both.
+std::optional<double> dying_kick(const LoopSurface& surface, const LeastLimit& there, double expected);
 
 /// Samples in which a loop near its limit shows by its speeds on which side it is: `patience` times the time that
 /// damping takes. With 400 a loop 0.3 % below its limit still decays by a quarter from the second quarter of its time

@@ -1,6 +1,7 @@
 #include "host/limits/linear_loop.h"
 
 #include <algorithm>
+#include <complex>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
@@ -217,9 +218,28 @@ std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold
                                    double lag) {
     constexpr double kClose = 1.0001;
     const double passive = passive_stiffness(damping_of(hand), 1 / rate, hand.delay_samples);
+    if (!(passive > 0)) // a held force feeds what nothing damps
+        return 0.0;
     const LinearLoop loop(hand, rate, hold, force, lag);
     const auto at = [&](double stiffness) { return loop.grows(stiffness); };
     return at(1e-4 * passive) ? 0.0 : least_growing(1e-4 * passive, 8 * passive, kClose, at);
+}
+
+std::optional<double> grip_limit(const HandSpec& hand, const Hold& hold, const ForceAround& force) {
+    constexpr double kTurns = 1e-6; // 1: of a slope; less is a plane, rounded
+    const glm::dmat3 axes = axes_of(hold);
+    const glm::dmat3 slope = glm::transpose(axes) * force.slope * axes; // columns first
+    const bool all_sides = hold.along == glm::dvec3(0);
+    Eigen::MatrixXd across(all_sides ? 3 : 2, all_sides ? 3 : 2); // where it presses, the depth follows the force
+    for (int i = 0; i < across.rows(); ++i)
+        for (int j = 0; j < across.cols(); ++j)
+            across(i, j) = slope[j][i] - (all_sides ? 0 : slope[2][i] * slope[j][2] / slope[2][2]);
+    double least = 0;
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(across, false);
+    for (const std::complex<double>& value : solver.eigenvalues())
+        if (std::abs(value.imag()) < kTurns)
+            least = std::min(least, value.real());
+    return least < -kTurns ? std::optional(-hand.grip_stiffness / least) : std::nullopt;
 }
 
 double wall_limit(const HandSpec& hand, double rate, double lag) {

@@ -115,6 +115,11 @@ std::optional<double> least_growing(double from, double to, double close, const 
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force,
                                    double lag = 0);
 
+/// The stiffness, N/m, at which the balance of the surface's force and the grip's spring turns, whatever the sampling:
+/// the least K > 0 at which the grip's stiffness and K times the slope are singular together. On a crest of radius R,
+/// pressed d deep at an angle t off the force, K d = k_g R cos(t)^2. Empty: the surface turns nowhere outwards.
+std::optional<double> grip_limit(const HandSpec& hand, const Hold& hold, const ForceAround& force);
+
 /// K_crit of a wall with this hand, N/m, without its coupling. NaN: none below eight times the passive one.
 double wall_limit(const HandSpec& hand, double rate, double lag = 0);
 

@@ -59,18 +59,6 @@ glm::dmat3 slope_with(ContactForce& force, const TouchPlace& place, double step)
     return slope;
 }
 
-// 1/m: the largest outward turn of the force's direction along a direction across it.
-double turn_of(const RestPlace& rest) {
-    const glm::dvec3 direction = rest.force / reference::length(rest.force);
-    const auto [u, v] = directions_across(direction);
-    double most = 0;
-    for (const glm::dvec3& along : {u, v}) {
-        const double turn = -reference::dot(along, rest.slope * along) / reference::length(rest.force);
-        most = std::abs(turn) > std::abs(most) ? turn : most;
-    }
-    return most;
-}
-
 PlaceKind smooth_kind(const RestPlace& rest) {
     const double tilt = angle_between(rest.force, glm::dvec3(0, 0, 1)), turn = turn_of(rest);
     if (tilt < kLevel && std::abs(turn) < kEven)
@@ -129,10 +117,13 @@ void add_vertices(ContactForce& force, const LoopSurface& surface, std::size_t m
         const TouchPlace& vertex = vertices[i * vertices.size() / some];
         const auto [u, v] = directions_across(vertex.normal);
         for (const double depth : surface.depths()) {
+            const std::size_t first = places.size();
             if (const auto smooth = smooth_at(force, vertex, depth)) // as below one that points inwards
                 places.push_back(*smooth);
             for (const glm::dvec3& along : {u, -u, v, -v})
                 add_next_to(force, vertex, along, depth, places);
+            for (std::size_t one = first; one < places.size(); ++one)
+                places[one].by_vertex = true;
         }
     }
 }
@@ -200,6 +191,20 @@ std::optional<RestPlace> edge_place(ContactForce& force, const TouchPlace& edge,
 }
 
 } // namespace
+
+double turn_of(const RestPlace& rest) {
+    const auto [u, v] = directions_across(rest.force / reference::length(rest.force));
+    const glm::dvec3 of_u = rest.slope * u, of_v = rest.slope * v;
+    const double uu = reference::dot(u, of_u), vv = reference::dot(v, of_v);
+    const double uv = (reference::dot(u, of_v) + reference::dot(v, of_u)) / 2;
+    const double middle = -(uu + vv) / 2, half = std::hypot((uu - vv) / 2, uv); // the eigenvalues of its symmetric part
+    return (middle > 0 ? middle + half : middle - half) / reference::length(rest.force);
+}
+
+std::optional<RestPlace> at_depth(const LoopSurface& surface, const RestPlace& place, double depth) {
+    ContactForce force(surface.prepared, surface.scale());
+    return smooth_at(force, {place.at, place.normal, place.below}, depth);
+}
 
 LoopSurface scene_surface(const PreparedCase& given) {
     const Scene& scene = given.one.scene;

@@ -57,6 +57,7 @@ struct RestPlace {
     glm::dvec3 force{0};                 /* m: for each N/m of stiffness; at a jump the mean of both sides */
     glm::dmat3 slope{0};                 /* 1: -dF/dp for a stiffness of 1 N/m, columns first; not at a jump */
     double jump = 0;                     /* rad: between the directions of both sides */
+    bool by_vertex = false;              // found at a vertex of a mesh, or next to one
 
     ForceAround force_around() const { return {slope, force / reference::length(force)}; }
 };
@@ -65,6 +66,12 @@ struct RestPlace {
 /// eighth of them at most; and as many vertices of a mesh, and next to them. \throws UsageError without contact in the
 /// box.
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count);
+
+/// The same place pressed to another depth, m, along the normal; empty: no smooth place of rest.
+std::optional<RestPlace> at_depth(const LoopSurface& surface, const RestPlace& place, double depth);
+
+/// 1/m: the largest turn of the force's direction along a direction across it: 1 / R on a crest, below 0 in a hollow.
+double turn_of(const RestPlace& place);
 
 /// A level wall's, at a depth of 1 mm.
 RestPlace wall_place();

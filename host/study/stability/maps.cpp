@@ -14,6 +14,8 @@ namespace {
 constexpr double kOwnStiffness = 1000;    // N/m: of the study's own surfaces over quantum and friction
 constexpr double kOwnFriction = 0.05;     // N: of hands that have none
 constexpr std::size_t kMostSteps = 30000; // of a simulated loop of the atlas
+constexpr double kOwnQuantum = 1e-5;      // m: of hands that measure exactly
+constexpr double kRounded = 0.5;          // of the depth: the kick where friction stops small motions
 
 struct Fineness {
     int columns, rows;
@@ -66,7 +68,84 @@ const Quantity kQuantities[] = {
     {"rate", "Hz", 1e2, 1e5, [](LoopCell& cell, double value) { cell.rate = value; }},
     {"delay", "samples", 0, 8,
      [](LoopCell& cell, double value) { cell.hand.delay_samples = static_cast<std::uint64_t>(value); }},
-    {"lag", "s", 1e-5, 0.1, [](LoopCell& cell, double value) { cell.lag = value; }}};
+    {"lag", "s", 1e-5, 0.1, [](LoopCell& cell, double value) { cell.lag = value; }},
+    {"depth", "m", 0.01, 1, [](LoopCell&, double) {}},
+    {"quantum", "m", 1e-6, 2e-4,
+     [](LoopCell& cell, double value) {
+         cell.hand.quantisation = value;
+         cell.hand.coulomb = kOwnFriction;
+     }},
+    {"friction", "N", 5e-4, 5, [](LoopCell& cell, double value) {
+         cell.hand.quantisation = kOwnQuantum;
+         cell.hand.coulomb = value;
+     }}};
+
+bool is(const Quantity& quantity, const char* name) {
+    return std::string_view(quantity.name) == name;
+}
+
+bool is_rounded(const LoopCell& cell) {
+    return cell.hand.quantisation > 0;
+}
+
+// Of each of `count` values between `low` and `high` that at which rests(values) turns from true to false, all at once,
+// to 0.1 %; empty where it is the same at both ends.
+template <typename Rests>
+std::vector<std::optional<double>> last_at_rest(std::vector<double> low, std::vector<double> high, const Rests& rests) {
+    constexpr double kClose = 1.001;
+    const std::vector<bool> at_low = rests(low), at_high = rests(high);
+    const auto close = [&] {
+        for (std::size_t i = 0; i < low.size(); ++i)
+            if (high[i] > kClose * low[i])
+                return false;
+        return true;
+    };
+    while (!close()) {
+        std::vector<double> middle(low.size());
+        for (std::size_t i = 0; i < low.size(); ++i)
+            middle[i] = std::sqrt(low[i] * high[i]);
+        const std::vector<bool> at_middle = rests(middle);
+        for (std::size_t i = 0; i < low.size(); ++i)
+            (at_middle[i] ? low : high)[i] = middle[i];
+    }
+    std::vector<std::optional<double>> last(low.size());
+    for (std::size_t i = 0; i < low.size(); ++i)
+        if (at_low[i] && !at_high[i])
+            last[i] = std::sqrt(low[i] * high[i]);
+    return last;
+}
+
+std::vector<bool> stable_of(const std::vector<LoopOutcome>& outcomes) {
+    std::vector<bool> stable;
+    for (const LoopOutcome& one : outcomes)
+        stable.push_back(one.state == LoopState::stable);
+    return stable;
+}
+
+// Of points whose positions are measured in steps.
+void step_rounded(Engine& engine, const LoopSurface& surface, std::vector<AtlasPoint>& points) {
+    std::vector<AtlasPoint*> rounded;
+    std::vector<LoopCell> cells;
+    std::vector<double> low, high;
+    for (AtlasPoint& point : points)
+        if (is_rounded(point.least.cell) && point.least.limit && settling_steps(point.least.cell, 400) <= kMostSteps) {
+            rounded.push_back(&point);
+            cells.push_back(point.least.cell);
+            low.push_back(*point.least.limit / 2);
+            high.push_back(*point.least.limit * 2);
+        }
+    if (rounded.empty())
+        return;
+    LoopRun run;
+    run.disturbance = kRounded;
+    const auto found = last_at_rest(low, high, [&](const std::vector<double>& stiffness) {
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            cells[i].stiffness = stiffness[i];
+        return stable_of(run_cells(engine, surface, rounded.front()->least.place, cells, run));
+    });
+    for (std::size_t i = 0; i < rounded.size(); ++i)
+        rounded[i]->least.simulated = found[i];
+}
 
 std::vector<double> values_of(const Quantity& quantity, bool quick) {
     if (quantity.low == 0)
@@ -171,7 +250,7 @@ std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, con
 }
 
 std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
-    constexpr double kRigid = 1e6; /* N/m */
+    constexpr double kRigid = 1e7; /* N/m */
     HandSpec linear = surface.hand;
     linear.quantisation = linear.coulomb = 0;
     const double damping = damping_of(linear);
@@ -187,11 +266,11 @@ std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, co
 
 std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
     const LoopCell cell{surface.hand, surface.rate, surface.stiffness > 0 ? surface.stiffness : kOwnStiffness};
-    const double quantum = cell.hand.quantisation > 0 ? cell.hand.quantisation : 1e-5; // m
+    const double quantum = cell.hand.quantisation > 0 ? cell.hand.quantisation : kOwnQuantum;
     const double friction = cell.hand.coulomb > 0 ? cell.hand.coulomb : kOwnFriction;
     const double passive = passive_stiffness(damping_of(cell.hand), 1 / cell.rate, cell.hand.delay_samples);
     LoopRun run;
-    run.disturbance = 0.5; // friction stops small motions
+    run.disturbance = kRounded;
     return map_of(engine, surface, place, quick, {"rounding", surface.name, cell}, {0.1 * quantum, 30 * quantum},
                   {0.02 * friction, 20 * friction}, run, [&](MapLoop& loop, double step, double coulomb) {
                       loop.cell.hand.quantisation = step;
@@ -204,6 +283,67 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
 double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay) {
     const double late = (0.5 + static_cast<double>(delay)) * sample_time; // s
     return 4 * friction / (std::numbers::pi * stiffness * late * std::sqrt(stiffness / mass));
+}
+
+double friction_basin(const LoopCell& cell, const RestPlace& place, const Hold& hold) {
+    const HandSpec& hand = cell.hand;
+    const glm::dvec3 way = place.force / glm::length(place.force);
+    const double held = cell.stiffness * glm::dot(way, place.slope * way); // N/m: along the force
+    const double pressed = hold.along == glm::dvec3(0) ? 0 : glm::dot(way, hold.along);
+    const double grip = hand.grip_stiffness * (1 - pressed * pressed); // N/m
+    const double samples = 0.5 + static_cast<double>(hand.delay_samples);
+    double turn = std::sqrt((grip + held) / hand.mass) / cell.rate, share = 1; // rad a sample; of what is held
+    for (int i = 0; i < 40; ++i) {
+        share = std::sin(turn / 2) / (turn / 2);
+        turn = std::sqrt((grip + held * share * std::cos(samples * turn)) / hand.mass) / cell.rate;
+    }
+    const double friction = hand.coulomb * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
+    const double amplitude = 4 * friction / (std::numbers::pi * held * share * std::sin(samples * turn));
+    return amplitude / std::abs(way.z);
+}
+
+std::vector<BasinRow> basins_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick) {
+    constexpr double kOfDepth = 0.01, kOfEdge = 0.05;
+    const std::vector<double> turns = quick || surface.is_mesh() ? std::vector{0.2} : std::vector{0.1, 0.2}; // rad: w T
+    std::vector<BasinRow> rows;
+    const auto add = [&](const LeastLimit& worst, const Hold& hold, double grip, std::uint64_t delay, double turn) {
+        BasinRow row;
+        row.there = worst;
+        row.there.own = false;
+        row.there.limit = {};
+        row.there.hold = hold;
+        LoopCell& cell = row.there.cell = damped(worst.cell, 0);
+        cell.hand.grip_stiffness = grip;
+        cell.hand.delay_samples = delay;
+        cell.stiffness = turn * turn * cell.hand.mass * cell.rate * cell.rate;
+        if (const auto most = grip_limit(cell.hand, hold, worst.place.force_around()))
+            cell.stiffness = std::min(cell.stiffness, *most / 2);
+        if (!(cell.stiffness > 0))
+            return;
+        cell.hand.coulomb = 1;
+        row.foreseen = kOfDepth * worst.place.depth;
+        if (const auto jump = worst.place.edge_distance) // beyond it lies another force
+            row.foreseen = std::min(row.foreseen, kOfEdge * *jump);
+        cell.hand.coulomb = row.foreseen / friction_basin(cell, worst.place, hold);
+        row.stepped = dying_kick(surface, row.there, row.foreseen);
+        rows.push_back(row);
+    };
+    for (const PlaceKind kind : kPlaceKinds) {
+        const LeastLimit* const worst = worst_of(limits, surface.name, {}, kind);
+        if (!worst)
+            continue;
+        const Hold down = pressed_along({0, 0, 1}), all_sides{"on all sides", glm::dvec3(0)};
+        for (const std::uint64_t delay : {0U, 1U, 2U})
+            for (const double turn : turns) {
+                const bool held = supports(down.along, worst->place.force, worst->place.slope);
+                if (held && surface.hand.grip_stiffness > 0)
+                    add(*worst, down, surface.hand.grip_stiffness, delay, turn);
+                if (held)
+                    add(*worst, down, 0, delay, turn);
+                add(*worst, all_sides, surface.hand.grip_stiffness, delay, turn);
+            }
+    }
+    return rows;
 }
 
 std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
@@ -319,26 +459,71 @@ double AtlasPoint::lag_group() const {
     return least.cell.lag * least.cell.rate;
 }
 
-std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick) {
+double AtlasPoint::depth_group() const {
+    const double group = least.place.depth * turn_of(least.place);
+    return std::abs(group) > 1e-6 ? group : 0;
+}
+
+double AtlasPoint::balance_group() const {
+    const double turn = depth_group(), grip = least.cell.hand.grip_stiffness;
+    return turn > 0 && grip > 0 ? least.limit.value_or(NAN) * turn / grip : NAN;
+}
+
+double AtlasPoint::friction_group() const {
+    const HandSpec& hand = least.cell.hand;
+    return is_rounded(least.cell) ? hand.coulomb / (damping_of(hand) * hand.quantisation * least.cell.rate) : NAN;
+}
+
+double rounded_limit(const LoopCell& cell, double kick) {
+    const HandSpec& hand = cell.hand;
+    const double still = 2 * hand.coulomb / hand.quantisation;
+    double limit = still;
+    for (int i = 0; i < 60; ++i) {
+        const double slides = 4 * hand.coulomb / (std::numbers::pi * std::sqrt(limit / hand.mass) * kick); // N s/m
+        const double next = critical_stiffness(hand.mass, damping_of(hand) + slides, 1 / cell.rate, hand.delay_samples);
+        limit = std::sqrt(limit * next);
+    }
+    return std::min(still, limit);
+}
+
+std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick,
+                                 Engine* engine) {
     std::vector<AtlasPoint> points;
     for (const PlaceKind kind : kPlaceKinds) {
         const LeastLimit* const worst = worst_of(limits, surface.name, {}, kind);
         if (!worst)
             continue;
+        std::vector<AtlasPoint> rounded;
         for (const Quantity& quantity : kQuantities) {
-            std::vector<LoopCell> cells;
             const std::vector<double> values = values_of(quantity, quick);
-            for (const double value : values)
-                quantity.set(cells.emplace_back(worst->cell), value);
-            std::vector<LeastLimit> least = least_limits(surface, {worst->place}, cells);
-            for (std::size_t i = 0; i < least.size(); ++i) {
-                least[i].own = false;
-                const bool chosen = i == 0 || i == least.size() / 2 || i + 1 == least.size();
-                if (chosen && !surface.is_mesh() && settling_steps(cells[i], 400) <= kMostSteps)
-                    least[i].simulated = simulated_limit(surface, least[i]);
-                points.push_back({least[i], quantity.name, values[i]});
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                LoopCell cell = worst->cell;
+                quantity.set(cell, values[i]);
+                // Friction and steps from a kick of half the deepest, which is many of these.
+                if (is_rounded(cell) && !(engine && kind == PlaceKind::flat))
+                    continue;
+                std::optional<RestPlace> place = worst->place;
+                if (is(quantity, "depth") || is_rounded(cell))
+                    place = at_depth(surface, worst->place, (is_rounded(cell) ? 1 : values[i]) * surface.deepest);
+                if (!place)
+                    continue;
+                place->kind = kind;
+                const double value = is(quantity, "depth") ? place->depth : values[i];
+                LeastLimit least = least_of(surface, {&*place}, cell);
+                if (is_rounded(cell)) {
+                    least.limit = rounded_limit(cell, kRounded * place->depth);
+                    rounded.push_back({least, quantity.name, value});
+                    continue;
+                }
+                const bool chosen = i == 0 || i == values.size() / 2 || i + 1 == values.size();
+                if (chosen && settling_steps(cell, 400) <= (surface.is_mesh() ? kMostSteps / 2 : kMostSteps))
+                    least.simulated = simulated_limit(surface, least);
+                points.push_back({least, quantity.name, value});
             }
         }
+        if (engine)
+            step_rounded(*engine, surface, rounded);
+        append(points, std::move(rounded));
     }
     return points;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <tuple>
 
 #include "host/touch/places.h"
 
@@ -45,6 +46,24 @@ const StudiedSurface kStudied[] = {
     {"two_pass mesh", mesh_of(Shading::two_pass), kMeshLow, kMeshHigh, 0, true},
 };
 
+// Of a mesh: the least by an edge, and the least at a vertex or beside one, of each kind of place, stepped, too.
+std::vector<LeastLimit> limits_by_edges(const LoopSurface& surface, const std::vector<RestPlace>& places,
+                                        const LoopCell& cell) {
+    std::vector<LeastLimit> all;
+    for (const PlaceKind kind : kPlaceKinds)
+        for (const bool vertex : {false, true}) {
+            std::vector<const RestPlace*> some;
+            for (const RestPlace& place : places)
+                if (place.kind == kind && !jumps(kind) && place.by_vertex == vertex && (vertex || place.edge_distance))
+                    some.push_back(&place);
+            if (some.empty())
+                continue;
+            LeastLimit& one = all.emplace_back(least_of(surface, some, cell));
+            one.simulated = simulated_limit(surface, one);
+        }
+    return all;
+}
+
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
@@ -57,10 +76,20 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
         if (&one == worst_of(results.limits, surface.name, {}, one.place.kind)) {
             one.simulated = simulated_limit(surface, one);
             one.kick = largest_kick(surface, one);
+            if (one.any_press) {
+                LeastLimit turned = one;
+                std::tie(turned.limit, turned.hold, turned.place) =
+                    std::tuple(one.any_press->limit, one.any_press->hold, one.any_press->place);
+                one.any_press->simulated = simulated_limit(surface, turned);
+            }
         }
+    if (surface.is_mesh())
+        append(results.by_edges, limits_by_edges(surface, places, settings.front()));
     if (surface.limits_alone)
         return;
-    append(results.atlas, atlas_of(surface, results.limits, quick));
+    const bool first = surface.stiffness > 0 || surface.name == kStudied[0].name; // a scene, or the plane
+    append(results.atlas, atlas_of(surface, results.limits, quick, first ? &engine : nullptr));
+    append(results.basins, basins_of(surface, results.limits, quick));
     append(results.swings, edge_swings(engine, surface, places));
     append(results.couplings, couplings_on(surface, places));
     for (const auto& [x, z] : direction_profile(surface))
@@ -121,7 +150,7 @@ std::vector<LoopSurface> own_surfaces() {
 
 std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places) {
     std::vector<CouplingRow> rows;
-    std::vector<double> scenes{1e4, 1e5, 1e6}; /* N/m */
+    std::vector<double> scenes{1e4, 1e5, 1e6, 1e7}; /* N/m */
     if (surface.stiffness > 0 && std::ranges::count(scenes, surface.stiffness) == 0)
         scenes.insert(scenes.begin(), surface.stiffness);
     const auto add = [&](const char* which, double scene, const HoldingCoupling& coupling, const HandSpec& hand) {
@@ -172,7 +201,9 @@ StudyData study_stability(StudyRun& run) {
     parts.push_back({"maps of loops", [&] {
                          for (LoopResults& own : by_surface) {
                              append(loops.limits, std::move(own.limits));
+                             append(loops.by_edges, std::move(own.by_edges));
                              append(loops.atlas, std::move(own.atlas));
+                             append(loops.basins, std::move(own.basins));
                              append(loops.swings, std::move(own.swings));
                              append(loops.couplings, std::move(own.couplings));
                              append(loops.profile, std::move(own.profile));

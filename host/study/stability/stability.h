@@ -86,7 +86,7 @@ LoopCell damped(LoopCell cell, double damping);
 std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick);
 
 /// Over stiffness and damping of a virtual coupling (the Z-width of Colgate & Brown 1994), pressed down onto a scene of
-/// 1e6 N/m there.
+/// 1e7 N/m there.
 std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
 
 /// Over quantum and friction, the hand pressed down there. The stiffness is the scene's, or 1000 N/m.
@@ -100,6 +100,25 @@ double friction_basin(double mass, double friction, double stiffness, double sam
 
 /// Loops on a wall without damping, over stiffness and kick; `foreseen` by friction_basin.
 std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+
+/// m: the same of a loop of `cell` without damping at a place of any surface, for a kick straight down, at any w T: the
+/// probe swings along the force, where the grip's spring holds it, too, at the w of harmonic balance, m w^2 = k_g + K s
+/// cos(p), p = w T (1/2 + delay), s = sin(w T / 2) / (w T / 2); A = 4 f_c / (pi K s sin(p)). Friction on each axis
+/// takes what its components cover.
+double friction_basin(const LoopCell& cell, const RestPlace& place, const Hold& hold);
+
+/// How far friction alone lets kicks die out at a place, with and without the grip's spring.
+struct BasinRow {
+    LeastLimit there;              /* place, hold and loop, without damping, with its stiffness; the friction is that by
+                                      which `foreseen` is a small share of the depth: both are proportional */
+    double foreseen = 0;           /* m: friction_basin */
+    std::optional<double> stepped; /* m: dying_kick */
+};
+
+/// At the worst place of each kind with the surface's own hand, zero to two samples late; of least_limits of that
+/// surface. Without a grip only where the surface turns nowhere outwards. At half the stiffness at most that the grip
+/// holds.
+std::vector<BasinRow> basins_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick);
 
 /// A point of a line over a map.
 struct MapCurvePoint {
@@ -123,14 +142,19 @@ struct AtlasPoint {
     double limit_group() const;
     double mass_group() const;
     double grip_group() const;
-    double lag_group() const; // the lag over a sample
+    double lag_group() const;      // the lag over a sample
+    double depth_group() const;    // the depth over the radius by which the force turns there; below 0 in a hollow
+    double balance_group() const;  // K d / (k_g R), 1 where the hand presses against the force; NaN if nothing turns
+    double friction_group() const; // f_c T / (b quantum); half of K T / b where friction just holds a quantum
 };
 
 /// What is varied: mass from a gram to 10 kg, grip from 20 to 5000 N/m, damping from 0.03 to 100 N s/m, rate from 100
-/// Hz to 100 kHz, delay from 0 to 8 samples, lag of the device's force from 10 us to 0.1 s.
+/// Hz to 100 kHz, delay from 0 to 8 samples, lag of the device's force from 10 us to 0.1 s, depth from a hundredth of
+/// the deepest on. On flat places step of the measured position from 1 to 200 um and Coulomb friction from 0.5 mN to 5
+/// N.
 struct Quantity {
     const char *name, *unit;
-    double low, high; /* SI */
+    double low, high; /* SI; of the depth over the deepest */
     void (*set)(LoopCell&, double);
 };
 std::span<const Quantity> quantities();
@@ -140,8 +164,16 @@ std::span<const Quantity> quantities();
 const LeastLimit* worst_of(const std::vector<LeastLimit>& limits, const std::string& surface = {},
                            std::optional<double> depth = {}, std::optional<PlaceKind> kind = {});
 
-/// At the worst place of each kind with the surface's own hand: of least_limits of that surface.
-std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick);
+/// At the worst place of each kind with the surface's own hand: of least_limits of that surface. Steps of the measured
+/// position and friction are varied where there is an engine to step them, from a kick of half the deepest, on flat
+/// places: they have none within such a kick where the direction jumps.
+std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick,
+                                 Engine* engine = nullptr);
+
+/// N/m: the stiffness up to which a loop of `cell` with friction and a measured position in steps comes to rest on a
+/// wall after a kick, m: min(2 f_c / quantum, K_crit with the damping b + 4 f_c / (pi w kick), w = sqrt(K / m)),
+/// friction by its describing function.
+double rounded_limit(const LoopCell& cell, double kick);
 
 /// A point of direction_profile().
 struct ProfilePoint {
@@ -162,7 +194,7 @@ struct CouplingRow {
 /// Samples: the filter of "filtered", a low pass of 32 Hz at 1 kHz.
 inline constexpr int kUsualFilter = 5;
 
-/// Of 1e4, 1e5 and 1e6 N/m and the scene's own, if that is another. Of the stiffest scene with a filter, too.
+/// Of 1e4, 1e5, 1e6 and 1e7 N/m and the scene's own, if that is another. Of the stiffest scene with a filter, too.
 std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vector<RestPlace>& places);
 
 /// With the program's default hand: plane, the same textured, bump of 2 facets with and without shading, height map of
@@ -173,7 +205,9 @@ std::vector<LoopSurface> own_surfaces();
 struct LoopResults {
     std::vector<LoopSurface> surfaces;
     std::vector<LeastLimit> limits;
+    std::vector<LeastLimit> by_edges; /* of meshes: the least by an edge and at a vertex, of each kind of place */
     std::vector<AtlasPoint> atlas;
+    std::vector<BasinRow> basins;
     std::vector<EdgeSwing> swings;
     std::vector<CouplingRow> couplings;
     std::vector<MapLoop> maps;
@@ -181,6 +215,20 @@ struct LoopResults {
     std::string map_kind; /* of the place of the map over damping */
     std::vector<ProfilePoint> profile;
 };
+
+/// A limit, or a kick, by the linearised loop or a closed form, and stepped.
+struct SteppedCheck {
+    std::string what; /* "limit", "limit of any press", "limit by an edge", "limit over mass", "kick that dies out" */
+    LeastLimit there;
+    double value = NAN;               /* of what is varied; SI */
+    double foreseen = 0, stepped = 0; /* N/m, or m of a kick */
+
+    double off() const { return stepped / foreseen - 1; }
+    bool apart() const { return !(std::abs(off()) <= 0.01); }
+};
+
+/// All of them.
+std::vector<SteppedCheck> stepped_checks(const LoopResults& results);
 
 /// Adds tables, figures and notes of the loops.
 void add_loops(StudyData& data, const LoopResults& results);

@@ -56,9 +56,12 @@ Table limit_table(const LoopResults& results) {
               "holds; 0: at any; empty: none below eight times b / (T (1/2 + delay))",
               &R::limit},
              {"any_press_N_per_m", "N/m",
-              "the same of a hand that presses in any direction that the surface supports; of the hand's own",
+              "the same of a hand that presses in any direction that the surface supports; of the hand's own at all "
+              "places, of the others where the hand's own has its least and where their own limit is least",
               [](const R& r) { return r.any_press ? Cell(r.any_press->limit) : Cell(); }},
              {"any_press", "", "that direction", [](const R& r) { return r.any_press ? r.any_press->hold.name : ""; }},
+             {"any_press_simulated_N_per_m", "N/m", "as simulated_N_per_m, of that",
+              [](const R& r) { return r.any_press ? Cell(r.any_press->simulated) : Cell(); }},
              {"wall_N_per_m", "N/m", "K_crit of a wall with this hand, rate and delay", &R::wall},
              {"of_wall_1", "1", "limit over the wall's", [](const R& r) { return r.limit.value_or(NAN) / r.wall; }},
              {"simulated_N_per_m", "N/m",
@@ -69,6 +72,82 @@ Table limit_table(const LoopResults& results) {
               [](const R& r) { return 1e6 * r.kick.value_or(NAN); }},
              {"places", "1", "examined", &R::places}}),
         results.limits);
+}
+
+Table edge_limit_table(const LoopResults& results) {
+    using R = LeastLimit;
+    return table_of<R>(
+        "loop_mesh_edges", "Largest stable stiffness by edges and vertices of meshes",
+        place_columns<R>(
+            {{"surface", "", "pressed by the hand", &R::surface},
+             {"by", "", "an edge: beside a jump of the force's direction; a vertex: below one, or beside it",
+              [](const R& r) { return r.place.by_vertex ? "a vertex" : "an edge"; }}},
+            {{"hold", "", "as in loop_limits", [](const R& r) { return r.hold.name; }},
+             {"limit_N_per_m", "N/m", "of the linearised loop with the hand's own, over depths and holds", &R::limit},
+             {"simulated_N_per_m", "N/m", "the limit of the loop stepped along the mesh's own force", &R::simulated},
+             {"wall_N_per_m", "N/m", "K_crit of a wall", &R::wall},
+             {"places", "1", "examined", &R::places}}),
+        results.by_edges);
+}
+
+Table basin_table(const LoopResults& results) {
+    using R = BasinRow;
+    const auto hand = [](double HandSpec::*of) { return [of](const R& r) { return r.there.cell.hand.*of; }; };
+    return table_of<R>(
+        "loop_basins", "Kicks that friction alone lets die out",
+        {{"surface", "", "pressed by the hand", [](const R& r) { return r.there.surface; }},
+         {"kind", "", "of place, the worst of its kind with the hand's own",
+          [](const R& r) { return name_of(r.there.place.kind); }},
+         {"depth_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.depth; }},
+         {"x_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.at.x; }},
+         {"hold", "", "as in loop_limits", [](const R& r) { return r.there.hold.name; }},
+         {"grip_N_per_m", "N/m", "stiffness of the grip's spring; no damping", hand(&HandSpec::grip_stiffness)},
+         {"delay_samples", "1", "from measurement to force",
+          [](const R& r) { return r.there.cell.hand.delay_samples; }},
+         {"stiffness_N_per_m", "N/m", "K of the surface", [](const R& r) { return r.there.cell.stiffness; }},
+         {"w_T_1", "rad", "sqrt(K / m) times sample",
+          [](const R& r) { return std::sqrt(r.there.cell.stiffness / r.there.cell.hand.mass) / r.there.cell.rate; }},
+         {"friction_N", "N",
+          "Coulomb friction on each axis: as much as makes the closed form a hundredth of the depth, or a twentieth of "
+          "the way to a jump of the direction",
+          hand(&HandSpec::coulomb)},
+         {"kick_um", "um", "straight down, up to which it dies out: by harmonic balance along the force",
+          [](const R& r) { return 1e6 * r.foreseen; }},
+         {"stepped_um", "um", "of loops with kicks; empty: none from a quarter to four times that",
+          [](const R& r) { return 1e6 * r.stepped.value_or(NAN); }},
+         {"K_kick_over_f_1", "1", "stepped, times K over friction",
+          [](const R& r) { return r.stepped.value_or(NAN) * r.there.cell.stiffness / r.there.cell.hand.coulomb; }},
+         {"off_percent", "%", "stepped over the closed form, less 1",
+          [](const R& r) { return 100 * (r.stepped.value_or(NAN) / r.foreseen - 1); }}},
+        results.basins);
+}
+
+Table disagreement_table(const LoopResults& results) {
+    using R = SteppedCheck;
+    std::vector<R> apart;
+    for (R& one : stepped_checks(results))
+        if (one.apart())
+            apart.push_back(std::move(one));
+    return table_of<R>(
+        "loop_disagreements", "Stepped loops that differ by more than 1 % from the linearised loop or a closed form",
+        {{"what", "", "limit / (N/m), or the kick that dies out / m, and what it is of", &R::what},
+         {"surface", "", "pressed by the hand", [](const R& r) { return r.there.surface; }},
+         {"kind", "", "of place", [](const R& r) { return name_of(r.there.place.kind); }},
+         {"depth_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.depth; }},
+         {"x_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.at.x; }},
+         {"y_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.at.y; }},
+         {"z_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.there.place.at.z; }},
+         {"hold", "", "as in loop_limits", [](const R& r) { return r.there.hold.name; }},
+         {"grip_N_per_m", "N/m", "stiffness of the grip's spring",
+          [](const R& r) { return r.there.cell.hand.grip_stiffness; }},
+         {"delay_samples", "1", "from measurement to force",
+          [](const R& r) { return r.there.cell.hand.delay_samples; }},
+         {"value", "SI", "of what is varied, as in loop_atlas; of a kick K / (N/m)", &R::value},
+         {"foreseen", "SI", "by the linearised loop or the closed form", &R::foreseen},
+         {"stepped", "SI", "through the surface's own force; empty: no limit within the range of the search",
+          &R::stepped},
+         {"off_percent", "%", "stepped over foreseen, less 1", [](const R& r) { return 100 * r.off(); }}},
+        apart);
 }
 
 Table atlas_table(const LoopResults& results) {
@@ -90,8 +169,26 @@ Table atlas_table(const LoopResults& results) {
          {"kg_T_over_b_1", "1", "the grip's stiffness times sample over damping", &R::grip_group},
          {"delay_samples", "1", "from measurement to force",
           [](const R& r) { return r.least.cell.hand.delay_samples; }},
+         {"d_over_R_1", "1",
+          "depth over the radius by which the force's direction turns there; below 0: it turns inwards",
+          &R::depth_group},
+         {"fc_T_over_b_quantum_1", "1",
+          "Coulomb friction times sample over damping and step of the measured position, where it is measured in steps",
+          &R::friction_group},
          {"lag_over_T_1", "1", "time constant with which the device's force follows, over a sample", &R::lag_group},
-         {"limit_N_per_m", "N/m", "as in loop_limits, at that place", [](const R& r) { return r.least.limit; }},
+         {"limit_N_per_m", "N/m",
+          "as in loop_limits, at that place; with steps and friction min(2 f_c / quantum, K_crit with friction's "
+          "describing function)",
+          [](const R& r) { return r.least.limit; }},
+         {"hold", "", "of that limit, as in loop_limits", [](const R& r) { return r.least.hold.name; }},
+         {"grip_limit_N_per_m", "N/m",
+          "closed form: where the balance of the surface's force and the grip's spring turns in that hold, whatever "
+          "the sampling; empty: the force turns nowhere outwards",
+          [](const R& r) { return grip_limit(r.least.cell.hand, r.least.hold, r.least.place.force_around()); }},
+         {"K_d_over_kg_R_1", "1",
+          "the limit times d / R over the grip's stiffness: cos(t)^2, t between hold and force, where the grip gives "
+          "way; empty: the force turns nowhere outwards",
+          &R::balance_group},
          {"K_T_over_b_1", "1", "the limit times sample over damping; 2 is passive without delay", &R::limit_group},
          {"of_wall_1", "1", "of K_crit of a wall with this hand, rate, delay and lag",
           [](const R& r) { return r.least.limit.value_or(NAN) / r.least.wall; }},
@@ -166,7 +263,7 @@ Table map_table(const LoopResults& results) {
         "loop_map", "States of sampled loops",
         {{"map", "",
           "damping: over stiffness and damping at the surface's lowest limit; coupling: over stiffness and damping of "
-          "a virtual coupling to a scene of 1e6 N/m; rounding: over the step of the measured "
+          "a virtual coupling to a scene of 1e7 N/m; rounding: over the step of the measured "
           "position and friction; basin: over stiffness and kick, without damping",
           &R::map},
          {"surface", "", "pressed by the hand", &R::surface},
@@ -181,6 +278,13 @@ Table map_table(const LoopResults& results) {
          {"friction_N", "N", "Coulomb friction on each axis", [](const R& r) { return r.cell.hand.coulomb; }},
          {"kick_um", "um", "how far too deep the probe begins, where that is varied",
           [](const R& r) { return r.kick > 0 ? 1e6 * r.kick : NAN; }},
+         {"b_over_K_T_1", "1", "damping over stiffness and sample: 1/2 is passive without delay",
+          [](const R& r) { return damping_of(r.cell.hand) / r.cell.stiffness * r.cell.rate; }},
+         {"fc_over_K_quantum_1", "1", "friction over stiffness and quantum: from 1/2 on it holds a quantum",
+          [](const R& r) {
+              const HandSpec& hand = r.cell.hand;
+              return hand.quantisation > 0 ? hand.coulomb / (r.cell.stiffness * hand.quantisation) : NAN;
+          }},
          {"state", "",
           "stable: decays or comes to rest; quantisation limit cycle: the measured position changes by one quantum at "
           "most; limit cycle: stays within the bound; unstable: leaves the bound",
@@ -319,7 +423,10 @@ std::vector<Figure> figures_of(const LoopResults& results) {
         {"mass", "The limit over the hand's mass, 1 g to 10 kg", {"b_T_over_m_1", "b T / m", true}},
         {"grip", "The limit over the grip's stiffness, 20 to 5000 N/m", {"kg_T_over_b_1", "k_g T / b", true}},
         {"delay", "The limit over the delay", {"delay_samples", "delay / samples"}},
-        {"lag", "The limit over the lag of the device's force, 0.01 to 100 ms", {"lag_over_T_1", "lag / T", true}}};
+        {"lag", "The limit over the lag of the device's force, 0.01 to 100 ms", {"lag_over_T_1", "lag / T", true}},
+        {"quantum",
+         "The limit on flat places over the step of the measured position, 1 to 200 um",
+         {"fc_T_over_b_quantum_1", "f_c T / (b quantum)", true}}};
     for (const auto& [quantity, title, x] : groups)
         if (!results.atlas.empty())
             figures.push_back(make_figure(
@@ -329,18 +436,27 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                 "2 is what is passive without delay. The table has the worst place of each kind.",
                 FigureKind::scatter, "loop_atlas", {{"varied", quantity}, {"worst", "yes"}}, x,
                 {"K_T_over_b_1", "limit K T / b", true}, "surface", "", {.joined = true}));
+    if (!results.atlas.empty())
+        figures.push_back(make_figure(
+            "loop-atlas-depth", "Where the grip gives way: the limit over depth, in groups without units",
+            "At the worst place of each surface with the hand's own, where the force turns outwards with radius R. "
+            "cos(t)^2 is where the grip's spring gives way, t the angle between hold and force; less: the sampled loop "
+            "grows before. On a flat wall nothing turns.",
+            FigureKind::scatter, "loop_atlas", {{"varied", "depth"}, {"worst", "yes"}},
+            {"d_over_R_1", "depth d / R", true}, {"K_d_over_kg_R_1", "limit K d / (k_g R)"}, "surface", "",
+            {.joined = true}));
     if (!results.couplings.empty())
         figures.push_back(
-            make_figure("loop-couplings", "Stiffness displayed through a virtual coupling, in a scene of 1e6 N/m",
+            make_figure("loop-couplings", "Stiffness displayed through a virtual coupling, in a scene of 1e7 N/m",
                         "At rest, through the stiffest coupling that holds. Safe: a spring alone, "
                         "passive on a wall; stiffest: with a "
                         "damper, too, but its impacts may give energy; filtered: the damper's speed through a low pass "
                         "of 5 samples. All at rest at all places.",
-                        FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e6).text()}},
+                        FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e7).text()}},
                         {"surface", "surface"}, {"displayed_N_per_m", "displayed / (N/m)", true}, "coupling"));
     if (const auto loop = any("coupling"); loop != results.maps.end())
         figures.push_back(map_figure(results, "coupling",
-                                     fmt::format("Z-width: virtual couplings to a {} of 1e6 N/m", loop->surface),
+                                     fmt::format("Z-width: virtual couplings to a {} of 1e7 N/m", loop->surface),
                                      {"coupling_N_per_m", "coupling's stiffness / (N/m)", true},
                                      {"coupling_N_s_per_m", "coupling's damping / (N s/m)", true}));
     if (const auto loop = any("basin"); loop != results.maps.end())
@@ -358,10 +474,31 @@ std::vector<Figure> figures_of(const LoopResults& results) {
 
 } // namespace
 
+namespace {
+
+std::string disagreement_note(const LoopResults& results) {
+    std::size_t limits = 0, kicks = 0, apart = 0, other = 0;
+    for (const SteppedCheck& one : stepped_checks(results)) {
+        const bool kick = one.what.starts_with("kick");
+        (kick ? kicks : limits) += 1;
+        (kick ? other : apart) += one.apart();
+    }
+    return fmt::format(
+        "Of {} limits that were stepped {} differ by more than 1 % from the linearised loop or the closed form{}; of "
+        "{} "
+        "kicks that friction alone lets die out {} do, from the closed form, which has one mode along the force. "
+        "loop_disagreements lists both.",
+        limits, apart, apart == 0 ? " (none of loop_limits, loop_mesh_edges and loop_atlas)" : "", kicks, other);
+}
+
+} // namespace
+
 void add_loops(StudyData& data, const LoopResults& results) {
-    data.tables = {kind_table(results),  limit_table(results), atlas_table(results),
-                   swing_table(results), worst_table(results), profile_table(results),
-                   map_table(results),   curve_table(results), coupling_table(results)};
+    data.tables = {kind_table(results),         limit_table(results), atlas_table(results),   basin_table(results),
+                   disagreement_table(results), swing_table(results), worst_table(results),   profile_table(results),
+                   map_table(results),          curve_table(results), coupling_table(results)};
+    if (!results.by_edges.empty())
+        data.tables.push_back(edge_limit_table(results));
     data.figures = figures_of(results);
     data.notes = {
         fmt::format("The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's "
@@ -380,7 +517,8 @@ void add_loops(StudyData& data, const LoopResults& results) {
         "friction. It is unstable if it moves further than three depths from its place, stable if it decays or its "
         "measured position does not change any more; with rounding, the hand presses to a depth midway between two "
         "quanta, the worst case. Without damping, friction alone brings it to rest: a kick dies out if friction takes "
-        "more in a cycle than the held force feeds."};
+        "more in a cycle than the held force feeds. The grip's spring alone lets no kick die out: the limit is 0.",
+        disagreement_note(results)};
 }
 
 } // namespace forceshade::study
