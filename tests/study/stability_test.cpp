@@ -221,15 +221,28 @@ TEST(LeastLimits, OnAShadedSlopeAreTheGrips) {
         hand.grip_stiffness = grip;
         const double limit = linear_limit(hand, 1000, pressed_along({0, 0, 1}), {slope}).value();
         EXPECT_NEAR(limit / (grip * (R * R - x * x) / R / depth), 1, 0.01) << grip;
+        EXPECT_NEAR(*grip_limit(hand, pressed_along({0, 0, 1}), {slope}) / (grip * (R * R - x * x) / R / depth), 1,
+                    1e-9);
+        EXPECT_NEAR(*grip_limit(hand, pressed_along({x / R, 0, normal}), {slope}) / (grip * R / depth), 1, 1e-9);
+        // On all sides: the lower root K of k^2 + k K (S_xx + S_zz) + K^2 det S = 0 above 0.
+        const double trace = slope[0][0] + slope[2][2], det = slope[0][0] * slope[2][2] - slope[2][0] * slope[0][2];
+        const double root = grip * (-trace - std::sqrt(trace * trace - 4 * det)) / (2 * det);
+        EXPECT_NEAR(*grip_limit(hand, {"on all sides", glm::dvec3(0)}, {slope}) / root, 1, 1e-9);
+        EXPECT_FALSE(grip_limit(hand, pressed_along({0, 0, 1}), wall_place().force_around()));
     }
 }
 
 TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
     const LoopSurface& bump = own("shaded bump");
-    const auto limits = least_limits(bump, places_on(bump.name), {{bump.hand, bump.rate, 1}}, true);
+    LoopCell late{bump.hand, bump.rate, 1}, quick{bump.hand, 4 * bump.rate, 1};
+    late.hand.delay_samples = 1;
+    const auto limits = least_limits(bump, places_on(bump.name), {{bump.hand, bump.rate, 1}, late, quick}, true);
+    std::size_t rows = 0;
     for (const LeastLimit& one : limits) {
-        if (one.place.kind != PlaceKind::slope || !one.any_press)
+        if (one.place.kind != PlaceKind::slope)
             continue;
+        ASSERT_TRUE(one.any_press);
+        ++rows;
         double least = std::numeric_limits<double>::infinity();
         for (int degrees = -75; degrees <= 75; degrees += 5) {
             const double angle = degrees * kDegree;
@@ -238,12 +251,13 @@ TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
                 if (place.kind == one.place.kind && place.depth == one.place.depth &&
                     supports(along, place.force, place.slope))
                     least = std::min(
-                        least,
-                        linear_limit(bump.hand, bump.rate, pressed_along(along), place.force_around()).value_or(least));
+                        least, linear_limit(one.cell.hand, one.cell.rate, pressed_along(along), place.force_around())
+                                   .value_or(least));
         }
         EXPECT_LE(one.any_press->limit, 1.01 * least);
         EXPECT_LE(one.any_press->limit, *one.limit);
     }
+    EXPECT_EQ(rows, 4U * 3);
 }
 
 TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
@@ -314,7 +328,8 @@ TEST(SceneLimits, SayWhetherABristleIsStable) {
 TEST(CouplingLimits, AreWhereSteppedLoopsBeginToGrow) {
     for (const char* name : {"plane", "shaded bump", "map of a dip"}) {
         const std::vector<CouplingRow> rows = couplings_on(own(name), places_on(name));
-        EXPECT_EQ(rows.size(), 7u) << name;
+        EXPECT_EQ(rows.size(), 9u) << name;
+        EXPECT_EQ(rows.back().scene, 1e7) << name;
         for (const CouplingRow& row : rows)
             EXPECT_TRUE(row.foreseen.value_or(true)) << name << ' ' << row.which << ' ' << row.scene;
     }
