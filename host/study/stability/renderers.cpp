@@ -286,7 +286,7 @@ void add_renderer_limits(StudyData& data, const LoopSurface& surface, const std:
             data.findings.push_back(finding_of(surface, limits, row->renderer, ++number));
     data.notes.push_back(
         "Limits of renderers: the probe comes down to a place, where the hand balances the renderer's own force, and "
-        "is displaced by a thousandth of its depth. The least stiffness from 10 to 1e6 N/m at which that does not "
+        "is displaced by a thousandth of its depth. The least stiffness from 10 to 1e7 N/m at which that does not "
         "decay is found by bisection, each in a process of its own; the scene's own law takes the place of the "
         "renderer in the same loop. The law with the scene's friction or vibration is stepped alike: their bristle and "
         "their material stay as the scene has them. A vibration is fed by the probe's own speed and may keep it from "
