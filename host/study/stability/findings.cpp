@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/numbers.h"
 #include "host/study/stability/stability.h"
 #include "host/touch/force_errors.h"
 
@@ -168,6 +169,14 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
          fmt::format("the largest of eight feet of each surface; {} surfaces have one", all)});
 }
 
+// "20 to 5000 N/m", "20 um to 2 mm"
+std::string range_text(double from, double to, const Quantity& quantity) {
+    const std::string unit = quantity.unit;
+    if (unit != "m" && unit != "s" && unit != "Hz")
+        return fmt::format("{:g} to {:g} {}", from, to, unit);
+    return fmt::format("{} to {}", numbers::quantity_text(from, unit), numbers::quantity_text(to, unit));
+}
+
 // "grip (20 to 5000 N/m: 46.7 N/m to 5570 N/m)"
 struct Span {
     const Quantity* quantity;
@@ -178,7 +187,7 @@ struct Span {
     // A limit that is largest or least in between is said, too.
     std::string text() const {
         constexpr double kSame = 0.99;
-        std::string text = fmt::format("{} ({:g} to {:g} {}: {} to {}", quantity->name, from, to, quantity->unit,
+        std::string text = fmt::format("{} ({}: {} to {}", quantity->name, range_text(from, to, *quantity),
                                        newtons(at_from), newtons(at_to));
         if (low < kSame * std::min(at_from, at_to))
             text += fmt::format(", {} in between", newtons(low));
@@ -219,7 +228,7 @@ void add_atlas(std::vector<Finding>& findings, const LoopResults& results, const
             moved.push_back(span.text());
         else
             still.push_back(
-                fmt::format("{} ({:g} to {:g} {})", span.quantity->name, span.from, span.to, span.quantity->unit));
+                fmt::format("{} ({})", span.quantity->name, range_text(span.from, span.to, *span.quantity)));
     }
     if (moved.empty())
         return;
