@@ -42,6 +42,24 @@ LoopForce force_of(const HandSpec& hand, double period, const glm::dmat3& axes, 
     return found;
 }
 
+// axis_map(), kept for the hands and periods of the last calls: trials of couplings ask for the same over and over.
+layout::AxisMap<double> known_axis_map(const Axis& axis, double period) {
+    struct Known {
+        Axis axis{};
+        double period = 0;
+        layout::AxisMap<double> map{};
+    };
+    thread_local std::array<Known, 4> known;
+    thread_local std::size_t oldest = 0;
+    for (const Known& one : known)
+        if (one.period == period && one.axis.mass == axis.mass && one.axis.damping == axis.damping &&
+            one.axis.stiffness == axis.stiffness)
+            return one.map;
+    Known& next = known[oldest++ % known.size()];
+    next = {axis, period, axis_map(axis, period)};
+    return next.map;
+}
+
 // A loop, linearised, at any stiffness.
 class LinearLoop {
 public:
@@ -51,7 +69,7 @@ public:
         const std::array<Axis, 3> held = axes_of(hold, hand);
         for (std::size_t i = 0; i < 3; ++i) {
             const bool known = i > 0 && held[i].stiffness == held[i - 1].stiffness; // all else is the same
-            maps_[i] = known ? maps_[i - 1] : axis_map(held[i], period_);
+            maps_[i] = known ? maps_[i - 1] : known_axis_map(held[i], period_);
             lags_[i] = known ? lags_[i - 1] : lag_map(held[i], period_, lag);
         }
     }

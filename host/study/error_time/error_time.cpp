@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <deque>
 #include <iterator>
-#include <mutex>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -95,22 +94,17 @@ void add_errors(std::vector<Method>& methods, const Subject& subject, const Vari
     std::ranges::copy_if(methods, std::back_inserter(own),
                          [&](const Method& method) { return method.variant == &variant && method.forces; });
     std::vector<std::map<std::string, MethodErrors>> draws(extents.draws);
-    std::erase_if(known, [&](const auto& one) {
-        return std::get<0>(one.first) != &subject || std::get<1>(one.first) != variant.elements;
-    });
-    std::mutex known_mutex;
-    const auto take = [&](std::size_t draw) {
+    if (known.subject != &subject)
+        known = {&subject, variant.elements, std::vector<std::optional<SharedPlaces>>(extents.draws), {}};
+    if (known.elements != variant.elements || known.of_law.empty())
+        known.of_law = std::vector<std::optional<KindPlaces>>(extents.draws);
+    known.elements = variant.elements;
+    const auto take = [&](std::size_t draw) { // a thread has a draw to itself
         const Variant& drawn = variant.at(draw);
-        const auto key = std::tuple(&subject, variant.elements, draw);
-        std::unique_lock lock(known_mutex);
-        auto at = known.find(key);
-        if (at == known.end()) {
-            lock.unlock();
-            const KindPlaces places = places_of(subject, drawn, extents, draw);
-            lock.lock();
-            at = known.emplace(key, places).first;
-        }
-        lock.unlock();
+        if (!known.shared[draw])
+            known.shared[draw] = shared_places(subject, extents, draw);
+        if (!known.of_law[draw])
+            known.of_law[draw] = places_of(subject, drawn, *known.shared[draw], extents, draw);
         std::vector<Method> moved;
         if (draw > 0) {
             add_methods(moved, subject, variant, draw, engines);
@@ -118,10 +112,12 @@ void add_errors(std::vector<Method>& methods, const Subject& subject, const Vari
                 return std::ranges::find(own, method.name, &Method::name) == own.end();
             });
         }
-        draws[draw] = errors_by_method(draw > 0 ? moved : own, at->second, subject, drawn);
+        draws[draw] = errors_by_method(draw > 0 ? moved : own, *known.of_law[draw], subject, drawn);
     };
-    take(0); // alone: it measures how long volumes take to make
-    on_all_cores(draws.size() - 1, [&](std::size_t i) { take(i + 1); });
+    const std::size_t alone = variant.thorough ? 1 : 0; // it measures how long volumes take to make
+    if (alone)
+        take(0);
+    on_all_cores(draws.size() - alone, [&](std::size_t i) { take(i + alone); });
     for (Method& method : methods)
         if (method.variant == &variant && method.forces) {
             std::vector<MethodErrors> all;

@@ -34,8 +34,14 @@ inline std::optional<Interval> rms_over_draws(const MethodErrors& errors, Summar
 /// Root mean square of vectors, or of how far they are from others.
 double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>* less = nullptr);
 
-/// The places of laws that differ in their shading alone: by surface, elements and draw. Those of the last only.
-using KnownPlaces = std::map<std::tuple<const Subject*, std::optional<double>, std::size_t>, KindPlaces>;
+/// Places by draw: what all laws of a surface share, and those of laws that differ in their shading alone; of the last
+/// surface and number of elements.
+struct KnownPlaces {
+    const Subject* subject = nullptr;
+    std::optional<double> elements{};
+    std::vector<std::optional<SharedPlaces>> shared{};
+    std::vector<std::optional<KindPlaces>> of_law{};
+};
 
 /// Measures the errors of every method of a law that has errors, over all draws; of a renderer of the first alone.
 void add_errors(std::vector<Method>& methods, const Subject& subject, const Variant& variant, const Extents& extents,

@@ -270,6 +270,21 @@ PreparedCase unshaded(PreparedCase prepared) {
     return prepared;
 }
 
+// rad: the largest turn of a force on a ring of that radius about the place.
+template <typename Force> double turn_about(const TouchPlace& place, double radius, const Force& force_at) {
+    const std::pair<glm::dvec3, glm::dvec3> across = directions_across(place.normal);
+    const glm::dvec3 middle = force_at(place);
+    double largest = 0;
+    for (std::size_t i = 0; i < kRing; ++i) {
+        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
+        TouchPlace near = place;
+        near.at += radius * (std::cos(angle) * across.first + std::sin(angle) * across.second);
+        if (const glm::dvec3 force = force_at(near); touches(force) && touches(middle))
+            largest = std::max(largest, angle_between(middle, force));
+    }
+    return largest;
+}
+
 } // namespace
 
 const char* name_of(Kind kind) {
@@ -280,25 +295,15 @@ const char* name_of(Kind kind) {
 KindOf::KindOf(const Subject& subject, const Variant& variant)
     : subject_(subject), plain_(unshaded(*variant.prepared)), facets_(plain_) {}
 
-Kind KindOf::operator()(const TouchPlace& place) {
-    const std::pair<glm::dvec3, glm::dvec3> across = directions_across(place.normal);
-    // The largest turn of the force on a ring about the place.
-    const auto turn_of = [&](const auto& force_at) {
-        const glm::dvec3 middle = force_at(place);
-        double largest = 0;
-        for (std::size_t i = 0; i < kRing; ++i) {
-            const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
-            TouchPlace near = place;
-            near.at += subject_.scale.ring() * (std::cos(angle) * across.first + std::sin(angle) * across.second);
-            if (const glm::dvec3 force = force_at(near); touches(force) && touches(middle))
-                largest = std::max(largest, angle_between(middle, force));
-        }
-        return largest;
-    };
-    const double smooth_turn = turn_of(subject_.force);
-    const double facet_turn = turn_of([&](const TouchPlace& at) { return facets_.force(facets_.input(at)); });
+double smooth_turn(const Subject& subject, const TouchPlace& place) {
+    return turn_about(place, subject.scale.ring(), subject.force);
+}
+
+Kind KindOf::of(const TouchPlace& place, double smooth_turn) {
     if (smooth_turn > kSmoothTurn)
         return Kind::rim;
+    const double facet_turn = turn_about(place, subject_.scale.ring(),
+                                         [&](const TouchPlace& at) { return facets_.force(facets_.input(at)); });
     if (facet_turn > kFacetTurn)
         return Kind::edge;
     if (place.depth < subject_.scale.skin())
@@ -306,21 +311,28 @@ Kind KindOf::operator()(const TouchPlace& place) {
     return smooth_turn < kFlatTurn && facet_turn < kFlatTurn ? Kind::flat : Kind::facet;
 }
 
-KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents, std::size_t draw) {
+SharedPlaces shared_places(const Subject& subject, const Extents& extents, std::size_t draw) {
+    SharedPlaces shared;
+    shared.at = draw == 0 ? subject.places
+                          : touched_places(subject, *subject.variants.back().prepared, extents.places,
+                                           subject.seed(Subject::Random::places, draw));
+    for (const TouchPlace& place : shared.at)
+        shared.turns.push_back(smooth_turn(subject, place));
+    return shared;
+}
+
+KindPlaces places_of(const Subject& subject, const Variant& variant, const SharedPlaces& shared, const Extents& extents,
+                     std::size_t draw) {
     KindOf kind_of(subject, variant);
-    const std::vector<TouchPlace> shared =
-        draw == 0 ? subject.places
-                  : touched_places(subject, *subject.variants.back().prepared, extents.places,
-                                   subject.seed(Subject::Random::places, draw));
-    KindPlaces all{{}, {}, shared.size()};
+    KindPlaces all{{}, {}, shared.at.size()};
     std::array<std::size_t, kKinds.size()> counts{};
     const auto add = [&](const TouchPlace& place, Kind kind) {
         all.at.push_back(place);
         all.kinds.push_back(kind);
         ++counts[static_cast<std::size_t>(kind)];
     };
-    for (const TouchPlace& place : shared)
-        add(place, kind_of(place));
+    for (std::size_t i = 0; i < shared.at.size(); ++i)
+        add(shared.at[i], kind_of.of(shared.at[i], shared.turns[i]));
     PlaceDraw draw_place(subject, *variant.prepared, subject.seed(Subject::Random::kinds, draw));
     const std::size_t wanted = extents.places_of_kind;
     for (std::size_t tries = 0; tries < kTriesOfKinds * wanted; ++tries) {

@@ -88,12 +88,16 @@ enum class Kind { flat, facet, edge, rim, boundary };
 inline constexpr std::array kKinds{Kind::flat, Kind::facet, Kind::edge, Kind::rim, Kind::boundary};
 const char* name_of(Kind kind);
 
+/// rad: the largest turn of the true force on a small ring about a place.
+double smooth_turn(const Subject& subject, const TouchPlace& place);
+
 /// Classifies places of a law by kind.
 class KindOf {
 public:
     /// `subject` must outlive it.
     KindOf(const Subject& subject, const Variant& variant);
-    Kind operator()(const TouchPlace& place);
+    Kind operator()(const TouchPlace& place) { return of(place, smooth_turn(subject_, place)); }
+    Kind of(const TouchPlace& place, double smooth_turn);
 
 private:
     const Subject& subject_;
@@ -108,9 +112,16 @@ struct KindPlaces {
     std::size_t shared = 0; /* how many the subject's own are */
 };
 
-/// The places that all laws of the subject meet in a draw, and more, so that each kind has `extents.places_of_kind`
-/// where the surface has such places.
-KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents, std::size_t draw);
+/// The places that all laws of the subject meet in a draw.
+struct SharedPlaces {
+    std::vector<TouchPlace> at;
+    std::vector<double> turns; /* smooth_turn */
+};
+SharedPlaces shared_places(const Subject& subject, const Extents& extents, std::size_t draw);
+
+/// These and more, so that each kind has `extents.places_of_kind` where the surface has such places.
+KindPlaces places_of(const Subject& subject, const Variant& variant, const SharedPlaces& shared, const Extents& extents,
+                     std::size_t draw);
 
 // A method of computing a force: a law, its evaluation, and its errors.
 
