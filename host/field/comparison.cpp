@@ -28,7 +28,18 @@ double angle_between(const glm::dvec3& force, const glm::dvec3& normal) {
            180 / std::numbers::pi;
 }
 
+int axis_of(const CompareSpec& shape) {
+    return static_cast<int>(shape.axis.value_or(shape.kind == CompareKind::plane ? CompareAxis::z : CompareAxis::y));
+}
+
 } // namespace
+
+bool depends_on_y(const CompareSpec& shape) {
+    if (shape.kind == CompareKind::cylinder && !shape.radius) // a bump's own
+        return false;
+    return shape.kind == CompareKind::sphere || shape.kind == CompareKind::mesh ||
+           (shape.kind == CompareKind::plane) == (axis_of(shape) == 1);
+}
 
 ShapeComparison::ShapeComparison(const PreparedCase& prepared)
     : kind_(prepared.one.scene.compare->kind), reading_(prepared.one.scene.force.depth),
@@ -36,7 +47,7 @@ ShapeComparison::ShapeComparison(const PreparedCase& prepared)
       mesh_(prepared.compared_mesh) {
     const CompareSpec& spec = *prepared.one.scene.compare;
     const SurfaceSpec& own = prepared.one.scene.surface;
-    axis_ = static_cast<int>(spec.axis.value_or(kind_ == CompareKind::plane ? CompareAxis::z : CompareAxis::y));
+    axis_ = axis_of(spec);
     radius_ = spec.radius.value_or(own.radius);
     if (kind_ == CompareKind::cylinder && !spec.radius)
         half_width_ = own.width / 2;
@@ -56,11 +67,6 @@ std::string ShapeComparison::text() const {
                            reading_ == DepthReading::normal ? "along that normal" : "straight down");
     return fmt::format("the {} of [compare] (its normal and depth at the place nearest to the probe)",
                        kCompareKinds[static_cast<std::size_t>(kind_)]);
-}
-
-bool ShapeComparison::depends_on_y() const noexcept {
-    return !half_width_ && (kind_ == CompareKind::sphere || kind_ == CompareKind::mesh ||
-                            (kind_ == CompareKind::plane) == (axis_ == 1));
 }
 
 ShapeComparison::Nearest ShapeComparison::nearest(const glm::dvec3& place, layout::uint& hint) const noexcept {
@@ -153,8 +159,8 @@ DeviationRecord Compared::record() const {
 }
 
 Compared::Compared(const PreparedCase& prepared, unsigned threads)
-    : comparison_(prepared), grid_(prepared.one.scene.grid), origin_(scene_origin(prepared)),
-      threads_(reference::threads_for(threads)) {}
+    : comparison_(prepared), by_y_(depends_on_y(*prepared.one.scene.compare)), grid_(prepared.one.scene.grid),
+      origin_(scene_origin(prepared)), threads_(reference::threads_for(threads)) {}
 
 // Each sample stands for `count`. Sums by rows, added in their order, so that they do not depend on the threads.
 template <typename T, typename PlaceAt>
@@ -217,7 +223,7 @@ template <typename T> void Compared::add_channels(layout::FieldChunk<T>& chunk, 
 
 template <typename T>
 void Compared::field(const layout::FieldChunk<T>& chunk, std::size_t repeat_y, const TakeField<T>& take) {
-    if (repeat_y == 1 || !comparison_.depends_on_y()) {
+    if (repeat_y == 1 || !by_y_) {
         layout::FieldChunk<T> compared = chunk;
         add_channels(compared, repeat_y);
         return take(compared, repeat_y);

@@ -31,6 +31,9 @@ struct Deviation {
     bool counts;            /* contact at most compare.depth deep; or, without contact, the shape would have it */
 };
 
+/// Whether the shape differs from one y to another.
+bool depends_on_y(const CompareSpec& shape);
+
 /// Evaluates in double. Immutable, so threads may share it.
 class ShapeComparison {
 public:
@@ -42,9 +45,6 @@ public:
 
     /// "the bump's own smooth shape (its normal above the probe, depth straight down)": what a force is compared with.
     std::string text() const;
-
-    /// Whether the shape differs from one y to another.
-    bool depends_on_y() const noexcept;
 
 private:
     struct Nearest {
@@ -111,6 +111,7 @@ private:
     void write_out(const layout::FieldChunk<T>& from, std::size_t layer, layout::FieldChunk<T>& rows);
 
     ShapeComparison comparison_;
+    bool by_y_;
     GridSpec grid_;
     glm::dvec3 origin_; /* m, in the world: of the places of paths */
     unsigned threads_;

@@ -131,19 +131,20 @@ struct SampledVolume {
     std::array<double, 3> spacing{};       /* m, of the file */
     bool alike_in_y = false;               /* one y stands for all */
     std::vector<float> force;              /* N: x, y, z of each sample, x fastest */
+    std::vector<float> angle{}, error{};   /* deg, N: from the shape of [compare]; empty without one */
     std::string scene{};                   /* the resolved TOML; empty where the file names none */
 };
 
 /// At most `most` samples (at least one). \throws IoError for a file that cannot be read.
 SampledVolume sample_volume(const std::filesystem::path& path, std::uint64_t most);
 
-/// The force as halves of the power of two that the largest component does not exceed; each half less the one before
-/// it along x; high bytes, then low bytes; compressed by zlib.
-struct PackedForce {
+/// Vectors of `components`, or numbers, as halves of the power of two that the largest component does not exceed; each
+/// half less the one before it along a row of `width`; high bytes, then low bytes; compressed by zlib.
+struct PackedValues {
     std::string bytes;
-    double scale = 1; /* N */
+    double scale = 1; /* in the values' unit */
 };
-PackedForce pack_force(const SampledVolume& volume);
+PackedValues pack_values(std::span<const float> values, std::size_t components, std::uint64_t width);
 
 /// {nominal, smooth}: the surface that depth is measured from, and the shape that shading imitates, if any,
 /// each {unit_m, x: [...], z: [[...], ...]}: whole numbers of the unit, rows evenly along the volume's y, one row where
@@ -159,7 +160,7 @@ double path_period(const std::string& scene);
 
 /// Some paths, thinned until they take no more than about `budget` characters: {size: [samples, paths], rate_Hz of the
 /// samples here (absent of recorded ones), scale: {NAME: N or m}}, and `force`, `position` and, if stored, `proxy` as
-/// pack_force packs. \throws IoError as read_paths.
+/// pack_values packs. \throws IoError as read_paths.
 struct PackedPaths {
     nlohmann::ordered_json about;
     std::vector<std::pair<std::string, std::string>> vectors;

@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include "host/error.h"
+#include "host/field/comparison.h"
 #include "host/field/prepared_case.h"
 #include "host/limits/limits.h"
 #include "host/long_run.h"
@@ -30,7 +31,7 @@ std::uint64_t samples(const SampledVolume& volume) {
 constexpr std::uint64_t kMostUnpacked = 256u << 20; /* bytes */
 
 std::uint64_t unpacked(const SampledVolume& volume) {
-    const std::uint64_t row = volume.full[0] * 3 * sizeof(float), rows = volume.alike_in_y ? 1 : volume.full[1];
+    const std::uint64_t row = volume.full[0] * 5 * sizeof(float), rows = volume.alike_in_y ? 1 : volume.full[1];
     return row * rows * volume.size[2];
 }
 
@@ -52,15 +53,17 @@ void choose_strides(SampledVolume& volume, std::uint64_t most) {
 }
 
 // One y stands for all: of those in the file the others were left out as alike, or it has but one, of a scene that does
-// not depend on y.
+// not depend on y. So must the shape of [compare].
 bool is_alike_in_y(const VolumeHeader& header) {
+    const std::optional<Case> one = stated_scene(header.scene); // unknown without it
+    if (one && one->scene.compare && depends_on_y(*one->scene.compare))
+        return false;
     if (header.size[1] > 1)
         return header.omitted.find(" y samples, alike") != std::string::npos;
-    const std::optional<Case> one = stated_scene(header.scene); // unknown without it
     return one && !depends_on_y(features_of(one->scene));
 }
 
-double power_of_two_above(const std::vector<float>& values) {
+double power_of_two_above(std::span<const float> values) {
     float largest = 0;
     for (const float value : values)
         if (std::isfinite(value))
@@ -68,24 +71,6 @@ double power_of_two_above(const std::vector<float>& values) {
     int exponent = 0;
     std::frexp(static_cast<double>(largest), &exponent);
     return largest > 0 ? std::ldexp(1.0, exponent) : 1.0;
-}
-
-// Of one component, plane of high bytes first.
-void append_planes(std::string& planes, const SampledVolume& volume, std::size_t component, double scale) {
-    const std::uint64_t count = samples(volume);
-    std::string low;
-    std::uint16_t before = 0;
-    for (std::uint64_t i = 0; i < count; ++i) {
-        const auto value = static_cast<double>(volume.force[3 * i + component]);
-        const std::uint16_t half = Imath::half(static_cast<float>(value / scale)).bits();
-        if (i % volume.size[0] == 0)
-            before = 0;
-        const auto step = static_cast<std::uint16_t>(half - before);
-        planes += static_cast<char>(step >> 8);
-        low += static_cast<char>(step & 0xFF);
-        before = half;
-    }
-    planes += low;
 }
 
 std::string compressed(const std::string& bytes) {
@@ -128,12 +113,13 @@ struct Wanted {
     std::string name, path; /* path below the report's folder */
     std::string paths{};    /* the same for the file of its paths; may be empty */
     Json error_deg{};       /* RMS error of the direction; null: not known */
+    std::string from{};     /* what [compare] compares with; may be empty */
 };
 
 struct Packed {
     Json about;
-    std::string data; /* base64 */
-    Json surface;     /* null where the scene does not say */
+    std::vector<std::pair<std::string, std::string>> data; /* its name on the page, base64 */
+    Json surface;                                          /* null where the scene does not say */
     std::string scene{};
     std::uint64_t samples = 0;
     bool thinned = false;
@@ -159,10 +145,10 @@ Json error_of(const CaseRecord& record) {
 }
 
 void add_volume(std::vector<Wanted>& all, const std::filesystem::path& root, const std::string& name,
-                const std::string& path, const Json& error = {}) {
+                const std::string& path, const Json& error = {}, const std::string& from = "") {
     const std::string paths = path.substr(0, path.size() - 4) + ".paths.exr";
     if (is_file(root / path))
-        all.push_back({name, path, is_file(root / paths) ? paths : "", error});
+        all.push_back({name, path, is_file(root / paths) ? paths : "", error, from});
 }
 
 std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Contents& contents) {
@@ -171,7 +157,7 @@ std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Cont
         for (const CaseRecord& record : sweep.cases)
             if (record.voxels > 0 && !volume_name(record).empty())
                 add_volume(all, root, below(sweep.folder, record.name), below(sweep.folder, volume_name(record)),
-                           error_of(record));
+                           error_of(record), record.deviation ? record.deviation->from : "");
     for (const StudyPart& part : contents.studies)
         for (const FileRecord& file : part.data.volumes)
             if (is_plain_name(file.name) && file.name.ends_with(".exr"))
@@ -180,65 +166,105 @@ std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Cont
     return all;
 }
 
+// N: of a contact as deep as compare.depth, to which the errors of a case are summed up; null where it is not known.
+Json counted_force(const std::string& scene) {
+    const std::optional<Case> one = stated_scene(scene);
+    return one && one->scene.compare ? Json(one->scene.compare->depth * one->scene.force.stiffness) : Json();
+}
+
 Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, std::uint64_t most) {
     const SampledVolume volume = sample_volume(root / wanted.path, most);
-    const PackedForce force = pack_force(volume);
     Packed packed;
-    packed.data = base64(force.bytes);
+    const auto add = [&](const char* name, const std::vector<float>& values, std::size_t components) {
+        const PackedValues one = pack_values(values, components, volume.size[0]);
+        packed.data.emplace_back(name, base64(one.bytes));
+        return one.scale;
+    };
+    const double scale = add("volume", volume.force, 3);
     packed.surface = surface_data(volume);
     packed.scene = volume.scene;
     packed.samples = samples(volume);
     packed.thinned = volume.stride[0] > 1 || volume.stride[2] > 1 || (volume.stride[1] > 1 && !volume.alike_in_y);
-    packed.about = {{"name", wanted.name},          {"address", address(wanted.path)},
-                    {"full", volume.full},          {"stride", volume.stride},
-                    {"size", volume.size},          {"origin_m", volume.origin},
-                    {"spacing_m", volume.spacing},  {"alike_in_y", volume.alike_in_y},
-                    {"scale_N", force.scale},       {"loop", loop_data(volume.scene)},
+    packed.about = {{"name", wanted.name},
+                    {"address", address(wanted.path)},
+                    {"full", volume.full},
+                    {"stride", volume.stride},
+                    {"size", volume.size},
+                    {"origin_m", volume.origin},
+                    {"spacing_m", volume.spacing},
+                    {"alike_in_y", volume.alike_in_y},
+                    {"scale_N", scale},
+                    {"loop", loop_data(volume.scene)},
                     {"error_deg", wanted.error_deg}};
-    return packed;
-}
-
-// Volumes that cannot be read are taken from the list, with a trouble.
-std::vector<Packed> pack_all(const std::filesystem::path& root, std::vector<Wanted>& wanted, std::uint64_t most,
-                             std::vector<std::string>& troubles) {
-    std::vector<Packed> packed;
-    Stage stage("packing volumes", wanted.size(), "volumes");
-    std::uint64_t done = 0;
-    std::erase_if(wanted, [&](const Wanted& one) {
-        stage.update(done++, one.name);
-        try {
-            packed.push_back(packed_volume(root, one, most));
-            return false;
-        } catch (const Error& error) {
-            troubles.push_back(fmt::format("{}: the viewer cannot show it: {}", one.path, error.what()));
-            return true;
-        }
-    });
+    if (!volume.angle.empty())
+        packed.about["compared"] = {{"angle", add("angle", volume.angle, 1)},
+                                    {"error", add("error", volume.error, 1)},
+                                    {"from", wanted.from},
+                                    {"counted_N", counted_force(volume.scene)}};
     return packed;
 }
 
 std::size_t characters(const std::vector<Packed>& packed) {
     std::size_t sum = 0;
-    for (const Packed& one : packed)
-        sum += one.data.size() + 400;
+    for (const Packed& one : packed) {
+        sum += 400;
+        for (const auto& [name, text] : one.data)
+            sum += text.size();
+    }
     return sum;
 }
 
+// A lower limit of samples for volumes that took `size` characters. A limit above the size of the volumes had no
+// effect.
+std::uint64_t fewer_samples(std::uint64_t most, const std::vector<Packed>& packed, std::size_t size,
+                            std::size_t budget) {
+    std::uint64_t largest = 0;
+    for (const Packed& one : packed)
+        largest = std::max(largest, one.samples);
+    const double share = 0.9 * static_cast<double>(budget) / static_cast<double>(size);
+    return std::max(kLeastSamples, static_cast<std::uint64_t>(share * static_cast<double>(std::min(most, largest))));
+}
+
+// The limit of samples at which a few of many volumes would let all fit.
+std::uint64_t limit_of_few(const std::filesystem::path& root, const std::vector<Wanted>& wanted, std::size_t budget) {
+    constexpr std::size_t kFew = 6;
+    std::uint64_t most = kMostSamples;
+    for (bool fits = wanted.size() <= 2 * kFew; !fits && most > kLeastSamples;) {
+        std::vector<Packed> few;
+        for (std::size_t i = 0; i < kFew; ++i)
+            try {
+                few.push_back(packed_volume(root, wanted[(2 * i + 1) * wanted.size() / (2 * kFew)], most));
+            } catch (const Error&) { // told of when all are packed
+            }
+        const std::size_t size = few.empty() ? 0 : characters(few) * wanted.size() / few.size();
+        fits = size <= budget;
+        if (!fits)
+            most = fewer_samples(most, few, size, budget);
+    }
+    return most;
+}
+
+// Volumes that cannot be read are taken from the list, with a trouble.
 std::vector<Packed> pack_within(const std::filesystem::path& root, std::vector<Wanted>& wanted, std::size_t budget,
                                 std::vector<std::string>& troubles) {
-    std::uint64_t most = kMostSamples;
+    Stage stage("packing volumes", wanted.size(), "volumes");
+    std::uint64_t most = limit_of_few(root, wanted, budget), done = 0; // counted once, however often they are packed
     for (;;) {
-        std::vector<Packed> packed = pack_all(root, wanted, most, troubles);
+        std::vector<Packed> packed;
+        std::erase_if(wanted, [&](const Wanted& one) {
+            stage.update(done++, one.name);
+            try {
+                packed.push_back(packed_volume(root, one, most));
+                return false;
+            } catch (const Error& error) {
+                troubles.push_back(fmt::format("{}: the viewer cannot show it: {}", one.path, error.what()));
+                return true;
+            }
+        });
         const std::size_t size = characters(packed);
         if (size <= budget || most <= kLeastSamples)
             return packed;
-        const double share = 0.9 * static_cast<double>(budget) / static_cast<double>(size);
-        // A limit above the size of the volumes had no effect.
-        std::uint64_t largest = 0;
-        for (const Packed& one : packed)
-            largest = std::max(largest, one.samples);
-        most =
-            std::max(kLeastSamples, static_cast<std::uint64_t>(share * static_cast<double>(std::min(most, largest))));
+        most = fewer_samples(most, packed, size, budget);
     }
 }
 
@@ -292,22 +318,43 @@ SampledVolume sample_volume(const std::filesystem::path& path, std::uint64_t mos
     choose_strides(volume, most);
     volume.force.reserve(3 * samples(volume));
     std::vector<float> row;
+    const bool compared = (header.channels & kComparedChannels) == kComparedChannels;
     for (std::uint64_t z = 0; z < volume.full[2]; z += volume.stride[2])
         for (std::uint64_t y = 0; y < volume.full[1]; y += volume.stride[1]) {
             reader.read(layout::kChannelForce, z * volume.full[1] + y, 1, row);
             for (std::uint64_t x = 0; x < volume.full[0]; x += volume.stride[0])
                 for (std::size_t component = 0; component < 3; ++component)
                     volume.force.push_back(row[3 * x + component]);
+            if (compared)
+                for (const auto& [channel, values] :
+                     {std::pair(kChannelAngle, &volume.angle), {kChannelMagnitudeError, &volume.error}}) {
+                    reader.read(channel, z * volume.full[1] + y, 1, row);
+                    for (std::uint64_t x = 0; x < volume.full[0]; x += volume.stride[0])
+                        values->push_back(row[x]);
+                }
         }
     return volume;
 }
 
-PackedForce pack_force(const SampledVolume& volume) {
-    PackedForce packed;
-    packed.scale = power_of_two_above(volume.force);
-    std::string planes;
-    for (std::size_t component = 0; component < 3; ++component)
-        append_planes(planes, volume, component, packed.scale);
+PackedValues pack_values(std::span<const float> values, std::size_t components, std::uint64_t width) {
+    PackedValues packed;
+    packed.scale = power_of_two_above(values);
+    std::string planes, low;
+    for (std::size_t component = 0; component < components; ++component) {
+        low.clear();
+        std::uint16_t before = 0;
+        for (std::size_t i = component, x = 0; i < values.size(); i += components, ++x) {
+            if (x % width == 0)
+                before = 0;
+            const std::uint16_t half =
+                Imath::half(static_cast<float>(static_cast<double>(values[i]) / packed.scale)).bits();
+            const auto step = static_cast<std::uint16_t>(half - before);
+            planes += static_cast<char>(step >> 8);
+            low += static_cast<char>(step & 0xFF);
+            before = half;
+        }
+        planes += low; // high bytes first
+    }
     packed.bytes = compressed(planes);
     return packed;
 }
@@ -403,12 +450,9 @@ PackedPaths pack_paths(const std::filesystem::path& path, std::size_t budget) {
          {std::pair("force", &read.force), {"position", &read.position}, {"proxy", &read.proxy}}) {
         if (values->empty())
             continue;
-        SampledVolume vectors;
-        vectors.size = {read.steps, read.paths, 1};
-        vectors.force = *values;
-        PackedForce force = pack_force(vectors);
-        packed.about["scale"][name] = force.scale;
-        packed.vectors.emplace_back(name, std::move(force.bytes));
+        PackedValues one = pack_values(*values, 3, read.steps);
+        packed.about["scale"][name] = one.scale;
+        packed.vectors.emplace_back(name, std::move(one.bytes));
     }
     return packed;
 }
@@ -429,7 +473,8 @@ std::string viewer_section(const std::filesystem::path& root, const Contents& co
         const auto add = [&](const std::string& id, const std::string& text) {
             data += fmt::format("<script type=\"text/plain\" id=\"{}-{}\">{}</script>\n", id, i, text);
         };
-        add("volume", packed[i].data);
+        for (const auto& [name, text] : packed[i].data)
+            add(name, text);
         Json one = packed[i].about;
         if (!packed[i].surface.is_null())
             one["surface"] = place_in(about["surfaces"], packed[i].surface);

@@ -22,6 +22,8 @@ protected:
 TEST_F(Page, ShowsTheForcesOfBothCases) {
     open();
     EXPECT_EQ(browser_->text("document.getElementById('viewer-status').textContent"), "");
+    EXPECT_EQ(browser_->text("document.querySelectorAll('.compared, [value=angle]').length"), "0")
+        << "nothing to compare";
     EXPECT_EQ(browser_->text("document.getElementById('case-b').selectedOptions[0].textContent"),
               "bump_shading-reference");
     EXPECT_GT(number(0, 1), 0.0);

@@ -71,7 +71,8 @@ protected:
                  .scene = kMesh},
                  {.name = "far", .size = one_y, .strength = 4, .first_y = 0.0009, .y_spacing = narrow, .scene = kMesh},
                  {.name = "whole", .strength = 5},
-                 {.name = "alike", .alike_in_y = true, .strength = 6}})
+                 {.name = "alike", .alike_in_y = true, .strength = 6},
+                 {.name = "compared", .compared = true}})
             records.push_back(write_sample_case(folder_->path(), one));
         write_sample_manifest(folder_->path(), records);
         begin();
@@ -122,6 +123,20 @@ TEST_F(Places, WhatDoesNotDependOnYIsComparedAtAnyY) {
         EXPECT_GT(count("colours('pane-d')"), 40) << a << b;
         EXPECT_EQ(browser_->text(kNoteOfDifference), "") << a << b;
     }
+}
+
+TEST_F(Places, ErrorsAgainstAShapeAreShownWhereACaseHasThem) {
+    open();
+    choose("a", "compared");
+    choose("b", "whole");
+    browser_->set("#quantity", "'angle'");
+    EXPECT_GT(count("colours('pane-a')"), 40);
+    EXPECT_TRUE(says(browser_->text("document.getElementById('note-b').textContent"), "has no [compare]"));
+    const double index = browser_->evaluate("(viewer.state.point[0] + 0.0115) / 0.001").get<double>();
+    EXPECT_NEAR(number(0, 7), 2 * index, 0.02 * index) << "2 deg a sample along x";
+    EXPECT_EQ(number(0, 8), -0.25);
+    EXPECT_EQ(read(1, 7), "–");
+    EXPECT_TRUE(says(browser_->text("document.getElementById('compared-note').textContent"), "against a sphere"));
 }
 
 TEST_F(Places, AFieldAlikeInYIsShownAtTheOthersY) {

@@ -70,12 +70,30 @@ CaseRecord write_sample_case(const std::filesystem::path& folder, const SampleCa
     header.spacing = {0.001, one.y_spacing, 0.0005};
     header.scene = one.scene;
     header.omitted = one.alike_in_y ? "texture, 5 of 6 y samples, alike" : "texture";
+    if (one.compared)
+        header.channels |= kComparedChannels;
     VolumeWriter writer(folder / (one.name + ".exr"), header);
     const std::vector<float> values = forces(one);
-    writer.write(
-        layout::FieldChunk<float>{
-            one.size[0], one.size[0], 0, one.alike_in_y ? 1 : one.size[1], 0, one.size[2], values, {}, {}, {}, {}},
-        one.alike_in_y ? one.size[1] : 1);
+    std::vector<float> angle, error;
+    for (std::size_t i = 0; one.compared && i < values.size() / 3; ++i) {
+        const bool contact = values[3 * i + 2] != 0;
+        angle.push_back(contact ? 2 * static_cast<float>(i % one.size[0]) : NAN);
+        error.push_back(contact ? -0.25f : NAN);
+    }
+    writer.write(layout::FieldChunk<float>{one.size[0],
+                                           one.size[0],
+                                           0,
+                                           one.alike_in_y ? 1 : one.size[1],
+                                           0,
+                                           one.size[2],
+                                           values,
+                                           {},
+                                           {},
+                                           {},
+                                           {},
+                                           angle,
+                                           error},
+                 one.alike_in_y ? one.size[1] : 1);
     const VolumeResult result = writer.finish();
     CaseRecord record;
     record.name = one.name;
@@ -87,6 +105,9 @@ CaseRecord write_sample_case(const std::filesystem::path& folder, const SampleCa
     record.files = {{one.name + ".exr", result.sha256, result.bytes}};
     if (one.paths)
         record.files.push_back(write_paths_of(folder / (one.name + ".paths.exr"), one.scene));
+    if (one.compared)
+        record.deviation = {
+            .from = "a sphere", .angles = 1, .rms_angle = 20, .magnitudes = 1, .rms_magnitude_error = 0.25};
     record.omitted = {"texture"};
     record.voxels = one.size[0] * one.size[1] * one.size[2];
     record.evaluated = record.voxels;

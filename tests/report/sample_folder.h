@@ -18,6 +18,7 @@ struct SampleCase {
     bool noise = false;                          /* forces that no compression makes small */
     double first_y = -0.0025, y_spacing = 0.001; /* m */
     std::string scene{};                         /* as TOML; empty: the file names none */
+    bool compared = false;                       /* errors: 2 deg more a sample along x, -0.25 N, in contact */
     bool paths = false;                          /* two paths beside it, the second one shorter */
 };
 

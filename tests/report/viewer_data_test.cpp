@@ -29,7 +29,7 @@ double value_of(std::uint16_t half) {
 }
 
 // As the page unpacks them.
-std::vector<double> unpacked(const PackedForce& packed, const SampledVolume& volume) {
+std::vector<double> unpacked(const PackedValues& packed, const SampledVolume& volume) {
     const std::size_t count = volume.size[0] * volume.size[1] * volume.size[2];
     std::vector<unsigned char> planes(6 * count);
     uLongf length = planes.size();
@@ -54,7 +54,7 @@ TEST(PackedForces, AreThoseOfTheFileToElevenBits) {
     write_sample_case(folder.path(), {.name = "a", .strength = 3e-9});
     const SampledVolume volume = sample_volume(folder.path() / "a.exr", 1u << 20);
     EXPECT_EQ(volume.size, (std::array<std::uint64_t, 3>{24, 6, 16}));
-    const std::vector<double> values = unpacked(pack_force(volume), volume);
+    const std::vector<double> values = unpacked(pack_values(volume.force, 3, volume.size[0]), volume);
     for (std::size_t i = 0; i < values.size(); ++i)
         EXPECT_NEAR(values[i], static_cast<double>(volume.force[i]),
                     std::fabs(static_cast<double>(volume.force[i])) * 0x1p-11 + 1e-9 * 0x1p-23);
@@ -83,6 +83,8 @@ TEST(SampledVolumes, OfOneYStandForAllWhereTheSceneDoesNotDependOnY) {
     EXPECT_TRUE(alike(bump + "[texture]\nfunction = \"sine\"\n"));
     EXPECT_FALSE(alike(bump + "[texture]\nfunction = \"gaussian\"\n"));
     EXPECT_FALSE(alike("")) << "nothing is known of it";
+    EXPECT_TRUE(alike(bump + "[compare]\nsurface = { kind = \"cylinder\" }\n"));
+    EXPECT_FALSE(alike(bump + "[compare]\nsurface = { kind = \"sphere\", radius = \"20 mm\" }\n"));
     EXPECT_FALSE(alike("kind = "));
     EXPECT_FALSE(alike("[surface]\nkind = \"of another version\"\n"));
 }

@@ -26,6 +26,8 @@ class Viewer {
       this.cases.forEach((one, i) => byId(id).add(new Option(one.name, i, i === chosen, i === chosen)));
       byId(id).addEventListener("change", () => this.load().catch((error) => { byId("viewer-status").textContent = error.message; }));
     }
+    if (!this.cases.some((one) => one.compared))
+      document.querySelectorAll(".compared, #quantity option").forEach((one) => (one.className || COMPARED.includes(one.value)) && one.remove());
     byId("axis-" + AXES[this.state.axis]).checked = true;
     await this.load();
     this.listen();
@@ -94,8 +96,15 @@ class Viewer {
     return strokes[axis];
   }
 
-  value(f) {
-    const { quantity } = this.state;
+  // True where errors against [compare] are shown, and not forces.
+  get showsErrors() {
+    return COMPARED.includes(this.state.quantity);
+  }
+
+  value(volume_, at) {
+    const { quantity } = this.state, f = volume_.sample(at);
+    if (this.showsErrors)
+      return volume_.comparedSample(at, quantity);
     if (quantity === "magnitude")
       return length(f) === 0 ? null : length(f);
     if (quantity === "direction")
@@ -103,19 +112,21 @@ class Viewer {
     return length(f) === 0 ? null : f[AXES.indexOf(quantity)];
   }
 
-  // Forces of A and B where A has its samples, of the slice; empty where B has no force.
-  pairs(index) {
+  // What A and B have where A has its samples, of the slice; empty where B has nothing.
+  pairs(index, sample, between) {
     const { a, b } = this, pairs = [];
     const alike = [0, 1, 2].every((axis) => a.size[axis] === b.size[axis] && a.first[axis] === b.first[axis] && a.pitch[axis] === b.pitch[axis]);
     a.eachInSlice(this.plane, index, (at) => {
-      const other = alike ? b.sample(at) : b.force([0, 1, 2].map((axis) => a.position(axis, at[axis])));
-      pairs.push(other && [a.sample(at), other]);
+      const other = alike ? sample(b, at) : between(b, [0, 1, 2].map((axis) => a.position(axis, at[axis])));
+      pairs.push(other === null ? null : [sample(a, at), other]);
     });
     return (at) => pairs[at[this.plane[0]] + a.size[this.plane[0]] * at[this.plane[1]]];
   }
 
   differenceValue(pair) {
     const { quantity } = this.state;
+    if (this.showsErrors)
+      return !pair || pair[0] === null || pair[1] === pair[0] ? null : pair[1] - pair[0];
     if (!pair || quantity === "direction")
       return pair ? angleBetween(...pair) : null;
     const change = less(pair[1], pair[0]);
@@ -127,6 +138,11 @@ class Viewer {
     const { quantity } = this.state, { sequential, diverging } = this.tables, size = Math.max(this.a.largest, this.b.largest) || 1;
     if (quantity === "magnitude")
       return new ColourScale(sequential, 0, size, "force magnitude / N");
+    if (this.showsErrors) {
+      const most = this.largestError(indexA, indexB);
+      return quantity === "angle" ? new ColourScale(this.tables.second, 0, Math.max(most, 0.2), "angle between force and normal of the shape of [compare] / deg")
+        : new ColourScale(diverging, -(most || 1), most || 1, "|F| less K times the depth below the shape of [compare] / N");
+    }
     if (quantity !== "direction")
       return new ColourScale(diverging, -size, size, "force along " + quantity + " / N");
     // Within a quarter turn of the upward axis the sign is what one looks for; beyond it the colours go round, too.
@@ -135,6 +151,22 @@ class Viewer {
       volume_.eachInSlice(this.plane, index, (at) => { most = Math.max(most, Math.abs(direction(volume_.sample(at), this.plane) || 0)); });
     return most > 90 ? new ColourScale(this.tables.cyclic, -180, 180, this.directionLabel())
       : new ColourScale(diverging, -most, most, this.directionLabel());
+  }
+
+  // Of both slices, of contacts that count; of all where none does. Deeper ones keep the last colour.
+  largestError(indexA, indexB) {
+    const { quantity } = this.state;
+    for (const every of [false, true]) {
+      let most = 0;
+      for (const [one, index] of [[this.a, indexA], [this.b, indexB]])
+        one.eachInSlice(this.plane, index, (at) => {
+          if (every || one.compared && length(one.sample(at)) <= one.about.compared.counted_N)
+            most = Math.max(most, Math.abs(one.comparedSample(at, quantity)));
+        });
+      if (most > 0)
+        return most;
+    }
+    return 0;
   }
 
   directionLabel() {
@@ -152,7 +184,8 @@ class Viewer {
     const { quantity } = this.state, { sequential, second, diverging } = this.tables;
     if (quantity === "direction")
       most = Math.max(most, 0.2); // less is the page's rounding
-    const label = { magnitude: "size of the difference of forces / N", direction: "angle between the forces / deg" }[quantity] ||
+    const label = { magnitude: "size of the difference of forces / N", direction: "angle between the forces / deg", angle: "difference of the direction errors / deg",
+      error: "difference of the force errors / N" }[quantity] ||
       "difference along " + quantity + " / N";
     return quantity === "magnitude" || quantity === "direction" ? new ColourScale(quantity === "direction" ? second : sequential, 0, most || 1, label)
       : new ColourScale(diverging, -(most || 1), most || 1, label);
@@ -160,13 +193,14 @@ class Viewer {
 
   draw() {
     const { axis, point, quantity, arrows } = this.state, { a, b, plane } = this;
-    const indexA = a.nearest(axis, point[axis]), indexB = b.nearest(axis, point[axis]), pair = this.pairs(indexA);
+    const indexA = a.nearest(axis, point[axis]), indexB = b.nearest(axis, point[axis]), forces = this.pairs(indexA, (one, at) => one.sample(at), (one, point_) => one.force(point_));
+    const pair = this.showsErrors ? this.pairs(indexA, (one, at) => one.comparedSample(at, quantity), (one, point_) => one.comparedAt(point_, quantity)) : forces;
     const scale = this.scale = this.sharedScale(indexA, indexB), differenceScale = this.differenceScale(pair, indexA);
     const shared = { plane, arrows, stroke: () => this.stroke, cursor: () => plane.map((one) => point[one]) };
     for (const [pane, volume_, index] of [[this.panes.a, a, indexA], [this.panes.b, b, indexB]])
-      pane.show({ ...shared, volume: volume_, index, scale, cell: (at) => this.value(volume_.sample(at)), force: (at) => volume_.sample(at),
+      pane.show({ ...shared, volume: volume_, index, scale, cell: (at) => this.value(volume_, at), force: (at) => volume_.sample(at),
         arrowScale: Math.max(a.largest, b.largest), equalArrows: quantity === "direction" });
-    const change = (at) => pair(at) && less(pair(at)[1], pair(at)[0]);
+    const change = (at) => forces(at) && less(forces(at)[1], forces(at)[0]);
     let largest = 0;
     a.eachInSlice(plane, indexA, (at) => { largest = Math.max(largest, length(change(at) || [0, 0, 0]) || 0); });
     this.panes.d.show({ ...shared, volume: a, index: indexA, scale: differenceScale, cell: (at) => this.differenceValue(pair(at)), force: change,
@@ -227,10 +261,11 @@ class Viewer {
 
   // What a picture without colours means.
   drawNotes(index) {
-    const { quantity } = this.state, blank = quantity === "direction" ? "No force lies in this slice." : "No force in this slice.";
+    const { quantity } = this.state, force = quantity === "direction" ? "No force lies in this slice." : "No force in this slice.";
+    const blank = (one) => !this.showsErrors ? force : one.compared ? "No contact in this slice." : "The scene of this case has no [compare].";
     const same = quantity === "direction" ? "Nowhere in this slice do both cases have a force."
-      : "No difference " + (quantity === "magnitude" ? "" : "along " + quantity + " ") + "in this slice.";
-    for (const [name, words] of [["a", blank], ["b", blank], ["d", this.whyApart(index) || same]])
+      : this.showsErrors ? "No difference of both errors in this slice." : "No difference " + (quantity === "magnitude" ? "" : "along " + quantity + " ") + "in this slice.";
+    for (const [name, words] of [["a", blank(this.a)], ["b", blank(this.b)], ["d", this.whyApart(index) || same]])
       say("note-" + name, this.panes[name].blank ? words : "");
   }
 
@@ -238,17 +273,21 @@ class Viewer {
     const { point, axis } = this.state, forces = [this.a, this.b].map((one) => one.force(point)), both = forces[0] && forces[1];
     byId("read-place").textContent = "At " + AXES.map((name, a) => name + " = " + numberText(1e3 * point[a], 4) + " mm").join(", ");
     const out = (f) => length(f) ? Math.asin(f[axis] / length(f)) * DEGREES : null;
-    const row = (name, f, angles) => {
+    const errors = [this.a, this.b].map((one) => COMPARED.map((name) => one.comparedAt(point, name))), columns = document.querySelectorAll("th.compared").length;
+    const row = (name, f, angles, compared) => {
       const tr = document.createElement("tr"), head = Object.assign(document.createElement("th"), { scope: "row", textContent: name });
-      tr.append(head, ...(f ? [length(f), ...f, ...angles] : Array(6).fill(null)).map((value) =>
+      tr.append(head, ...[...(f ? [length(f), ...f, ...angles] : Array(6).fill(null)), ...compared.slice(0, columns)].map((value) =>
         Object.assign(document.createElement("td"), { className: "n", textContent: numberText(value, 4) })));
       return tr;
     };
-    const rows = ["A", "B"].map((name, i) => row(name, forces[i], forces[i] && [direction(forces[i], this.plane), out(forces[i])]));
-    const last = row("B − A", both && less(forces[1], forces[0]), both && [angleBetween(...forces), null]);
+    const rows = ["A", "B"].map((name, i) => row(name, forces[i], forces[i] && [direction(forces[i], this.plane), out(forces[i])], errors[i]));
+    const last = row("B − A", both && less(forces[1], forces[0]), both && [angleBetween(...forces), null],
+      errors[0].map((error, i) => error === null || errors[1][i] === null ? null : errors[1][i] - error));
     last.children[6].title = "angle between the two forces";
     byId("read-rows").replaceChildren(...rows, last);
     const missing = ["A", "B"].filter((_, i) => !forces[i]), axisApart = missing.length ? apart(this.a, this.b) : undefined;
+    const froms = [...new Set([this.a, this.b].filter((one) => one.compared).map((one) => one.about.compared.from))];
+    byId("compared-note").textContent = froms.length ? "Errors are against " + froms.join("; ") + ". The case's RMS counts contact at most compare.depth deep, and so do the colours: deeper ones keep the last." : "";
     say("read-note", axisApart !== undefined ? this.whyApart() : missing.length ? missing.join(" and ") + " has no values here." : "");
   }
 

@@ -1,6 +1,6 @@
 // Volumes: unpacked from the page, sampled anywhere.
 
-const AXES = ["x", "y", "z"];
+const AXES = ["x", "y", "z"], COMPARED = ["angle", "error"];
 
 // Of the largest force, where a hand touches.
 const SHALLOW = 0.2;
@@ -23,10 +23,10 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// The three components of vectors, packed row by row (host/report/sections.h).
-function components(planes, width, scale) {
-  const count = planes.length / 6;
-  return [0, 1, 2].map((c) => {
+// The components of vectors, or numbers, packed row by row (host/report/sections.h).
+function components(planes, width, scale, each = 3) {
+  const count = planes.length / (2 * each);
+  return Array.from({ length: each }, (_, c) => {
     const values = new Float32Array(count), high = planes.subarray(2 * c * count), low = high.subarray(count);
     for (let i = 0, half = 0; i < count; ++i) {
       half = ((i % width ? half : 0) + (high[i] << 8) + low[i]) & 0xffff;
@@ -37,9 +37,11 @@ function components(planes, width, scale) {
 }
 
 class Volume {
-  constructor(about, planes) {
+  // `compared`: {angle, error}, deg and N from the shape of [compare], NaN where there is none; null without one.
+  constructor(about, planes, compared = null) {
     this.about = about;
     this.size = about.size;
+    this.compared = compared;
     const count = this.size[0] * this.size[1] * this.size[2];
     if (planes.length !== 6 * count)
       throw new Error("the volume of " + about.name + " is damaged");
@@ -121,9 +123,20 @@ class Volume {
     return Math.min(Math.max(index, 0), this.size[axis] - 1);
   }
 
+  place(index) {
+    const [nx, ny] = this.about.size;
+    return index[0] + nx * ((this.alike(1) ? 0 : index[1]) + ny * index[2]);
+  }
+
   sample(index) {
-    const [nx, ny] = this.about.size, i = index[0] + nx * ((this.alike(1) ? 0 : index[1]) + ny * index[2]);
+    const i = this.place(index);
     return this.components.map((values) => values[i]);
+  }
+
+  // How far a sample is from the shape of [compare], "angle" in deg or "error" in N; null where neither is touched.
+  comparedSample(index, name) {
+    const value = this.compared ? this.compared[name][this.place(index)] : NaN;
+    return Number.isNaN(value) ? null : value;
   }
 
   // Every sample of a slice through `visit`.
@@ -137,9 +150,8 @@ class Volume {
       }
   }
 
-  // Between samples magnitude and direction are linear, each by itself: what shading keeps, a stroke shows. Null outside
-  // of the grid.
-  force(point) {
+  // The samples around a place, [index, weight] each; null outside of the grid.
+  around(point) {
     const low = [0, 0, 0], part = [0, 0, 0];
     for (let a = 0; a < 3; ++a) {
       const t = (point[a] - this.first[a]) / this.pitch[a];
@@ -149,31 +161,52 @@ class Volume {
       low[a] = Math.min(Math.floor(inside), Math.max(this.size[a] - 2, 0));
       part[a] = inside - low[a];
     }
-    const sum = [0, 0, 0];
-    let size = 0;
-    for (let corner = 0; corner < 8; ++corner) {
+    return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => {
       let weight = 1;
       const index = low.map((i, a) => {
         const up = (corner >> a) & 1;
         weight *= up ? part[a] : 1 - part[a];
         return i + up;
       });
-      const force = weight > 0 ? this.sample(index) : [0, 0, 0], own = length(force);
+      return [index, weight];
+    }).filter(([, weight]) => weight > 0);
+  }
+
+  // Between samples magnitude and direction are linear, each by itself: what shading keeps, a stroke shows. Null outside
+  // of the grid.
+  force(point) {
+    const sum = [0, 0, 0], around = this.around(point);
+    let size = 0;
+    for (const [index, weight] of around || []) {
+      const force = this.sample(index), own = length(force);
       size += weight * own;
       if (own > 0)
         force.forEach((value, c) => { sum[c] += weight * value / own; });
     }
     const whole = length(sum);
-    return whole > 0 ? sum.map((value) => value / whole * size) : sum;
+    return !around ? null : whole > 0 ? sum.map((value) => value / whole * size) : sum;
+  }
+
+  // Between samples linear; null where one of them has none.
+  comparedAt(point, name) {
+    const values = (this.around(point) || []).map(([index, weight]) => [this.comparedSample(index, name), weight]);
+    return !values.length || values.some(([value]) => value === null) ? null : d3.sum(values, ([value, weight]) => value * weight);
   }
 }
 
 const volumes = new Map();
 
+async function unpackVolume(about, part) {
+  const compared = about.compared ? {} : null;
+  for (const name of compared ? COMPARED : [])
+    [compared[name]] = components(await part(name), about.size[0], about.compared[name], 1);
+  return new Volume(about, await part("volume"), compared);
+}
+
 // Of the i-th case, unpacked once.
 function volume(cases, i) {
   if (!volumes.has(i))
-    volumes.set(i, inflate(document.getElementById("volume-" + i).textContent).then((planes) => new Volume(cases[i], planes)));
+    volumes.set(i, unpackVolume(cases[i], (name) => inflate(document.getElementById(name + "-" + i).textContent)));
   return volumes.get(i);
 }
 
