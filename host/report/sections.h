@@ -131,7 +131,8 @@ struct SampledVolume {
     std::array<double, 3> spacing{};       /* m, of the file */
     bool alike_in_y = false;               /* one y stands for all */
     std::vector<float> force;              /* N: x, y, z of each sample, x fastest */
-    std::vector<float> angle{}, error{};   /* deg, N: from the shape of [compare]; empty without one */
+    std::vector<float> angle{}, error{};   /* deg, N: from the shape of [compare], empty without one; NaN deeper
+                                              than compare.depth, and out of contact */
     std::string scene{};                   /* the resolved TOML; empty where the file names none */
 };
 

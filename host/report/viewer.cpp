@@ -166,10 +166,18 @@ std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Cont
     return all;
 }
 
-// N: of a contact as deep as compare.depth, to which the errors of a case are summed up; null where it is not known.
-Json counted_force(const std::string& scene) {
-    const std::optional<Case> one = stated_scene(scene);
-    return one && one->scene.compare ? Json(one->scene.compare->depth * one->scene.force.stiffness) : Json();
+// Errors of contacts deeper than compare.depth, which a case's errors do not count either, are no longer there.
+void keep_counted(SampledVolume& volume) {
+    const std::optional<Case> one = stated_scene(volume.scene);
+    if (volume.angle.empty() || !one || !one->scene.compare)
+        return;
+    const double most = one->scene.compare->depth * one->scene.force.stiffness; /* N */
+    for (std::size_t i = 0; i < volume.angle.size(); ++i) {
+        const auto part = [&](std::size_t component) { return static_cast<double>(volume.force[3 * i + component]); };
+        const double force = std::hypot(part(0), part(1), part(2));
+        if ((force > 0 ? force : std::abs(static_cast<double>(volume.error[i]))) > most)
+            volume.angle[i] = volume.error[i] = NAN;
+    }
 }
 
 Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, std::uint64_t most) {
@@ -197,10 +205,8 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
                     {"loop", loop_data(volume.scene)},
                     {"error_deg", wanted.error_deg}};
     if (!volume.angle.empty())
-        packed.about["compared"] = {{"angle", add("angle", volume.angle, 1)},
-                                    {"error", add("error", volume.error, 1)},
-                                    {"from", wanted.from},
-                                    {"counted_N", counted_force(volume.scene)}};
+        packed.about["compared"] = {
+            {"angle", add("angle", volume.angle, 1)}, {"error", add("error", volume.error, 1)}, {"from", wanted.from}};
     return packed;
 }
 
@@ -227,9 +233,12 @@ std::uint64_t fewer_samples(std::uint64_t most, const std::vector<Packed>& packe
 
 // The limit of samples at which a few of many volumes would let all fit.
 std::uint64_t limit_of_few(const std::filesystem::path& root, const std::vector<Wanted>& wanted, std::size_t budget) {
-    constexpr std::size_t kFew = 6;
-    std::uint64_t most = kMostSamples;
-    for (bool fits = wanted.size() <= 2 * kFew; !fits && most > kLeastSamples;) {
+    constexpr std::size_t kFew = 4, kSamplesACharacter = 8; // hardly more can be packed
+    if (wanted.size() <= 2 * kFew)
+        return kMostSamples;
+    std::uint64_t most =
+        std::clamp<std::uint64_t>(kSamplesACharacter * budget / wanted.size(), kLeastSamples, kMostSamples);
+    for (bool fits = false; !fits && most > kLeastSamples;) {
         std::vector<Packed> few;
         for (std::size_t i = 0; i < kFew; ++i)
             try {
@@ -333,6 +342,7 @@ SampledVolume sample_volume(const std::filesystem::path& path, std::uint64_t mos
                         values->push_back(row[x]);
                 }
         }
+    keep_counted(volume);
     return volume;
 }
 

@@ -136,37 +136,25 @@ class Viewer {
 
   sharedScale(indexA, indexB) {
     const { quantity } = this.state, { sequential, diverging } = this.tables, size = Math.max(this.a.largest, this.b.largest) || 1;
+    const largest = (value) => { // of both slices
+      let most = 0;
+      for (const [one, index] of [[this.a, indexA], [this.b, indexB]])
+        one.eachInSlice(this.plane, index, (at) => { most = Math.max(most, Math.abs(value(one, at) || 0)); });
+      return most;
+    };
     if (quantity === "magnitude")
       return new ColourScale(sequential, 0, size, "force magnitude / N");
     if (this.showsErrors) {
-      const most = this.largestError(indexA, indexB);
+      const most = largest((one, at) => one.comparedSample(at, quantity));
       return quantity === "angle" ? new ColourScale(this.tables.second, 0, Math.max(most, 0.2), "angle between force and normal of the shape of [compare] / deg")
         : new ColourScale(diverging, -(most || 1), most || 1, "|F| less K times the depth below the shape of [compare] / N");
     }
     if (quantity !== "direction")
       return new ColourScale(diverging, -size, size, "force along " + quantity + " / N");
     // Within a quarter turn of the upward axis the sign is what one looks for; beyond it the colours go round, too.
-    let most = 1;
-    for (const [volume_, index] of [[this.a, indexA], [this.b, indexB]])
-      volume_.eachInSlice(this.plane, index, (at) => { most = Math.max(most, Math.abs(direction(volume_.sample(at), this.plane) || 0)); });
+    const most = Math.max(1, largest((one, at) => direction(one.sample(at), this.plane)));
     return most > 90 ? new ColourScale(this.tables.cyclic, -180, 180, this.directionLabel())
       : new ColourScale(diverging, -most, most, this.directionLabel());
-  }
-
-  // Of both slices, of contacts that count; of all where none does. Deeper ones keep the last colour.
-  largestError(indexA, indexB) {
-    const { quantity } = this.state;
-    for (const every of [false, true]) {
-      let most = 0;
-      for (const [one, index] of [[this.a, indexA], [this.b, indexB]])
-        one.eachInSlice(this.plane, index, (at) => {
-          if (every || one.compared && length(one.sample(at)) <= one.about.compared.counted_N)
-            most = Math.max(most, Math.abs(one.comparedSample(at, quantity)));
-        });
-      if (most > 0)
-        return most;
-    }
-    return 0;
   }
 
   directionLabel() {
@@ -262,7 +250,7 @@ class Viewer {
   // What a picture without colours means.
   drawNotes(index) {
     const { quantity } = this.state, force = quantity === "direction" ? "No force lies in this slice." : "No force in this slice.";
-    const blank = (one) => !this.showsErrors ? force : one.compared ? "No contact in this slice." : "The scene of this case has no [compare].";
+    const blank = (one) => !this.showsErrors ? force : one.compared ? "No contact of at most compare.depth in this slice." : "The scene of this case has no [compare].";
     const same = quantity === "direction" ? "Nowhere in this slice do both cases have a force."
       : this.showsErrors ? "No difference of both errors in this slice." : "No difference " + (quantity === "magnitude" ? "" : "along " + quantity + " ") + "in this slice.";
     for (const [name, words] of [["a", blank(this.a)], ["b", blank(this.b)], ["d", this.whyApart(index) || same]])
@@ -287,7 +275,7 @@ class Viewer {
     byId("read-rows").replaceChildren(...rows, last);
     const missing = ["A", "B"].filter((_, i) => !forces[i]), axisApart = missing.length ? apart(this.a, this.b) : undefined;
     const froms = [...new Set([this.a, this.b].filter((one) => one.compared).map((one) => one.about.compared.from))];
-    byId("compared-note").textContent = froms.length ? "Errors are against " + froms.join("; ") + ". The case's RMS counts contact at most compare.depth deep, and so do the colours: deeper ones keep the last." : "";
+    byId("compared-note").textContent = froms.length ? "Errors are against " + froms.join("; ") + ", of contacts at most compare.depth deep; the files have the deeper ones, too." : "";
     say("read-note", axisApart !== undefined ? this.whyApart() : missing.length ? missing.join(" and ") + " has no values here." : "");
   }
 

@@ -133,7 +133,8 @@ class Volume {
     return this.components.map((values) => values[i]);
   }
 
-  // How far a sample is from the shape of [compare], "angle" in deg or "error" in N; null where neither is touched.
+  // How far a sample is from the shape of [compare], "angle" in deg or "error" in N; null where neither is touched, and
+  // deeper than compare.depth.
   comparedSample(index, name) {
     const value = this.compared ? this.compared[name][this.place(index)] : NaN;
     return Number.isNaN(value) ? null : value;
