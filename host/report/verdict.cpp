@@ -111,10 +111,12 @@ struct Heading {
 };
 constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS"},
                                  {"error of the force, size and direction", "RMS, % of the RMS force"},
+                                 {"error of the force at a place, median", "% of the force there"},
+                                 {"the same, 95th percentile", "% of the force there"},
                                  {"places without a force", "%"},
                                  {"time of an evaluation", "times unshaded [95 % interval]"},
                                  {"largest stable force K·d", "N, 2 mm deep"},
-                                 {"energy that a loop gives the hand", "mJ, median"}};
+                                 {"energy that a closed stroke gives the hand", "mJ, median"}};
 
 std::string verdict_rows(const StudyData& errors, const StudyData* stability, const StudyData* energy) {
     const Table &ways = errors.table("ways"), &rounds = errors.table("rounds");
@@ -132,6 +134,8 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
         }
         const std::string cells[] = {shown(ways.needed(row, "direction_rms_deg")),
                                      percent(ways.needed(row, "typical_rms_1")),
+                                     percent(ways.needed(row, "local_median_1")),
+                                     percent(ways.needed(row, "local_p95_1")),
                                      percent(ways.needed(row, "missed")),
                                      time,
                                      shown(stability ? stable_force(*stability, scheme.pressed) : std::nullopt),
@@ -175,6 +179,12 @@ std::string stable_forces(const StudyData& stability) {
     return text;
 }
 
+// "goes from 32 to 31 %" or "stays at 100 %".
+std::string from_to(const Table& ways, const char* share, std::size_t before, std::size_t after) {
+    const std::string from = percent(ways.needed(before, share)), to = percent(ways.needed(after, share));
+    return from == to ? fmt::format("stays at {} %", to) : fmt::format("goes from {} to {} %", from, to);
+}
+
 // What to take, and what it does.
 std::string advice(const Table& ways, const Table& rounds, const StudyData* stability) {
     const auto plain = rows_of(ways, "mesh", "none"), shaded = rows_of(ways, "mesh", "barycentric");
@@ -187,6 +197,11 @@ std::string advice(const Table& ways, const Table& rounds, const StudyData* stab
     html +=
         "It does not mend the size of the force, which stays that of the facets; only <code>two_pass</code> changes "
         "it: it grows by 1/cos of the angle turned, without a bound.";
+    if (plain.contains(kElements) && shaded.contains(kElements))
+        html += fmt::format(" The error of the force at a place, of the force there, {} in the median, and {} in the "
+                            "95th percentile.",
+                            from_to(ways, "local_median_1", plain.at(kElements), shaded.at(kElements)),
+                            from_to(ways, "local_p95_1", plain.at(kElements), shaded.at(kElements)));
     if (const std::string forces = stability ? stable_forces(*stability) : ""; !forces.empty())
         html += " <strong>Its price is stability:</strong> 2 mm deep the largest stable force falls " + forces + ".";
     std::string finer;
@@ -317,7 +332,7 @@ std::string verdict_section(const Contents& contents) {
            "facets lie below it, so that a light touch misses them, and the whole force is the error there. Times are "
            "of single evaluations, on the mesh of a god-object's updates. A force is stable if small displacements die "
            "out, with the hand below, at every place 2 mm deep where the direction does not jump. Energies are of the "
-           "force by the place, round strokes out and back at another depth.</p>\n" +
+           "force by the place, along strokes out and back at another depth.</p>\n" +
            device + "</section>\n";
 }
 

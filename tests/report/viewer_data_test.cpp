@@ -125,12 +125,12 @@ TEST(Viewers, AreLeftOutWithoutVolumes) {
 TEST(Verdict, SetsSchemesSideBySide) {
     struct Way {
         const char *surface, *family, *shading;
-        double elements, direction, rms, missed;
+        double elements, direction, rms, missed, median, p95;
     };
-    const std::vector<Way> ways{{"mesh", "god-object", "none", 8, 4.2, 0.13, 0.26},
-                                {"mesh", "god-object", "barycentric", 8, 0.2, 0.11, 0.25},
-                                {"mesh", "god-object", "none", 16, 2.1, 0.05, 0.02},
-                                {"mesh", "god-object", "none", 64, 0.9, 0.009, 0}};
+    const std::vector<Way> ways{{"mesh", "god-object", "none", 8, 4.2, 0.13, 0.26, 0.084, 0.826},
+                                {"mesh", "god-object", "barycentric", 8, 0.2, 0.11, 0.25, 0.076, 0.826},
+                                {"mesh", "god-object", "none", 16, 2.1, 0.05, 0.02, 0.02, 0.3},
+                                {"mesh", "god-object", "none", 64, 0.9, 0.009, 0, 0.001, 0.02}};
     StudyPart part;
     study::StudyData& data = part.data;
     data.study = "error-time";
@@ -142,7 +142,9 @@ TEST(Verdict, SetsSchemesSideBySide) {
                                                 {"elements", "1", "", &Way::elements},
                                                 {"direction_rms_deg", "deg", "", &Way::direction},
                                                 {"typical_rms_1", "1", "", &Way::rms},
-                                                {"missed", "1", "", &Way::missed}},
+                                                {"missed", "1", "", &Way::missed},
+                                                {"local_median_1", "1", "", &Way::median},
+                                                {"local_p95_1", "1", "", &Way::p95}},
                                                ways));
     const auto with_times = [&](double shaded) {
         struct Time {
@@ -162,10 +164,11 @@ TEST(Verdict, SetsSchemesSideBySide) {
         return verdict_section(contents);
     };
     const std::string slower = with_times(1.5);
-    for (const char* cell : {"deg RMS\">0.2</td>", "RMS force\">11</td>", "%\">25</td>",
-                             "interval]\">1.50 [1.47, 1.53]</td>", "from 4.2 to 0.2 deg",
-                             "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the force, and take 2.00 [1.96, 2.04] "
-                             "times as long as 8 x 8 cells shaded"})
+    for (const char* cell :
+         {"deg RMS\">0.2</td>", "RMS force\">11</td>", "%\">25</td>", "interval]\">1.50 [1.47, 1.53]</td>",
+          "goes from 8.4 to 7.6 % in the median", "stays at 83 % in the 95th", "from 4.2 to 0.2 deg",
+          "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the force, and take 2.00 [1.96, 2.04] "
+          "times as long as 8 x 8 cells shaded"})
         EXPECT_TRUE(says(slower, cell)) << cell;
     EXPECT_FALSE(says(slower, "mesh, two_pass"));
     EXPECT_TRUE(says(with_times(1), "no difference [0.98, 1.02]"));
