@@ -88,7 +88,7 @@ std::string opening(const Contents& contents, bool table_follows) {
                         "Edges are felt less; what that costs in time, 'forceshade study error-time' measures.") +
             " " +
             sentence_of(contents, "stability", "loop_shading",
-                        "Such a force has no potential: a round can give the hand energy, and a "
+                        "Such a force has no potential: a closed stroke can give the hand energy, and a "
                         "loop may come to rest only at lower stiffness.");
     return fmt::format(
         "<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
@@ -141,7 +141,9 @@ std::string words_section(bool of_score) {
         {"two_pass",
          "shading of a mesh by Ruspini 1997: the force grows with the angle by which it is turned, without a bound"},
         {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
-        {"gain, effort", "the energy that a round gives the hand, and the integral of |F dl| along it"}};
+        {"closed stroke", "of the probe: out at one depth and back at another, to where it began"},
+        {"gain, effort", "the energy that a closed stroke gives the hand, and the integral of |F dl| along it"},
+        {"loop", "of control: the position is sampled, the force computed and played, over and over"}};
     std::string words;
     for (const auto& [word, meaning] : of_score ? of_scores : of_studies)
         words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);

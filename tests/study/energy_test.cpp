@@ -252,7 +252,7 @@ TEST(EnergyResults, CompareTheSameLoops) {
     add_energy(data, results);
     ASSERT_EQ(data.findings.size(), 1u);
     EXPECT_TRUE(says(data.findings[0].text, "scene's surface", "reference 9 mJ"));
-    EXPECT_EQ(data.table("loops").rows.size(), 18u);
+    EXPECT_EQ(data.table("closed_strokes").rows.size(), 18u);
 }
 
 TEST(EnergyCurl, OfALinearFieldIsExactAndUnknownWhereACornerIsFree) {

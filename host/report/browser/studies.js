@@ -48,7 +48,7 @@ function startStudies() {
 
 startStudies();
 
-// "My device": the stable stiffness of a sampled wall for the sliders' numbers, and its place on the maps of stability.
+// "My device": the stable stiffness of a sampled wall for the sliders' numbers, and its place in the diagrams of stability.
 
 // `low` to `high` in steps of the logarithm, or of 1; `factor` times the number shown is SI.
 const DEVICE = {
@@ -262,7 +262,7 @@ class Device {
     this.mark();
   }
 
-  // A cross on every map over stiffness and damping; none where it would be outside.
+  // A cross in every diagram over stiffness and damping; none where it would be outside.
   mark() {
     const at = { stiffness_N_per_m: this.values.stiffness, damping_N_s_per_m: this.values.damping + this.values.grip };
     let maps = 0, marked = 0;
@@ -279,7 +279,7 @@ class Device {
     d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.weak.length
       ? "On a case's surface: the loop linearised at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of the first case with shading and the first without. The sliders begin with the scene's hand."
       : "Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the default hand, at the rim of the paper's bump.") +
-      (maps ? ` A cross marks it on ${marked} of ${maps} map${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));
+      (maps ? ` A cross marks it on ${marked} of ${maps} diagram${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));
   }
 }
 

@@ -124,7 +124,7 @@ EnergySurface scene_energy_surface(const PreparedCase& scene) {
         strokes.drive = PathDrive::press; // not over the mesh's rim
     const PathRegion region = path_region(strokes, scene);
     if (!(region.length > 0))
-        throw UsageError("paths.length leaves no room for a loop: it must be above 0");
+        throw UsageError("paths.length leaves no room for a closed stroke: it must be above 0");
     const glm::dvec2 middle(region.centre[0], region.centre[1]), half = 0.5 * glm::dvec2(region.length, region.width);
     EnergySurface surface{"scene", "", {middle - half, middle + half}};
     surface.region.deepest = std::min(surface.region.deepest, kDeepestShare * std::max(region.length, region.width));
@@ -147,7 +147,7 @@ StudyData study_energy(StudyRun& run) {
         for (const EnergyLaw& law : surface.laws) {
             const std::string of = fmt::format("{}{}, {}", surface.name,
                                                law.elements ? fmt::format(" of {}", *law.elements) : "", law.scheme);
-            parts.push_back({"loops on " + of,
+            parts.push_back({"closed strokes on " + of,
                              [&, &rows = loops.emplace_back()] { add_loops_of(law, surface.strokes, extents, rows); },
                              true});
             if (is_mapped(law, run.scene()))
@@ -164,9 +164,9 @@ StudyData study_energy(StudyRun& run) {
     for (const std::vector<LoopRow>& rows : loops)
         append(results.loops, rows);
     if (results.loops.empty())
-        throw UsageError(
-            "no loop over the scene's region stays in contact with its surface: set paths.centre to the middle of it, "
-            "or a shorter paths.length");
+        throw UsageError("no closed stroke over the scene's region stays in contact with its surface: set paths.centre "
+                         "to the middle of it, "
+                         "or a shorter paths.length");
     results.laws = summarise_by_law(results.loops);
     StudyData data = run.data();
     data.volumes = volumes;

@@ -99,7 +99,7 @@ void add_walked_loops(const MakeWalk& make, RendererLoops& found, const Renderer
             return work_of_last(path, walk(path), places.size() - 1);
         };
         for (const RendererLoops::Loop& loop : own.loops) {
-            where = fmt::format(" (loop {})", loop.number);
+            where = fmt::format(" (closed stroke {})", loop.number);
             const std::vector<glm::dvec3> places = places_of_loop(law, strokes[loop.number], steps).value();
             const LoopWork forth = work(places), back = work(turned(places));
             found.loops.push_back(loop_of(loop.number, forth, back, places, period_of(law)));
@@ -129,20 +129,23 @@ Table renderer_table(const std::vector<RendererLoops>& found) {
     };
     const auto most = [](double R::Loop::*value) { return [=](const R& r) { return 1e3 * largest(r, value); }; };
     return table_of<R>(
-        "energy_renderers", "Energy gained per loop by renderers, each loop walked as a sampled path",
+        "energy_renderers", "Energy gained per closed stroke by renderers, each closed stroke walked as a sampled path",
         {{"renderer", "",
           "the library and its options; own law: the scene's without friction and vibration, by the same samples",
           &R::name},
          {"status", "", "ok, or what the renderer did wrong", &R::status},
-         {"loops", "1", "in which the scene's own law stays in contact", [](const R& r) { return r.loops.size(); }},
-         {"gain_mJ", "mJ", "energy gained per loop in the worse direction of travel: median of the loops",
+         {"closed_strokes", "1", "in which the scene's own law stays in contact",
+          [](const R& r) { return r.loops.size(); }},
+         {"gain_mJ", "mJ",
+          "energy gained per closed stroke in the worse direction of travel: median of the closed strokes",
           median(&R::Loop::gain, &Interval::median)},
          {"gain_from_mJ", "mJ", "95 % interval of the median (bootstrap)", median(&R::Loop::gain, &Interval::low)},
          {"gain_to_mJ", "mJ", "the other end", median(&R::Loop::gain, &Interval::high)},
-         {"largest_mJ", "mJ", "the loop that gives most", most(&R::Loop::gain)},
-         {"effort_mJ", "mJ", "the integral of |F dl|: median of the loops",
+         {"largest_mJ", "mJ", "the closed stroke that gives most", most(&R::Loop::gain)},
+         {"effort_mJ", "mJ", "the integral of |F dl|: median of the closed strokes",
           median(&R::Loop::effort, &Interval::median)},
-         {"speed_mm_per_s", "mm/s", "along a loop: median of the loops", median(&R::Loop::speed, &Interval::median)},
+         {"speed_mm_per_s", "mm/s", "along a closed stroke: median of the closed strokes",
+          median(&R::Loop::speed, &Interval::median)},
          {"rule_mJ", "mJ", "the largest change of the own law's gain with half the steps: the error of the sum",
           most(&R::Loop::rule)}},
         found);
@@ -157,9 +160,9 @@ Table renderer_loop_table(const std::vector<RendererLoops>& found) {
     for (const RendererLoops& one : found)
         for (std::size_t i = 0; i < one.loops.size() && &one != &found.front(); ++i)
             rows.push_back({&one.name, one.loops[i], found.front().loops[i]});
-    return table_of<R>("renderer_loops", "Every loop of the renderers",
+    return table_of<R>("renderer_strokes", "Every closed stroke of the renderers",
                        {{"renderer", "", "the library and its options", [](const R& r) { return *r.renderer; }},
-                        {"loop", "1", "which stroke", [](const R& r) { return r.loop.number; }},
+                        {"stroke", "1", "which stroke", [](const R& r) { return r.loop.number; }},
                         {"gain_mJ", "mJ", "energy gained in the worse direction of travel",
                          [](const R& r) { return 1e3 * r.loop.gain; }},
                         {"effort_mJ", "mJ", "the integral of |F dl|", [](const R& r) { return 1e3 * r.loop.effort; }},
@@ -168,13 +171,13 @@ Table renderer_loop_table(const std::vector<RendererLoops>& found) {
                        rows);
 }
 
-// "gives up to 0.1 mJ a loop"; `error`, J, is that of the sum.
+// "gives up to 0.1 mJ a closed stroke"; `error`, J, is that of the sum.
 std::string gives(double most, double error) {
     constexpr double kRounding = 1e-9; // J
     if (std::abs(most) > std::max(kRounding, error))
-        return most > 0 ? fmt::format("gives up to {} a loop", milli(most))
-                        : fmt::format("takes at least {} a loop", milli(-most));
-    return error > kRounding ? fmt::format("gives no more than the error of the sum, {} a loop", milli(error))
+        return most > 0 ? fmt::format("gives up to {} a closed stroke", milli(most))
+                        : fmt::format("takes at least {} a closed stroke", milli(-most));
+    return error > kRounding ? fmt::format("gives no more than the error of the sum, {} a closed stroke", milli(error))
                              : "gives no energy";
 }
 
@@ -182,7 +185,7 @@ Finding finding_of(const RendererLoops& one, const RendererLoops& own, std::size
     Finding finding{fmt::format("energy_renderer_{}", number), {}, "", "strokes anywhere in the scene's region", ""};
     if (one.loops.empty()) {
         finding.text = one.status == "ok"
-                           ? fmt::format("{}: the scene's own law stays in contact in no loop.", one.name)
+                           ? fmt::format("{}: the scene's own law stays in contact in no closed stroke.", one.name)
                            : fmt::format("{} {}: its energy is not known.", one.name, one.status);
         return finding;
     }
@@ -193,9 +196,10 @@ Finding finding_of(const RendererLoops& one, const RendererLoops& own, std::size
     finding.condition = fmt::format("the second round of a sampled path at {:.2g} mm/s, worse direction of travel",
                                     1e3 * bootstrap_median(values_of(one, &RendererLoops::Loop::speed)).median);
     const Interval gain = bootstrap_median(values_of(one, &RendererLoops::Loop::gain));
-    finding.interval = fmt::format("{} loops; median {:.2g} mJ, 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; half "
-                                   "the steps change the own law's gain by up to {}",
-                                   one.loops.size(), 1e3 * gain.median, 1e3 * gain.low, 1e3 * gain.high, milli(error));
+    finding.interval =
+        fmt::format("{} closed strokes; median {:.2g} mJ, 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; half "
+                    "the steps change the own law's gain by up to {}",
+                    one.loops.size(), 1e3 * gain.median, 1e3 * gain.low, 1e3 * gain.high, milli(error));
     return finding;
 }
 
@@ -208,10 +212,10 @@ std::vector<Part> renderer_parts(const StudyRun& run, const EnergySurface& surfa
                                    surface.strokes.begin() + std::ptrdiff_t(std::min(strokes, surface.strokes.size())));
     found = {{kOwnLaw}};
     std::vector<Part> parts{
-        {"loops of the scene's own law", [=, &found] { add_own_loops(found[0], law, some, steps); }}};
+        {"closed strokes of the scene's own law", [=, &found] { add_own_loops(found[0], law, some, steps); }}};
     const auto add = [&](const std::string& name, const MakeWalk& make) {
         parts.push_back(
-            {"loops of " + name,
+            {"closed strokes of " + name,
              [=, &found, at = found.size()] { add_walked_loops(make, found[at], found[0], law, some, steps); }, true});
         found.push_back({name});
     };
@@ -230,14 +234,16 @@ void add_renderers(StudyData& data, const std::vector<RendererLoops>& found) {
     data.tables.push_back(renderer_table(found));
     data.tables.push_back(renderer_loop_table(found));
     if (!data.tables.back().rows.empty())
-        data.figures.push_back(make_figure(
-            "energy-renderers", "Energy gained per loop, against the scene's own law",
-            "Each point is a loop; on the diagonal a renderer gives what the law gives, below 0 it takes energy.",
-            FigureKind::scatter, "renderer_loops", {}, {"own_law_mJ", "gain of the own law / mJ"},
-            {"gain_mJ", "gain / mJ"}, "renderer"));
+        data.figures.push_back(
+            make_figure("energy-renderers", "Energy gained per closed stroke, against the scene's own law",
+                        "Each point is a closed stroke; on the diagonal a renderer gives what the law gives, below 0 "
+                        "it takes energy.",
+                        FigureKind::scatter, "renderer_strokes", {}, {"own_law_mJ", "gain of the own law / mJ"},
+                        {"gain_mJ", "gain / mJ"}, "renderer"));
     data.notes.push_back(
         "A renderer, or the scene's law with its friction or vibration, comes down from above the surface to the begin "
-        "of a loop and goes round twice; the work of the second round counts, by the mean of neighbouring forces times "
+        "of a closed stroke and goes round twice; the work of the second round counts, by the mean of neighbouring "
+        "forces times "
         "the step. The scene's own law without them goes the same way: rule_mJ is the change of its gain with half the "
         "steps. A negative gain is what the hand loses.");
     for (std::size_t i = 1; i < found.size(); ++i)

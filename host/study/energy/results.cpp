@@ -46,21 +46,22 @@ Table law_table(const std::vector<LawRow>& laws) {
         return [end](const R& r) { return r.more ? 1e3 * (*r.more).*end : NAN; };
     };
     return table_of<R>(
-        "energy", "Energy gained per loop",
+        "energy", "Energy gained per closed stroke",
         law_columns<R>(
             {{"series", "", "scheme, and god-object if with its history",
               [](const R& r) { return r.law->scheme + (r.history ? ", god-object" : ""); }},
-             {"loops", "1", "that stay in contact", &R::loops},
-             {"gain_mJ", "mJ", "energy gained per loop in the worse direction of travel: median of the loops",
+             {"closed_strokes", "1", "that stay in contact", &R::loops},
+             {"gain_mJ", "mJ",
+              "energy gained per closed stroke in the worse direction of travel: median of the closed strokes",
               [](const R& r) { return 1e3 * r.gain.median; }},
              {"gain_from_mJ", "mJ", "95 % interval of the median (bootstrap)",
               [](const R& r) { return 1e3 * r.gain.low; }},
              {"gain_to_mJ", "mJ", "the other end", [](const R& r) { return 1e3 * r.gain.high; }},
-             {"gain_5_mJ", "mJ", "5 % of the loops give less", [](const R& r) { return 1e3 * r.low; }},
-             {"gain_95_mJ", "mJ", "5 % of the loops give more", [](const R& r) { return 1e3 * r.high; }},
-             {"effort_mJ", "mJ", "the integral of |F dl|: median of the loops",
+             {"gain_5_mJ", "mJ", "5 % of the closed strokes give less", [](const R& r) { return 1e3 * r.low; }},
+             {"gain_95_mJ", "mJ", "5 % of the closed strokes give more", [](const R& r) { return 1e3 * r.high; }},
+             {"effort_mJ", "mJ", "the integral of |F dl|: median of the closed strokes",
               [](const R& r) { return 1e3 * r.effort; }},
-             {"more_mJ", "mJ", "gain less that of the same loop unshaded: median", more(&Interval::median)},
+             {"more_mJ", "mJ", "gain less that of the same closed stroke unshaded: median", more(&Interval::median)},
              {"more_from_mJ", "mJ", "95 % interval of that (bootstrap)", more(&Interval::low)},
              {"more_to_mJ", "mJ", "the other end", more(&Interval::high)},
              {"shown_mJ", "mJ", "gain_mJ, at least 1e-6 for logarithmic axes",
@@ -75,8 +76,8 @@ Table law_table(const std::vector<LawRow>& laws) {
 Table loop_table(const std::vector<LoopRow>& loops) {
     using R = LoopRow;
     return table_of<R>(
-        "loops", "Every loop",
-        law_columns<R>({{"loop", "1", "which stroke", &R::number},
+        "closed_strokes", "Every closed stroke",
+        law_columns<R>({{"stroke", "1", "which stroke", &R::number},
                         {"gain_mJ", "mJ", "energy gained in the worse direction of travel",
                          [](const R& r) { return 1e3 * r.gain; }},
                         {"effort_mJ", "mJ", "the integral of |F dl|", [](const R& r) { return 1e3 * r.effort; }}}),
@@ -95,14 +96,14 @@ Table pair_table(const std::vector<LoopRow>& loops) {
             if (const LoopRow* unshaded = unshaded_of(loops, row))
                 rows.push_back({&row, unshaded});
     }
-    return table_of<R>(
-        "pairs", "Shaded against unshaded, loop by loop",
-        {{"scheme", "", "shading, and the depth reading if not vertical",
-          [](const R& r) { return r.row->law->scheme; }},
-         {"loop", "1", "which stroke", [](const R& r) { return r.row->number; }},
-         {"unshaded_mJ", "mJ", "gain of this loop unshaded", [](const R& r) { return 1e3 * r.unshaded->gain; }},
-         {"gain_mJ", "mJ", "its gain with shading", [](const R& r) { return 1e3 * r.row->gain; }}},
-        rows);
+    return table_of<R>("pairs", "Shaded against unshaded, stroke by stroke",
+                       {{"scheme", "", "shading, and the depth reading if not vertical",
+                         [](const R& r) { return r.row->law->scheme; }},
+                        {"stroke", "1", "which stroke", [](const R& r) { return r.row->number; }},
+                        {"unshaded_mJ", "mJ", "gain of this closed stroke unshaded",
+                         [](const R& r) { return 1e3 * r.unshaded->gain; }},
+                        {"gain_mJ", "mJ", "its gain with shading", [](const R& r) { return 1e3 * r.row->gain; }}},
+                       rows);
 }
 
 Table stroke_table(const EnergyResults& results) {
@@ -115,9 +116,9 @@ Table stroke_table(const EnergyResults& results) {
     for (const EnergySurface& surface : results.surfaces)
         for (std::size_t i = 0; i < surface.strokes.size(); ++i)
             rows.push_back({surface.name, i, surface.strokes[i]});
-    return table_of<R>("strokes", "The strokes of the loops",
+    return table_of<R>("strokes", "Where the closed strokes go",
                        {{"surface", "", "below which", &R::surface},
-                        {"loop", "1", "which stroke", &R::number},
+                        {"stroke", "1", "which stroke", &R::number},
                         {"from_x_mm", "mm", "where it begins", [](const R& r) { return 1e3 * r.stroke.from.x; }},
                         {"from_y_mm", "mm", "where it begins", [](const R& r) { return 1e3 * r.stroke.from.y; }},
                         {"to_x_mm", "mm", "where it turns", [](const R& r) { return 1e3 * r.stroke.to.x; }},
@@ -131,7 +132,7 @@ Table stroke_table(const EnergyResults& results) {
 Table curl_table(const std::vector<CurlCell>& cells) {
     using R = CurlCell;
     return table_of<R>("curl", "Curl of the force in a section, over the stiffness",
-                       {{"map", "", "surface and scheme", &R::map},
+                       {{"section", "", "surface and scheme", &R::map},
                         {"x_mm", "mm", "middle of the cell", [](const R& r) { return 1e3 * r.x; }},
                         {"z_mm", "mm", "middle of the cell", [](const R& r) { return 1e3 * r.z; }},
                         {"curl_per_K", "1", "work round it over its area and K: the mean of 8 x 8 cells of samples",
@@ -140,8 +141,8 @@ Table curl_table(const std::vector<CurlCell>& cells) {
 }
 
 Figure law_figure(const EnergySurface& surface) {
-    return make_figure("energy-" + surface.name, fmt::format("Energy gained per loop on the {}", surface.name),
-                       "Median of the loops, with whiskers from 5 to 95 % of them, worse direction of travel.",
+    return make_figure("energy-" + surface.name, fmt::format("Energy gained per closed stroke on the {}", surface.name),
+                       "Median of the closed strokes, with whiskers from 5 to 95 % of them, worse direction of travel.",
                        FigureKind::scatter, "energy", {{"surface", surface.name}, {"felt", "by the place"}},
                        {"elements", fmt::format("{} over the width", surface.elements), true},
                        {"shown_mJ", "gain / mJ", true}, "series", "",
@@ -158,24 +159,24 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
         if (!surface.elements.empty())
             figures.push_back(law_figure(surface));
     if (any_shaded(results))
-        figures.push_back(make_figure("energy-pairs", "Shaded against unshaded, loop by loop",
-                                      "Each point is a loop; on the diagonal shading has no effect.",
+        figures.push_back(make_figure("energy-pairs", "Shaded against unshaded, stroke by stroke",
+                                      "Each point is a closed stroke; on the diagonal shading has no effect.",
                                       FigureKind::scatter, "pairs", {}, {"unshaded_mJ", "gain unshaded / mJ"},
                                       {"gain_mJ", "gain shaded / mJ"}, "scheme"));
     if (!results.curl.empty())
-        figures.push_back(
-            make_figure("curl", "Where loops give energy, in a section",
-                        "Work round a cell over its area and K; a loop gives the sum of the cells inside it. Along a "
-                        "jump of the force, alternating colours cancel.",
-                        FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}, "", "",
-                        {.value = "curl_per_K", .value_label = "curl_y F / K", .value_limit = 0.5, .panels = "map"}));
+        figures.push_back(make_figure(
+            "curl", "Where closed strokes give energy, in a section",
+            "Work round a cell over its area and K; a closed stroke gives the sum of the cells inside it. Along a "
+            "jump of the force, alternating colours cancel.",
+            FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}, "", "",
+            {.value = "curl_per_K", .value_label = "curl_y F / K", .value_limit = 0.5, .panels = "section"}));
     return figures;
 }
 
 std::string interval_of(const LawRow& row) {
-    return fmt::format(
-        "{} loops; 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; 5 to 95 % of loops: {:.2g} to {:.2g} mJ", row.loops,
-        1e3 * row.gain.low, 1e3 * row.gain.high, 1e3 * row.low, 1e3 * row.high);
+    return fmt::format("{} closed strokes; 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; 5 to 95 % of closed "
+                       "strokes: {:.2g} to {:.2g} mJ",
+                       row.loops, 1e3 * row.gain.low, 1e3 * row.gain.high, 1e3 * row.low, 1e3 * row.high);
 }
 
 const LawRow* row_of_law(const EnergyResults& results, const std::string& surface, std::optional<double> elements,
@@ -234,7 +235,7 @@ void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& resul
     }
     findings.push_back(
         {"energy_mesh",
-         fmt::format("Median energy gained per loop on a mesh of {} cells over the bump: {}{}.", kCells,
+         fmt::format("Median energy gained per closed stroke on a mesh of {} cells over the bump: {}{}.", kCells,
                      fmt::join(parts, ", "),
                      ties.empty() ? "" : fmt::format("; no significant difference between {}", fmt::join(ties, ", "))),
          "energy-mesh", "triangles of the cylinder R = 600 mil", kWhere,
@@ -246,14 +247,15 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
     if (bare && shaded && shaded->more)
         findings.push_back(
             {"energy_shading",
-             fmt::format("Force shading adds {} per loop on the 8-facet bump (median of the paired differences, worse "
-                         "direction of travel; median gains with and without shading: {} and {}).",
-                         milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
-             "energy-bump", "the bump of 8 facets, R = 600 mil", kWhere,
              fmt::format(
-                 "{} loops; 95 % of bootstrap medians of the difference: {:.2g} to {:.2g} mJ; efforts {} and {}",
-                 shaded->loops, 1e3 * shaded->more->low, 1e3 * shaded->more->high, milli(shaded->effort),
-                 milli(bare->effort))});
+                 "Force shading adds {} per closed stroke on the 8-facet bump (median of the paired differences, worse "
+                 "direction of travel; median gains with and without shading: {} and {}).",
+                 milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
+             "energy-bump", "the bump of 8 facets, R = 600 mil", kWhere,
+             fmt::format("{} closed strokes; 95 % of bootstrap medians of the difference: {:.2g} to {:.2g} mJ; efforts "
+                         "{} and {}",
+                         shaded->loops, 1e3 * shaded->more->low, 1e3 * shaded->more->high, milli(shaded->effort),
+                         milli(bare->effort))});
     std::vector<std::string> parts;
     std::optional<double> significant; // facets: the most with a significant difference
     const LawRow* last = nullptr;
@@ -269,11 +271,12 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
     if (last && !parts.empty())
         findings.push_back(
             {"energy_facets",
-             fmt::format("On the same loops, the gain that shading adds falls with the number of facets: {}{}.",
-                         fmt::join(parts, ", "),
-                         significant && *significant < *last->law->elements
-                             ? fmt::format("; beyond {} facets it is not significant", *significant)
-                             : ""),
+             fmt::format(
+                 "On the same closed strokes, the gain that shading adds falls with the number of facets: {}{}.",
+                 fmt::join(parts, ", "),
+                 significant && *significant < *last->law->elements
+                     ? fmt::format("; beyond {} facets it is not significant", *significant)
+                     : ""),
              "energy-bump", "the bump of 1 to 512 facets, R = 600 mil", kWhere,
              fmt::format("with {} facets 95 % of bootstrap medians: {:.1g} to {:.1g} mJ", *last->law->elements,
                          1e3 * last->more->low, 1e3 * last->more->high)});
@@ -291,13 +294,14 @@ void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& res
         }
     if (!most)
         return;
-    findings.push_back({"energy_scene",
-                        fmt::format("Median energy gained per loop over the scene's surface: {}; the effort is {}.",
-                                    fmt::join(parts, ", "), milli(most->effort)),
-                        any_shaded(results) ? "energy-pairs" : "", "strokes anywhere in the scene's region",
-                        fmt::format("{:.2g} to {:.2g} mm deep out and back", 1e2 * results.surfaces[0].region.deepest,
-                                    1e3 * results.surfaces[0].region.deepest),
-                        fmt::format("{}: {}", most->law->scheme, interval_of(*most))});
+    findings.push_back(
+        {"energy_scene",
+         fmt::format("Median energy gained per closed stroke over the scene's surface: {}; the effort is {}.",
+                     fmt::join(parts, ", "), milli(most->effort)),
+         any_shaded(results) ? "energy-pairs" : "", "strokes anywhere in the scene's region",
+         fmt::format("{:.2g} to {:.2g} mm deep out and back", 1e2 * results.surfaces[0].region.deepest,
+                     1e3 * results.surfaces[0].region.deepest),
+         fmt::format("{}: {}", most->law->scheme, interval_of(*most))});
 }
 
 // Energy gained per loop with the god-object's history, by the cells of the mesh.
@@ -318,12 +322,13 @@ void add_history_finding(std::vector<Finding>& findings, const EnergyResults& re
     }
     if (unshaded.empty() || shaded.empty())
         return;
-    findings.push_back({"energy_history",
-                        fmt::format("Median energy gained per loop with the god-object, unshaded: {}; with {}: {}.",
-                                    fmt::join(unshaded, ", "), most->law->scheme, fmt::join(shaded, ", ")),
-                        "", first->law->elements ? "meshes of the cylinder R = 600 mil" : "the scene's mesh",
-                        "the second loop, worse direction of travel",
-                        fmt::format("{}: {}", first->law->scheme, interval_of(*first))});
+    findings.push_back(
+        {"energy_history",
+         fmt::format("Median energy gained per closed stroke with the god-object, unshaded: {}; with {}: {}.",
+                     fmt::join(unshaded, ", "), most->law->scheme, fmt::join(shaded, ", ")),
+         "", first->law->elements ? "meshes of the cylinder R = 600 mil" : "the scene's mesh",
+         "the second round, worse direction of travel",
+         fmt::format("{}: {}", first->law->scheme, interval_of(*first))});
 }
 
 } // namespace
@@ -360,12 +365,14 @@ void add_energy(StudyData& data, const EnergyResults& results) {
                    curl_table(results.curl)};
     data.figures = figures_of(results);
     data.notes = {
-        "A loop is a stroke out between two places anywhere in the region, up or down to another depth, back below the "
+        "A closed stroke is a stroke out between two places anywhere in the region, up or down to another depth, back "
+        "below the "
         "same line, and to where it began; depths are log-uniform over a decade and vertical below the facets. The "
         "same strokes go over all laws of a surface.",
-        "The energy gained per loop is that of the worse direction of travel. Where the force depends on the position "
+        "The energy gained per closed stroke is that of the worse direction of travel. Where the force depends on the "
+        "position "
         "only, the other direction loses as much; with the god-object's history both directions were travelled twice, "
-        "and the second loop counts.",
+        "and the second round counts.",
         "Work is the mean of neighbouring forces times the step, in double precision by the CPU oracle; steps are "
         "halved where forces differ, down to rounding error at a jump."};
     if (data.scene.empty())
