@@ -74,6 +74,16 @@ study::Interval time_ratio(const Table& rounds, std::size_t way, std::size_t oth
     return study::bootstrap_median(ratios);
 }
 
+// Whether the machine was too busy for times to be compared: by the control, the unit of time once more.
+bool was_busy(const Table& ways, const Table& rounds) {
+    for (std::size_t row = 0; row < ways.rows.size(); ++row)
+        if (const std::string name = ways.word(row, "way"); ways.word(row, "family") == "control")
+            for (std::size_t unit = 0; unit < row; ++unit)
+                if (name == ways.word(unit, "way") + ", again")
+                    return study::was_busy(time_ratio(rounds, row, unit));
+    return false;
+}
+
 // N: K times depth at the least limit of the deepest places; empty: not studied.
 std::optional<double> stable_force(const StudyData& stability, const std::string& surface) {
     const Table& limits = stability.table("loop_limits");
@@ -129,8 +139,10 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
         std::string time = "1";
         if (plain.contains(kElements) && plain.at(kElements) != row) {
             const study::Interval ratio = time_ratio(rounds, row, plain.at(kElements));
-            time = study::is_significant(ratio) ? study::ratio_text(ratio)
-                                                : fmt::format("no difference [{:.2f}, {:.2f}]", ratio.low, ratio.high);
+            time = was_busy(ways, rounds) ? "not known: the machine was busy"
+                   : study::is_significant(ratio)
+                       ? study::ratio_text(ratio)
+                       : fmt::format("no difference [{:.2f}, {:.2f}]", ratio.low, ratio.high);
         }
         const std::string cells[] = {shown(ways.needed(row, "direction_rms_deg")),
                                      percent(ways.needed(row, "typical_rms_1")),
@@ -158,12 +170,16 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
         plain, [&](const auto& one) { return ways.number(one.second, "direction_rms_deg").value_or(NAN) <= 1; });
     if (enough == plain.end() || !shaded.contains(kElements) || enough->first <= kElements)
         return "";
-    return fmt::format("{} unshaded err by {} deg and {} % of the force, and take {} times as long as {} shaded",
-                       fmt::format(fmt::runtime(of), enough->first),
-                       shown(ways.needed(enough->second, "direction_rms_deg")),
-                       percent(ways.needed(enough->second, "typical_rms_1")),
-                       study::ratio_text(time_ratio(rounds, enough->second, shaded.at(kElements))),
-                       fmt::format(fmt::runtime(of), kElements));
+    std::string text = fmt::format(
+        "{} unshaded err by {} deg and {} % of the force", fmt::format(fmt::runtime(of), enough->first),
+        shown(ways.needed(enough->second, "direction_rms_deg")), percent(ways.needed(enough->second, "typical_rms_1")));
+    if (was_busy(ways, rounds))
+        return text;
+    const study::Interval ratio = time_ratio(rounds, enough->second, shaded.at(kElements));
+    return text + fmt::format(", and take {} as {} shaded",
+                              study::is_significant(ratio) ? study::ratio_text(ratio) + " times as long"
+                                                           : std::string("about as long"),
+                              fmt::format(fmt::runtime(of), kElements));
 }
 
 // What shading takes from the largest stable force: "from 7.9 to 2.3 N on the bump, ...".
