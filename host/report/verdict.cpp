@@ -77,9 +77,9 @@ study::Interval time_ratio(const Table& rounds, std::size_t way, std::size_t oth
 // Whether the machine was too busy for times to be compared: by the control, the unit of time once more.
 bool was_busy(const Table& ways, const Table& rounds) {
     for (std::size_t row = 0; row < ways.rows.size(); ++row)
-        if (const std::string name = ways.word(row, "way"); ways.word(row, "family") == "control")
+        if (ways.word(row, "family") == "control")
             for (std::size_t unit = 0; unit < row; ++unit)
-                if (name == ways.word(unit, "way") + ", again")
+                if (ways.word(row, "way") == ways.word(unit, "way") + ", again")
                     return study::was_busy(time_ratio(rounds, row, unit));
     return false;
 }
