@@ -113,7 +113,7 @@ TEST_F(RendererStudy, AProxyThatMeetsOnePlaneAnUpdateGivesEnergyInAGroove) {
     EXPECT_GT(number(proxy, "largest_mJ"), 1e-2);
     EXPECT_LT(number(rows.at("penalty"), "largest_mJ"), 1e-3) << "its force has a potential";
     EXPECT_EQ(number(proxy, "closed_strokes"), number(own, "closed_strokes"));
-    EXPECT_EQ(failed.at("status"), "crashed (Segmentation fault) in update 1000 (loop 0)");
+    EXPECT_EQ(failed.at("status"), "crashed (Segmentation fault) in update 1000 (closed stroke 0)");
     EXPECT_EQ(failed.at("gain_mJ"), "");
     EXPECT_TRUE(says(said_, "one_constraint gives up to", "bad_renderer:crash crashed"));
     EXPECT_TRUE(std::filesystem::exists(path("out/energy/energy-renderers.svg")));

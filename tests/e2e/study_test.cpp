@@ -140,8 +140,8 @@ TEST_F(SceneStudy, OfAnotherSceneInTheSameFolderLeavesNothingOfTheFirst) {
         gone += !std::filesystem::exists(path("out/energy") / name);
     EXPECT_GE(gone, 3u) << "the scene's figures and volumes";
     EXPECT_EQ(forceshade({"report", "out", "--quiet"}).code, 0);
-    write("out/energy/loops.csv", read_text(path("out/energy/loops.csv")) + "one more\n");
-    expect_failure(4, {"report", "out"}, {"energy/loops.csv", "bytes where"});
+    write("out/energy/closed_strokes.csv", read_text(path("out/energy/closed_strokes.csv")) + "one more\n");
+    expect_failure(4, {"report", "out"}, {"energy/closed_strokes.csv", "bytes where"});
 }
 
 TEST_F(SceneStudy, OnAFullDiskIsAnIoError) {
