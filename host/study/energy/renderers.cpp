@@ -81,6 +81,7 @@ MakeWalk walks_of(const RubbingLaw& rubbing) {
         return [probe](const std::vector<glm::dvec3>& path) {
             probe->begin_path();
             std::vector<glm::dvec3> forces;
+            forces.reserve(path.size());
             for (const glm::dvec3& at : path)
                 forces.push_back(probe->at(at).force);
             return forces;

@@ -193,6 +193,7 @@ std::vector<double> front_shares(const Times& times, const std::vector<std::size
         for (std::size_t i = 0; i < methods.size(); ++i)
             if (const double error = errors[i][draw % errors[i].size()]; std::isfinite(error)) {
                 std::vector<double> ratios;
+                ratios.reserve(some.size());
                 for (const Round* round : some)
                     ratios.push_back((*round)[methods[i]] / (*round)[times.unit()]);
                 found.emplace_back(error, quantile(std::move(ratios), 0.5), i);

@@ -117,6 +117,7 @@ std::vector<std::optional<double>> last_at_rest(std::vector<double> low, std::ve
 
 std::vector<bool> stable_of(const std::vector<LoopOutcome>& outcomes) {
     std::vector<bool> stable;
+    stable.reserve(outcomes.size());
     for (const LoopOutcome& one : outcomes)
         stable.push_back(one.state == LoopState::stable);
     return stable;

@@ -509,8 +509,7 @@ void add_loops(StudyData& data, const LoopResults& results) {
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
         "and the force held over a sample. At the worst place of each kind the loop is stepped through the surface's "
         "own force, too, from a disturbance of a millionth of the depth; kick_um is the largest one that decays at "
-        "half "
-        "the limit, which is small close to a jump of the direction.",
+        "half the limit, which is small close to a jump of the direction.",
         "Where the direction jumps there is no linearised loop: the hand balances the mean of both sides' forces, and "
         "the probe's swing is given instead.",
         "A loop of a map begins a tenth of its depth too deep and a little aside, half of it with rounding and "
