@@ -335,7 +335,8 @@ function drawBars(element, study, figure) {
   const ofName = d3.nest().key((row) => String(row[figure.x.column])).map(rows), most = d3.max(ofName.values(), (some) => some.length) || 1;
   // Bars lie. Words stand on the left where they have room, else above their bars.
   const needed = 12 + 7.4 * d3.max(names, (name) => name.length), above = needed > Math.min(260, element.clientWidth / 2) ? 14 : 0;
-  const height = figure.height || Math.max(160, PLOT.top + PLOT.bottom + names.length * (10 + 14 * most + above));
+  // `figure.height`: low, with thin bars, but higher where there are many.
+  const bar = figure.height ? 7 : 14, height = Math.max(figure.height || 160, PLOT.top + PLOT.bottom + names.length * (10 + bar * most + above));
   const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, { height, left: above ? 12 : Math.max(needed, PLOT.left) });
   const values = rows.flatMap((row) => [row[figure.y.column], row[figure.low], row[figure.high]]).filter((value) => typeof value === "number" && (!figure.y.logarithmic || value > 0));
   const x = scaleOf(figure.y, figure.y.logarithmic ? values : [0, ...values], [frame.left, frame.right]);
