@@ -15,6 +15,7 @@
 #include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/picture/picture.h"
+#include "host/program.h"
 #include "host/report/sections.h"
 #include "host/scene/study.h"
 #include "report_assets.h"
@@ -240,11 +241,13 @@ std::uint64_t limit_of_few(const std::filesystem::path& root, const std::vector<
         std::clamp<std::uint64_t>(kSamplesACharacter * budget / wanted.size(), kLeastSamples, kMostSamples);
     for (bool fits = false; !fits && most > kLeastSamples;) {
         std::vector<Packed> few;
-        for (std::size_t i = 0; i < kFew; ++i)
+        for (std::size_t i = 0; i < kFew; ++i) {
+            check_interrupt();
             try {
                 few.push_back(packed_volume(root, wanted[(2 * i + 1) * wanted.size() / (2 * kFew)], most));
-            } catch (const Error&) { // told of when all are packed
+            } catch (const Error&) { // reported when all are packed
             }
+        }
         const std::size_t size = few.empty() ? 0 : characters(few) * wanted.size() / few.size();
         fits = size <= budget;
         if (!fits)
@@ -419,12 +422,14 @@ Json loop_data(const std::string& scene) {
 Json weak_places_data(const std::vector<Packed>& packed) {
     Json all = Json::array();
     bool known[2]{};
+    CasePreparation preparation; // both may be of the same mesh
     for (const Packed& one : packed) {
+        check_interrupt();
         const std::optional<Case> stated = stated_scene(one.scene);
         if (!stated || std::exchange(known[stated->scene.force.shading != Shading::none], true))
             continue;
         try {
-            for (const WeakPlace& weak : weak_places(CasePreparation().prepare(*stated))) {
+            for (const WeakPlace& weak : weak_places(preparation.prepare(*stated))) {
                 Json slope = Json::array(); // columns
                 for (int i = 0; i < 9; ++i)
                     slope.push_back(weak.place.slope[i / 3][i % 3]);

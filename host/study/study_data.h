@@ -211,7 +211,7 @@ inline bool was_busy(const Interval& control) {
     return control.high > kWide || control.low < 1 / kWide;
 }
 
-/// "1.30 [1.21, 1.42]", with as many digits as tell its ends from 1.
+/// "1.30 [1.21, 1.42]", with as many digits as it takes for its ends to differ from 1.
 std::string ratio_text(const Interval& ratio);
 
 /// "takes 1.30 [1.21, 1.42] times as long as the other", or that the difference is not significant.

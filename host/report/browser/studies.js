@@ -257,7 +257,7 @@ class Device {
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
       : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. " + (surface
         ? "On " + surface.case + " it " + (stiffness < surface.limit ? "comes to rest: below " : "does not: it does so below ") + numberText(surface.limit, 4) + " N/m."
-        : this.weak.length ? "The surfaces of the scenes ask for no less."
+        : this.weak.length ? "On the surfaces of these cases no lower limit was found."
           : "On the shaded cylinder the grip " + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m."));
     this.mark();
   }

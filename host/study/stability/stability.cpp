@@ -46,7 +46,7 @@ const StudiedSurface kStudied[] = {
     {"two_pass mesh", mesh_of(Shading::two_pass), kMeshLow, kMeshHigh, 0, true},
 };
 
-// Of a mesh: the least by an edge, and the least at a vertex or beside one, of each kind of place, stepped, too.
+// Of each kind of place of a mesh: the least limit next to an edge, and the least at or next to a vertex; stepped, too.
 std::vector<LeastLimit> limits_by_edges(const LoopSurface& surface, const std::vector<RestPlace>& places,
                                         const LoopCell& cell) {
     std::vector<LeastLimit> all;

@@ -80,7 +80,7 @@ Table edge_limit_table(const LoopResults& results) {
         "loop_mesh_edges", "Largest stable stiffness by edges and vertices of meshes",
         place_columns<R>(
             {{"surface", "", "pressed by the hand", &R::surface},
-             {"by", "", "an edge: beside a jump of the force's direction; a vertex: below one, or beside it",
+             {"by", "", "an edge: next to a jump of the force's direction; a vertex: below one, or next to it",
               [](const R& r) { return r.place.by_vertex ? "a vertex" : "an edge"; }}},
             {{"hold", "", "as in loop_limits", [](const R& r) { return r.hold.name; }},
              {"limit_N_per_m", "N/m", "of the linearised loop with the hand's own, over depths and holds", &R::limit},
