@@ -13,10 +13,9 @@
 #include "device/backends/devices.h"
 #include "device/loop/live_loop.h"
 #include "device/session/session.h"
-#include "experiment_pages.h"
 #include "host/clock.h"
 #include "host/error.h"
-#include "host/experiment/page_text.h"
+#include "host/experiment/session_pages.h"
 #include "host/program.h"
 #include "host/server/page_server.h"
 #include "shaders/shared/law.h"
@@ -26,7 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char *kParticipant = "participant", *kOperator = "operator";
 constexpr double kBuffered = 16;        // s: of samples between two looks
 constexpr double kFreeOfContact = 0.05; // s: without contact before a stimulus is displayed
 constexpr double kSilence = 1.5;        // s: without a sign of life the page counts as closed
@@ -36,30 +34,10 @@ constexpr auto kLook = std::chrono::milliseconds(2);
 constexpr double kOperatorEach = 0.1; // s
 constexpr std::uint32_t kHeldBack = device::kDeadMan | device::kClutched;
 
-// The section of a bump of these facets, as a picture.
-Json picture(unsigned facets) {
-    constexpr double kRadius = 0.65, kHalf = 0.5; // of the width
-    constexpr int kRound = 48;
-    const double opening = std::asin(kHalf / kRadius), low = std::sqrt(kRadius * kRadius - kHalf * kHalf);
-    const int pieces = facets == 0 ? kRound : int(facets);
-    Json points = Json::array({Json::array({-1.0, 0.0})});
-    for (int i = 0; i <= pieces; ++i) {
-        const double angle = opening * (2.0 * i / pieces - 1);
-        points.push_back({kRadius * std::sin(angle), low - kRadius * std::cos(angle)});
-    }
-    points.push_back({1.0, 0.0});
-    return points;
-}
-
 // What a page sent under a key, or nothing if it is no text.
 std::string text_of(const Json& json, const char* key) {
     const auto found = json.find(key);
     return found != json.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
-// Names are the vendors', and need not be UTF-8.
-std::string dumped(const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 class Person final : public Participant {
@@ -70,7 +48,7 @@ public:
           ring_(static_cast<std::size_t>(kBuffered * opened_.settings.rate)),
           loop_(*opened_.device, make_probe_law(first_, 1 / opened_.settings.rate), opened_.settings, &ring_),
           buttons_(options.buttons),
-          server_(served(experiment), options.port, [this](const std::string& page) { closed(page); }),
+          server_(session_pages(experiment.spec), options.port, [this](const std::string& page) { closed(page); }),
           emergency_(*opened_.device), signals_(loop_) {
         require_buttons();
         require_check(options.check);
@@ -107,7 +85,7 @@ public:
                   {"clutch", settings.clutch},
                   {"answer_buttons", buttons_},
                   {"check", check_}};
-        return dumped(json);
+        return page_message(json);
     }
 
     TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord& record) override {
@@ -152,29 +130,6 @@ public:
     }
 
 private:
-    static std::vector<ServedPage> served(const Experiment& experiment) {
-        std::vector<ServedPage> pages{{kParticipant, participants_page(experiment.spec), true},
-                                      {kOperator, std::string(pages::operator_html), false}};
-        for (const Answer& answer : experiment.spec.answers)
-            if (const std::string name = answer.picture_file(); !name.empty())
-                pages.push_back({name, answer.picture.bytes, false,
-                                 answer.picture.extension == ".png" ? "image/png" : "image/svg+xml"});
-        return pages;
-    }
-
-    // With the experiment's own words in it.
-    static std::string participants_page(const ExperimentSpec& spec) {
-        constexpr std::string_view kPlace = "{/* words */}";
-        std::string words = dumped({{"text", texts_with(spec.text)},
-                                    {"title", spec.title},
-                                    {"consent", spec.consent.bytes},
-                                    {"instructions", spec.instructions.bytes}});
-        for (std::size_t at = words.find('<'); at != words.npos; at = words.find('<', at))
-            words.replace(at, 1, "\\u003c"); // or "</script>" would end the script
-        std::string page(pages::participant_html);
-        return page.replace(page.find(kPlace), kPlace.size(), words);
-    }
-
     // Of the case that is furthest above its limit.
     void warn_of_instability(const device::SessionOptions& session) const {
         CasePreparation preparation;
@@ -605,26 +560,10 @@ private:
             json["trial"] = trial_->number;
         }
         if (!told_answers_) {
-            json["question"] = experiment_.spec.question;
-            json["compare"] = experiment_.spec.task == Task::compare;
-            json["by_key"] = experiment_.spec.interval == 0;
-            json["buttons"] = !buttons_.empty();
-            json["answers"] = Json::array();
-            for (const Answer& answer : experiment_.spec.answers) {
-                Json one{{"label", answer.label}};
-                if (const std::string name = answer.picture_file(); !name.empty()) {
-                    one["picture"] = name;
-                } else if (answer.facets) {
-                    one["points"] = picture(*answer.facets);
-                    one["box"] = {-1.05, -0.3, 2.1, 0.35};
-                }
-                if (!buttons_.empty())
-                    one["button"] = buttons_[json["answers"].size()];
-                json["answers"].push_back(std::move(one));
-            }
+            json.update(answers_on_page(experiment_.spec, buttons_));
             told_answers_ = true;
         }
-        server_.send(kParticipant, dumped(json));
+        server_.send(kParticipant, page_message(json));
     }
 
     void tell_operator(bool now) {
@@ -660,9 +599,9 @@ private:
                             record_->order().size(), trial_->number, trial_->is_practice() ? ", practice" : "");
             json["condition"] = condition_;
         }
-        server_.send(kOperator, dumped(json));
+        server_.send(kOperator, page_message(json));
         if (!shown_.empty())
-            server_.send(kOperator, dumped({{"type", "samples"}, {"samples", std::exchange(shown_, {})}}));
+            server_.send(kOperator, page_message({{"type", "samples"}, {"samples", std::exchange(shown_, {})}}));
     }
 
     const Experiment& experiment_;
