@@ -56,10 +56,10 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
 
 namespace {
 
-// Of a field; force is always among the channels. `along_y`: it depends on y.
+// Of a field; force is always among the channels. `turns`: draws_turns; `along_y`: it depends on y.
 struct FieldKind {
     std::uint32_t channels;
-    bool mesh, along_y;
+    bool turns, along_y;
 };
 void add_field_files(const std::string& stem, const FieldKind& field, AlsoFormats also,
                      std::vector<std::string>& names) {
@@ -75,7 +75,7 @@ void add_field_files(const std::string& stem, const FieldKind& field, AlsoFormat
     const std::pair<const char*, bool> pictures[] = {{".mosaic", field.along_y},
                                                      {".arrows", true},
                                                      {".stroke", true},
-                                                     {".turns", field.mesh},
+                                                     {".turns", field.turns},
                                                      {".shading", field.channels & layout::kChannelUnshaded}};
     for (const auto& [kind, made] : pictures)
         if (made)
@@ -90,11 +90,11 @@ void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats
 
 } // namespace
 
-std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also) {
+std::vector<std::string> file_names(const std::string& stem, const Case& one, AlsoFormats also) {
+    const Scene& scene = one.scene;
     std::vector<std::string> names;
     if (scene.field)
-        add_field_files(stem, {written_channels(scene), scene.surface.kind == SurfaceKind::mesh, depends_on_y(scene)},
-                        also, names);
+        add_field_files(stem, {written_channels(scene), draws_turns(one), depends_on_y(scene)}, also, names);
     if (scene.paths)
         add_path_files(stem, written_channels(scene), also, names);
     return names;

@@ -51,8 +51,12 @@ inline std::string npy_kind(layout::uint channel) {
 /// \throws UsageError for a name that is none of vti, vtp, npy, png, svg, pdf.
 AlsoFormats parse_also(const std::vector<std::string>& names);
 
+/// Whether its mesh is drawn under all shadings: once for a mesh, and so not for each stiffness or shading of a study.
+inline bool draws_turns(const Case& one) {
+    return one.scene.surface.kind == SurfaceKind::mesh && one.first_of_surface;
+}
 /// The names of all files that a case leaves whose volume is or would be called `STEM.exr`, the volume first.
-std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also);
+std::vector<std::string> file_names(const std::string& stem, const Case& one, AlsoFormats also);
 /// Every name that a case may leave.
 std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also);
 

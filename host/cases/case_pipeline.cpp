@@ -142,7 +142,7 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
                                       {fmt::format("probe {} below the surface, {}", depth, at_y)}, stroke.forces,
                                       output_.scene().force.shading != Shading::none),
                  record);
-    if (prepared.images.mesh)
+    if (draws_turns(prepared.one))
         add_turns(record);
     if (!unshaded.force.empty())
         output_.draw(".shading", picture::draw_shading(look(false, ": what shading changes"), unshaded, slice, lines),

@@ -103,7 +103,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     job.prepared.one.scene.grid.every_y = !arguments.renderer.empty();
     job.volume = std::filesystem::absolute(volume);
     job.also = parse_also(arguments.also);
-    if (!may_write(in_folder(job.volume, file_names(volume.stem().string(), job.prepared.one.scene, job.also)), common))
+    if (!may_write(in_folder(job.volume, file_names(volume.stem().string(), job.prepared.one, job.also)), common))
         return 0;
     clear_stale_temporaries(job.volume.parent_path());
     job.prepared.one.name = volume.stem().string(); // the record's

@@ -253,24 +253,24 @@ Picture draw_turns(const Look& look, const std::vector<std::string>& notes, cons
     std::vector<LegendItem> items{scale_item(1, 1, "m")}; // for its height
     const double below = legend_height(items, look.width) + kMargin;
     int side = static_cast<int>((look.width - bar - kMargin) / static_cast<double>(columns) - kMargin);
-    const double around = heading.height + below + 3 * kMargin;
+    const double around = heading.height + below + 2 * kMargin;
     if (look.most_height > 0)
         side = std::clamp(static_cast<int>((look.most_height - around) / static_cast<double>(rows) - kMargin), 120,
                           std::max(side, 120));
-    const int top = static_cast<int>(kMargin + heading.height + 10), step = side + static_cast<int>(kMargin);
+    const int strip = static_cast<int>(kMargin), step = side + strip; // a pane's title stands in the strip above it
+    const int top = static_cast<int>(kMargin + heading.height) + strip;
     Canvas canvas(look.width, top + static_cast<int>(rows) * step + static_cast<int>(below));
     draw_heading(canvas, heading);
     for (std::size_t i = 0; i < shadings.size(); ++i) {
         View pane(point, middle, half, side);
         draw_turned(pane, point, mesh, shadings[i], scale);
-        const int left = static_cast<int>(kMargin) + static_cast<int>(i % 2) * step,
-                  upper = top + static_cast<int>(i / 2) * step;
+        const int left = strip + static_cast<int>(i % 2) * step, upper = top + static_cast<int>(i / 2) * step;
         canvas.image(left, upper, side, side, pane.pixels());
         canvas.outline({left + 0.5, upper + 0.5, side - 1.0, side - 1.0}, {kGridInk, 1, {}, false});
         const double most = shadings[i].turns.empty() ? 0 : *std::ranges::max_element(shadings[i].turns);
         canvas.text(fmt::format("{}: {}", shadings[i].shading,
                                 most > 0 ? fmt::format("up to {:.3g}°", most) : "the facets' own directions"),
-                    {left + 10.0, upper + 18.0}, {kSmallTextSize}, kQuietInk);
+                    {double(left), upper - 8.0}, {kSmallTextSize}, kQuietInk);
         if (i == 0)
             draw_axes_of(canvas, point, {left + 58.0, upper + side - 58.0});
     }
@@ -296,9 +296,9 @@ Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const
     const double below = legend_height(items, width) + kMargin;
     int side = static_cast<int>((width - kMargin) / 2);
     if (look.most_height > 0)
-        side = std::clamp(look.most_height - static_cast<int>(heading.height + below + 3 * kMargin), 120, side);
+        side = std::clamp(look.most_height - static_cast<int>(heading.height + below + 2.5 * kMargin), 120, side);
     items.front() = scale_item(side / (2 * half), side, unit);
-    const int top = static_cast<int>(kMargin + heading.height + 10);
+    const int top = static_cast<int>(2 * kMargin + heading.height);
     Canvas canvas(look.width, top + side + static_cast<int>(kMargin / 2 + below));
     draw_heading(canvas, heading);
     std::vector<bool> crossing(mesh.triangles.corners.size());
@@ -324,8 +324,8 @@ Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const
         const double left = kMargin + static_cast<double>(i) * (side + kMargin);
         canvas.image(static_cast<int>(left), top, side, side, view.pixels());
         canvas.outline({std::floor(left) + 0.5, top + 0.5, side - 1.0, side - 1.0}, {kGridInk, 1, {}, false});
-        canvas.text(i == 0 ? "from the right, in front and above" : "from the opposite side", {left + 10, top + 18.0},
-                    {kSmallTextSize}, kQuietInk);
+        canvas.text(i == 0 ? "from the right, in front and above" : "from the opposite side",
+                    {std::floor(left), top - 8.0}, {kSmallTextSize}, kQuietInk);
         draw_axes_of(canvas, points[i], {left + 58, top + side - 58.0});
     }
     draw_legend(canvas, items, {kMargin, top + side + kMargin / 2}, width);

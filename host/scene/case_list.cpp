@@ -35,6 +35,10 @@ TextHash identity_hash(std::size_t key, const Value& value) {
     return text_hash(schema_keys()[key].path() + '=' + identity(value));
 }
 
+bool is_of_surface(std::size_t key) {
+    return schema_keys()[key].table == "surface" || schema_keys()[key].table == "texture";
+}
+
 bool is_safe(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
            c == '+' || c == '-';
@@ -105,8 +109,13 @@ CaseList::Part CaseList::part_of(const Merged& merged, const std::vector<Axis>& 
         if (part.first[axis.entry->key] && !is_selector(axis.entry->key))
             part.axes.push_back(axis);
     for (std::size_t key = 0; key < part.first.size(); ++key)
-        if (part.first[key] && std::ranges::none_of(part.axes, [&](const Axis& one) { return one.entry->key == key; }))
-            part.identity += identity_hash(key, *part.first[key]);
+        if (part.first[key] &&
+            std::ranges::none_of(part.axes, [&](const Axis& one) { return one.entry->key == key; })) {
+            const TextHash identity = identity_hash(key, *part.first[key]);
+            part.identity += identity;
+            if (is_of_surface(key))
+                part.surface += identity;
+        }
     return part;
 }
 
@@ -138,11 +147,15 @@ void CaseList::add(const Merged& merged, const std::vector<const Entry*>& entrie
         for (std::size_t i = selectors.size(); i-- > 0;)
             part = part * selectors[i].entry->values.size() + selectors[i].digit(number);
         part += first_part;
-        TextHash identity = parts_[part].identity;
-        for (const Axis& axis : parts_[part].axes)
+        TextHash identity = parts_[part].identity, surface = parts_[part].surface;
+        for (const Axis& axis : parts_[part].axes) {
             identity += axis.identities[axis.digit(number)];
+            if (is_of_surface(axis.entry->key))
+                surface += axis.identities[axis.digit(number)];
+        }
         if (seen_.insert(identity).second)
-            items_.push_back({static_cast<std::uint32_t>(part), static_cast<std::uint32_t>(number)});
+            items_.push_back({static_cast<std::uint32_t>(part), static_cast<std::uint32_t>(number),
+                              surfaces_.insert(surface).second});
     }
 }
 

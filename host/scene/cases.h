@@ -86,6 +86,8 @@ public:
     std::size_t size() const { return items_.size(); }
     Selection selection(std::size_t i) const;
     std::string name_of(std::size_t i) const;
+    /// Whether no case before it has the same [surface] and [texture].
+    bool first_of_surface(std::size_t i) const { return items_[i].first_of_surface; }
     /// What the name lists: ("kind", "bump"), ("radius", "600 mil"), ...
     std::vector<std::pair<std::string, std::string>> varied(std::size_t i) const;
 
@@ -107,12 +109,13 @@ private:
     struct Part {
         Selection first; // the first value of what else varies
         std::vector<Axis> axes;
-        TextHash identity; // of what does not vary
+        TextHash identity, surface; // of what does not vary; of that, what stands in [surface] and [texture]
         std::string kind;
         std::vector<Label> labels;
     };
     struct Item {
         std::uint32_t part, number;
+        bool first_of_surface;
     };
     struct ByLowBits {
         std::size_t operator()(const TextHash& one) const { return one.low; }
@@ -126,7 +129,7 @@ private:
     std::vector<Part> parts_;
     std::vector<Item> items_;
     std::vector<bool> hashed_; // by item: the name ends in a hash
-    std::unordered_set<TextHash, ByLowBits> seen_;
+    std::unordered_set<TextHash, ByLowBits> seen_, surfaces_;
 };
 
 // Checks of a whole scene that no single key can make: the cylinder's shape, ranges of the arithmetic, the limits of a

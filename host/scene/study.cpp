@@ -214,6 +214,7 @@ private:
             return one;
         one.name = list_.name_of(i);
         one.varied = list_.varied(i);
+        one.first_of_surface = list_.first_of_surface(i);
         return one;
     }
 

@@ -37,6 +37,7 @@ struct Case {
         varied;                    // what the name lists: ("kind", "bump"), ("radius", "600 mil"), ...
     std::vector<Setting> settings; // every key that applies, in the schema's order
     bool chooses_precision = true; // nothing names one, or run.precision = "auto"
+    bool first_of_surface = true;  // none before it in its study has the same [surface] and [texture]
 };
 
 /// Changes a case's precision, and what its settings say of it.

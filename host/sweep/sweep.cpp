@@ -39,7 +39,7 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
     // By name, not by UUID: the equal devices of a cluster finish each other's sweeps.
     if (options.device && (engine.device != options.device->name || engine.driver != options.device->driver))
         return false;
-    for (const std::string& name : file_names(job.prepared.one.name, job.prepared.one.scene, options.also)) {
+    for (const std::string& name : file_names(job.prepared.one.name, job.prepared.one, options.also)) {
         const auto file = std::find_if(record->files.begin(), record->files.end(),
                                        [&](const FileRecord& known) { return known.name == name; });
         if (file == record->files.end() || !file_is_intact(options.folder / name, file->sha256))
@@ -68,7 +68,7 @@ void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats al
     AlsoFormats every;
     for (const char* const format : AlsoFormats::kNames)
         every.add(format);
-    const std::vector<std::string> keep = file_names(one.name, one.scene, also);
+    const std::vector<std::string> keep = file_names(one.name, one, also);
     for (const std::string& name : possible_file_names(one.name, every))
         if (std::ranges::find(keep, name) == keep.end())
             std::filesystem::remove(folder / name, ignored);

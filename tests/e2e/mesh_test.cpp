@@ -115,6 +115,9 @@ TEST_F(MeshField, SweepsAndTellsWhatWasEvaluated) {
     }
     EXPECT_TRUE(std::filesystem::exists(path("out/mesh_shading-none.exr")));
     EXPECT_TRUE(std::filesystem::exists(path("out/mesh_shading-none.arrows.png")));
+    EXPECT_TRUE(std::filesystem::exists(path("out/mesh_shading-none.turns.png")));
+    for (const char* const file : {"out/mesh_shading-mean_value.turns.png", "out/mesh_shading-barycentric.turns.png"})
+        EXPECT_FALSE(std::filesystem::exists(path(file))) << "the same picture again";
     const Tree before = results_in(path("out"));
     const Outcome again = expect_success({"sweep", "study.toml", "--out", "out", "--also", "png"});
     EXPECT_EQ(differences(before, results_in(path("out"))), std::set<std::string>{});

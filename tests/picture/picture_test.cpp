@@ -12,12 +12,19 @@
 namespace forceshade::picture {
 namespace {
 
-void expect_sound(const Picture& picture, int width = 1400) {
-    png_image image{};
+/// Its pixels, row by row.
+std::vector<std::uint8_t> decode(const Picture& picture, png_image& image) {
     image.version = PNG_IMAGE_VERSION;
-    ASSERT_TRUE(png_image_begin_read_from_memory(&image, picture.png.data(), picture.png.size()));
+    EXPECT_TRUE(png_image_begin_read_from_memory(&image, picture.png.data(), picture.png.size()));
+    image.format = PNG_FORMAT_RGB;
     std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
     EXPECT_TRUE(png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr));
+    return pixels;
+}
+
+void expect_sound(const Picture& picture, int width = 1400) {
+    png_image image{};
+    decode(picture, image);
     EXPECT_EQ(static_cast<int>(image.width), picture.width);
     EXPECT_EQ(static_cast<int>(image.height), picture.height);
     EXPECT_EQ(picture.width, width);
@@ -48,8 +55,33 @@ TEST(Picture, OfAMeshUnderShadingsIsClearFromAnywhere) {
                 test::expect_clear_texts(picture);
             }
     }
-    EXPECT_LT(draw_turns({"Low", 1400, 700}, {}, mesh, shadings).height, 720);
+    EXPECT_LE(draw_turns({"Low", 1400, 700}, {}, mesh, shadings).height, 700);
     test::expect_clear_texts(draw_turns({"Still"}, {}, mesh, std::span(shadings).first(1)));
+}
+
+// A square seen from above, which fills its panes: letters are grey, the mesh is not.
+TEST(Picture, OfAMeshHasNoTitleOverIt) {
+    PolygonSoup square;
+    square.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    square.corners = {0, 1, 2, 3};
+    square.begins = {0, 4};
+    const Mesh mesh = prepare_mesh(square, {}, VertexNormals::plain);
+    const std::vector<TurnedMesh> shadings{{"none", 1, {0, 0}}, {"mean_value", 1, {20, 20}}, {"two_pass", 1, {9, 9}}};
+    const Picture picture = draw_turns({"A square"}, {}, mesh, shadings, {0, 0, 1});
+    png_image image{};
+    const std::vector<std::uint8_t> pixels = decode(picture, image);
+    std::size_t titles = 0;
+    for (const auto& [text, ink] : picture.texts) {
+        if (text.find(": ") == std::string::npos)
+            continue;
+        ++titles;
+        for (int y = int(ink.y); y < int(ink.y + ink.height); ++y)
+            for (int x = int(ink.x); x < int(ink.x + ink.width); ++x) {
+                const std::uint8_t* const rgb = &pixels[3 * (std::size_t(y) * image.width + std::size_t(x))];
+                ASSERT_LE(std::abs(rgb[0] - rgb[2]), 8) << text << " at " << x << ", " << y;
+            }
+    }
+    EXPECT_EQ(titles, shadings.size());
 }
 
 TEST(Picture, OfEveryCaseHasNoTextThatIsCutOrDrawnOver) {

@@ -102,6 +102,16 @@ TEST(CaseList, HasWhatCrossingAllAxesGives) {
     EXPECT_GT(cases, 2000u);
 }
 
+TEST(CaseList, SaysWhichCaseIsTheFirstOfItsSurface) {
+    const Study study = parse_study("[surface]\nkind = \"bump\"\nfacets = [1, 2]\n[force]\n"
+                                    "stiffness = [\"1 N/mm\", \"2 N/mm\"]\nshading = [\"none\", \"reference\"]\n",
+                                    "test");
+    std::vector<bool> first;
+    for (const Case& one : study.cases)
+        first.push_back(one.first_of_surface);
+    EXPECT_EQ(first, (std::vector{true, false, false, false, true, false, false, false}));
+}
+
 TEST(CaseList, GivesPartsThatAreTheWhole) {
     const Study whole = default_study();
     EXPECT_EQ(whole.all, 51u);
@@ -115,6 +125,7 @@ TEST(CaseList, GivesPartsThatAreTheWhole) {
                 names[place] = some.cases[i].name;
                 EXPECT_EQ(resolved_toml(some.cases[i]), resolved_toml(whole.cases[place]));
                 EXPECT_EQ(some.cases[i].varied, whole.cases[place].varied);
+                EXPECT_EQ(some.cases[i].first_of_surface, whole.cases[place].first_of_surface);
             }
         }
         for (std::size_t i = 0; i < whole.all; ++i)
