@@ -217,25 +217,31 @@ std::string touch_finding(const Sweep& sweep) {
         missed < 0.01 ? "" : fmt::format("; up to {} % of the places have no force", number_text(100 * missed, 2)));
 }
 
-// What the cases are compared with, if they agree.
-std::string compared_with(const Rows& cases) {
-    const std::string& from = cases.front()->deviation->from;
-    const bool same = std::ranges::all_of(cases, [&](const CaseRecord* one) { return one->deviation->from == from; });
-    return same ? from : "each case's own shape of [compare]";
+// What the cases are compared with: shapes, and where on them depth is read, whose numbers are not to be mixed.
+std::vector<std::string> compared_with(const Rows& cases) {
+    std::vector<std::string> shapes;
+    for (R one : cases)
+        if (std::ranges::find(shapes, one->deviation->from) == shapes.end())
+            shapes.push_back(one->deviation->from);
+    return shapes;
 }
 
-// Of the comparison that the scenes ask for, in a sentence; empty without one.
+// Of the comparison that the scenes ask for, a sentence for each shape; empty without one.
 std::string compare_finding(const Sweep& sweep) {
-    const Rows cases = with_compare(sweep);
-    if (cases.empty())
-        return "";
-    return fmt::format("Compared with {}, the force's direction differs by {}, its magnitude by {} (RMS, contact at "
-                       "most compare.depth deep).",
-                       compared_with(cases),
-                       by_shading(
-                           cases, [](const CaseRecord& one) { return one.deviation->rms_angle; }, 1, "deg"),
-                       by_shading(
-                           cases, [](const CaseRecord& one) { return one.deviation->rms_magnitude_error; }, 1, "N"));
+    std::string text;
+    for (const std::string& shape : compared_with(with_compare(sweep))) {
+        Rows cases = with_compare(sweep);
+        std::erase_if(cases, [&](R one) { return one->deviation->from != shape; });
+        text += fmt::format(
+            "{}Compared with {}, the force's direction differs by {}, its magnitude by {} (RMS, contact at most "
+            "compare.depth deep).",
+            text.empty() ? "" : " ", shape,
+            by_shading(
+                cases, [](const CaseRecord& one) { return one.deviation->rms_angle; }, 1, "deg"),
+            by_shading(
+                cases, [](const CaseRecord& one) { return one.deviation->rms_magnitude_error; }, 1, "N"));
+    }
+    return text;
 }
 
 } // namespace
@@ -245,7 +251,14 @@ void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
     if (cases.empty())
         return;
     using Row = const Plotted&;
-    add_errors(data, axes_of(cases), "compare", "Forces compared with the shape of [compare]",
+    Axes axes = axes_of(cases);
+    const std::vector<std::string> shapes = compared_with(cases);
+    if (shapes.size() > 1) { // a panel each
+        for (Plotted& row : axes.rows)
+            row.panel = row.record->deviation->from + (row.panel.empty() ? "" : ", ") + row.panel;
+        axes.panel = "compared with";
+    }
+    add_errors(data, axes, "compare", "Forces compared with the shape of [compare]",
                {{{"angle_deg", "deg", "between the force and the shape's normal, root mean square"},
                  [](Row r) { return r.record->deviation->rms_angle; }},
                 {{"largest_angle_deg", "deg", ""}, [](Row r) { return r.record->deviation->largest_angle; }},
@@ -254,7 +267,7 @@ void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
                 {{"largest_magnitude_N", "N", ""}, [](Row r) { return r.record->deviation->largest_magnitude_error; }},
                 {{"samples", "1", "with a force"}, [](Row r) { return r.record->deviation->angles; }}},
                fmt::format("Compared with {}, at the samples whose contact is at most compare.depth deep.",
-                           compared_with(cases)),
+                           fmt::join(shapes, ", or ")),
                {{"compare-angle", "Angle to the shape's normal", {"angle_deg", "RMS angle / deg"}},
                 {"compare-magnitude", "Error of the magnitude", {"magnitude_N", "RMS error of |F| / N"}}});
 }

@@ -238,6 +238,15 @@ TEST(SweepFindings, FollowTheData) {
     sweep.cases.resize(2);
     add_compare_figures(sweep, data);
     EXPECT_EQ(data.table("compare").needed(1, "angle_deg"), 3);
+    EXPECT_EQ(data.figures.back().panels, "");
+    sweep.cases[0].deviation->from = "the bump's own";
+    sweep.cases[1].deviation->rms_angle = 5;
+    data = {};
+    add_compare_figures(sweep, data);
+    EXPECT_EQ(data.figures.back().panels, "compared with") << "depth is read at another place";
+    EXPECT_TRUE(says(data.figures.back().caption, "Compared with the bump's own, or the sphere, at"));
+    expect("compare", "Compared with the bump's own, the force's direction differs by 3 deg");
+    expect("compare", ". Compared with the sphere, the force's direction differs by 5 deg");
     sweep.cases[0].error.differing = sweep.cases[0].error.beyond = 0;
     sweep.cases[0].engine.engine = "cpu";
     expect("agreement", "Of 1\u00a0000 voxels"); // of the other case alone
