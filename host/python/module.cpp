@@ -93,6 +93,7 @@ void define(py::module_& module) {
         .def(py::init<const PreparedScene&, const std::vector<Points>&, double>())
         .def("oracle", &ScoredStrokes::oracle)
         .def("score", &ScoredStrokes::score);
+    module.def("read_scene_text", [](const std::string& file) { return read_scene_text(file).text; });
     module.def("read_exr", &read_exr);
 }
 

@@ -211,9 +211,7 @@ class Scene:
         """The scene in a TOML file."""
         path = Path(file)
         try:
-            text = path.read_text(encoding="utf-8-sig")
-        except OSError as error:
-            raise FileError(f"cannot read {path}: {error.strerror}") from None
+            text = _native.read_scene_text(str(path))
         except UnicodeDecodeError as error:
             raise SceneError(f"{path}: is no text in UTF-8: {error}") from None
         return cls.parse(text, overrides, name=str(path), folder=path.parent)
