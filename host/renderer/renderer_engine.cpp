@@ -166,8 +166,13 @@ private:
                     try {
                         const RendererAnswer answer =
                             closed ? renderer_.update(world_place(glm::dvec3(probe), origin_)) : ahead[step - first];
-                        if (closed && !is_force(answer.force)) // a hand would fall through it
-                            throw RendererError(fmt::format("gave a force that is not finite in step {}", step), {});
+                        if (!is_force(answer.force)) { // a hand would fall through it
+                            const glm::dvec3 at = world_place(glm::dvec3(probe), origin_);
+                            throw RendererError(
+                                fmt::format("gave a force that is not finite in step {}, at ({:.6g}, {:.6g}, {:.6g}) m",
+                                            step, at.x, at.y, at.z),
+                                {});
+                        }
                         return reference::LawContact<T>{contact_of(answer, probe, origin_)};
                     } catch (...) {
                         failed = std::current_exception();

@@ -211,6 +211,9 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     expect_failure(1, {"explore", "hand.toml", "--out", "none.csv", "--renderer", bad + ":nan"},
                    {"gave a force that is not finite"});
     expect_failure(2,
+    expect_failure(1,
+                   {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", bad + ":nan"},
+                   {"bad_renderer:nan gave a force that is not finite in step 999, at ("});
                    {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", kPenalty,
                     "--engine", "cpu"},
                    {"leave --engine and --gpu out"});
