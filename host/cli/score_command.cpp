@@ -111,8 +111,6 @@ int run(const ScoreArguments& given, const CommonOptions& common) {
     const std::filesystem::path folder = std::filesystem::path(given.out) / "score";
     if (!given.out.empty() && !may_write({folder / "study.json"}, common))
         return 0;
-    if (!given.out.empty())
-        make_subfolder(given.out, "score");
     ScoreArguments arguments = given;
     for (const std::string& file : arguments.forces) // "logs/mine.csv" and the folder "mine/" are "mine"
         arguments.names.push_back((std::filesystem::path(file) / "").parent_path().stem().string());
@@ -150,6 +148,7 @@ int run(const ScoreArguments& given, const CommonOptions& common) {
     if (!arguments.out.empty()) {
         study::write_data(folder, data, study::figure_files(data));
         note(common, "look at {}, numbers in {}\n", full_path(report::write_report(arguments.out).file),
+        make_subfolder(arguments.out, "score");
              full_path(folder));
     }
     if (common.json)

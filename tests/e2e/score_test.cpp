@@ -159,6 +159,7 @@ TEST_F(Score, TakesAnotherProgramsLogByItsOwnNames) {
     expect_failure(2, {"score", "scene.toml", "--forces", "log.csv", "--out", "other"},
                    {"no column is called", "--map"});
     expect_failure(2, {"score", "scene.toml", "--out", "other"}, {"--paths"});
+    EXPECT_FALSE(std::filesystem::exists(path("other"))) << "where there is no score";
     expect_failure(4, {"score", "scene.toml", "--paths", "strokes.csv", "--renderer", "libnone.so"},
                    {"there is no file libnone.so"});
     write("away.csv", "t,x,y,z\n0,0,0,0.01\n0.001,0,0,0.01\n");
