@@ -46,6 +46,8 @@ score::SceneScores score_scene(const ScoreArguments& arguments, const CommonOpti
     score::ScoreOptions options;
     const std::string positions =
         arguments.paths.empty() && !arguments.forces.empty() ? arguments.forces.front() : arguments.paths;
+    if (positions.empty() && arguments.rate)
+        throw UsageError("--rate is of a file without times: the scene's own strokes have rate under [paths]");
     options.strokes = positions.empty() ? score::scene_strokes(prepared)
                                         : score::read_strokes(positions, map, arguments.rate, score::size_of(prepared));
     options.recorded = recorded_of(arguments, map, options.strokes);
@@ -146,9 +148,9 @@ int run(const ScoreArguments& given, const CommonOptions& common) {
                                plural(strokes.samples(), "sample"), score::score_text(scores),
                                scenes.empty() ? "" : score::scenes_text(scenes)));
     if (!arguments.out.empty()) {
+        make_subfolder(arguments.out, "score");
         study::write_data(folder, data, study::figure_files(data));
         note(common, "look at {}, numbers in {}\n", full_path(report::write_report(arguments.out).file),
-        make_subfolder(arguments.out, "score");
              full_path(folder));
     }
     if (common.json)

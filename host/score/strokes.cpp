@@ -268,6 +268,8 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
             throw UsageError("{}:{}: a position or time is missing or not finite; every sample needs x, y, z and t",
                              table.source, table.lines[row]);
     check_reach(table.source, places, size,
+    if (!times.empty() && rate)
+        throw UsageError("{}: --rate is of files without times, and this one has them; leave --rate out", table.source);
                 "If the file is in mm, say so: --map \"x=x mm, y=y mm, z=z mm\", with the file's own names of the "
                 "columns");
 

@@ -211,10 +211,10 @@ TEST_F(Score, ARendererStandsInForTheEngineOfOtherCommands) {
     EXPECT_FALSE(std::filesystem::exists(path("none.csv")));
     expect_failure(1, {"explore", "hand.toml", "--out", "none.csv", "--renderer", bad + ":nan"},
                    {"gave a force that is not finite"});
-    expect_failure(2,
     expect_failure(1,
                    {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", bad + ":nan"},
                    {"bad_renderer:nan gave a force that is not finite in step 999, at ("});
+    expect_failure(2,
                    {"explore", "scene.toml", "--paths", "strokes.csv", "--out", "none.csv", "--renderer", kPenalty,
                     "--engine", "cpu"},
                    {"leave --engine and --gpu out"});
@@ -253,6 +253,7 @@ TEST_F(Score, WithoutAFileTheScenesOwnPathsAreTheStrokes) {
     write_scene();
     write("scene.toml", read_text(path("scene.toml")) + "[paths]\npress = \"1 N\"\n");
     expect_failure(2, {"score", "scene.toml", "--renderer", kPenalty}, {"of a hand", "--paths"});
+    expect_failure(2, {"score", "scene.toml", "--rate", "1 kHz"}, {"--rate is of a file without times"});
 }
 
 // The scene has paths and no grid of its own.
