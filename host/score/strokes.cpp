@@ -87,12 +87,12 @@ public:
                 const double factor = mapped->second.unit                   ? *mapped->second.unit
                                       : quantity.dimension && !unit.empty() ? unit_of(quantity, unit, table_.source)
                                                                             : 1;
-                return scaled(at, factor * (mapped->second.negative ? -1 : 1));
+                return scaled(quantity, at, factor * (mapped->second.negative ? -1 : 1));
             }
             for (std::size_t i = 0; i < table_.columns.size(); ++i) // by its number, though it has a name
                 if (mapped->second.column == fmt::format("#{}", i + 1)) {
                     mapped->second.found = true;
-                    return scaled(table_.columns.begin() + std::ptrdiff_t(i),
+                    return scaled(quantity, table_.columns.begin() + std::ptrdiff_t(i),
                                   mapped->second.unit.value_or(1) * (mapped->second.negative ? -1 : 1));
                 }
         }
@@ -102,9 +102,9 @@ public:
             for (auto at = table_.columns.begin(); at != table_.columns.end(); ++at) {
                 const auto [own, unit] = name_and_unit(*at);
                 if (*at == wanted)
-                    return scaled(at, 1);
+                    return scaled(quantity, at, 1);
                 if (own == wanted && quantity.dimension && !unit.empty())
-                    return scaled(at, unit_of(quantity, unit, table_.source));
+                    return scaled(quantity, at, unit_of(quantity, unit, table_.source));
             }
         return {};
     }
@@ -137,8 +137,12 @@ public:
     }
 
 private:
-    std::vector<double> scaled(std::vector<std::string>::const_iterator column, double factor) const {
+    std::vector<double> scaled(const Quantity& quantity, std::vector<std::string>::const_iterator column,
+                               double factor) const {
         const auto at = static_cast<std::size_t>(column - table_.columns.begin());
+        if (const auto [one, is_new] = taken_.try_emplace(at, &quantity); !is_new && one->second != &quantity)
+            throw UsageError("{}: column {} would be both {} and {}; say with --map which column each is",
+                             table_.source, *column, one->second->name, quantity.name);
         if (at < table_.words.size() && !table_.words[at].empty())
             throw UsageError("{}:{} in column {} is no number; a cell that is missing is empty or nan", table_.source,
                              table_.words[at], *column);
@@ -165,6 +169,7 @@ private:
 
     const NumberTable& table_;
     const ColumnMap& map_;
+    mutable std::map<std::size_t, const Quantity*> taken_; // of each column: what it is
 };
 
 constexpr std::array<const char*, 3> kPlace{"x", "y", "z"}, kForce{"fx", "fy", "fz"};
@@ -263,13 +268,13 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
             "{}: no column is called t; the columns are {}. Say which it is, --map \"t=COLUMN ms\", or how "
             "often samples were taken, --rate \"1 kHz\"",
             table.source, columns.shown());
+    if (!times.empty() && rate)
+        throw UsageError("{}: --rate is of files without times, and this one has them; leave --rate out", table.source);
     for (std::size_t row = 0; row < table.rows(); ++row)
         if (!is_finite(places[row]) || (!times.empty() && !std::isfinite(times[row])))
             throw UsageError("{}:{}: a position or time is missing or not finite; every sample needs x, y, z and t",
                              table.source, table.lines[row]);
     check_reach(table.source, places, size,
-    if (!times.empty() && rate)
-        throw UsageError("{}: --rate is of files without times, and this one has them; leave --rate out", table.source);
                 "If the file is in mm, say so: --map \"x=x mm, y=y mm, z=z mm\", with the file's own names of the "
                 "columns");
 

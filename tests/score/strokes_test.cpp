@@ -73,6 +73,10 @@ TEST_F(StrokeFile, ThatIsWrongIsRefusedWithWhatWouldBeRight) {
         testing::says(refusal("t,a,y,z\n0,0,0,0\n", "x=q mm"), "--map names a column for x that is not there (q)"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n", "x=x furlong"), "--map: the unit of x"));
     EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n", "w=x"), "QUANTITY=COLUMN UNIT"));
+    EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n", "", 1000), "leave --rate out"));
+    for (const char* const map : {"x=z mm, z=z mm", "x=#4", "x=-z"})
+        EXPECT_TRUE(testing::says(refusal("t,x,y,z\n0,0,0,0\n", map), "column z would be both x and z")) << map;
+    EXPECT_EQ(strokes("t,x,y,z\n0,1,2,3\n", "x=y mm, y=x mm").all[0].probe[0].x, 0.002);
 }
 
 TEST_F(StrokeFile, AColumnOfTheMapThatNoFileHasIsRefused) {
