@@ -317,7 +317,7 @@ void list_conditions(Experiment& experiment) {
     if (experiment.spec.conditions.bytes.empty())
         return;
     experiment.listed.clear();
-    CsvReader csv(experiment.spec.conditions.path);
+    CsvReader csv(experiment.spec.conditions.path, experiment.spec.conditions.bytes);
     const std::vector<std::string> varying = varying_keys_of(experiment);
     std::vector<std::string> columns;
     csv.next();

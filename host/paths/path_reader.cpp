@@ -24,8 +24,20 @@ bool is_blank(int c) {
 
 } // namespace
 
-CsvReader::CsvReader(const std::filesystem::path& path) : file_(path), source_(path.string()), buffer_(kBuffer) {
+CsvReader::CsvReader(const std::filesystem::path& path) : source_(path.string()), buffer_(kBuffer) {
+    file_.emplace(path);
     refill();
+    begin();
+}
+
+CsvReader::CsvReader(const std::filesystem::path& path, std::string_view content)
+    : source_(path.string()), filled_(content.size()) {
+    const auto bytes = std::as_bytes(std::span(content));
+    buffer_.assign(bytes.begin(), bytes.end());
+    begin();
+}
+
+void CsvReader::begin() {
     const auto starts_with = [&](std::string_view mark) {
         return std::string_view(reinterpret_cast<const char*>(buffer_.data()), filled_).starts_with(mark);
     };
@@ -40,7 +52,7 @@ std::string_view CsvReader::text(std::size_t cell) const {
 }
 
 void CsvReader::refill() {
-    filled_ = file_.read_some(offset_, buffer_);
+    filled_ = file_ ? file_->read_some(offset_, buffer_) : 0;
     offset_ += filled_;
     next_ = 0;
 }

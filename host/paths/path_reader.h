@@ -24,6 +24,8 @@ class CsvReader {
 public:
     /// \throws IoError if the file cannot be read, UsageError `file:line:column: ...` if it is UTF-16.
     explicit CsvReader(const std::filesystem::path& path);
+    /// Of a file that was read before, with all that was in it.
+    CsvReader(const std::filesystem::path& path, std::string_view content);
 
     /// Goes on to the next record; false at the end of the file. \throws UsageError for a quote that does not end, a
     /// lone carriage return, or a record beyond 1 MiB.
@@ -40,8 +42,9 @@ public:
     bool ends_open() const noexcept { return ends_open_; }
 
     const std::string& source() const noexcept { return source_; }
-    const ReadableFile& file() const noexcept { return file_; }
-    std::uint64_t bytes() const noexcept { return file_.size(); } /* in all */
+    /// Not of a file that was read before.
+    const ReadableFile& file() const noexcept { return *file_; }
+    std::uint64_t bytes() const noexcept { return file_->size(); } /* in all */
     std::uint64_t bytes_read() const noexcept { return offset_ - (filled_ - next_); }
 
 private:
@@ -53,6 +56,7 @@ private:
 
     int peek();
     void take();
+    void begin();
     void refill();
     void read_record();
     void read_cell();
@@ -61,7 +65,7 @@ private:
     void skip_blanks();
     bool take_line_end();
 
-    ReadableFile file_;
+    std::optional<ReadableFile> file_; // none: all is in the buffer
     std::string source_;
     std::vector<std::byte> buffer_;
     std::uint64_t offset_ = 0;          /* bytes of the file that have been in the buffer */
