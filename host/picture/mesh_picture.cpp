@@ -270,7 +270,7 @@ Picture draw_turns(const Look& look, const std::vector<std::string>& notes, cons
         const double most = shadings[i].turns.empty() ? 0 : *std::ranges::max_element(shadings[i].turns);
         canvas.text(fmt::format("{}: {}", shadings[i].shading,
                                 most > 0 ? fmt::format("up to {:.3g}°", most) : "the facets' own directions"),
-                    {double(left), upper - 8.0}, {kSmallTextSize}, kQuietInk);
+                    {double(left), upper - 12.0}, {kSmallTextSize}, kQuietInk);
         if (i == 0)
             draw_axes_of(canvas, point, {left + 58.0, upper + side - 58.0});
     }
@@ -325,7 +325,7 @@ Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const
         canvas.image(static_cast<int>(left), top, side, side, view.pixels());
         canvas.outline({std::floor(left) + 0.5, top + 0.5, side - 1.0, side - 1.0}, {kGridInk, 1, {}, false});
         canvas.text(i == 0 ? "from the right, in front and above" : "from the opposite side",
-                    {std::floor(left), top - 8.0}, {kSmallTextSize}, kQuietInk);
+                    {std::floor(left), top - 12.0}, {kSmallTextSize}, kQuietInk);
         draw_axes_of(canvas, points[i], {left + 58, top + side - 58.0});
     }
     draw_legend(canvas, items, {kMargin, top + side + kMargin / 2}, width);
