@@ -120,10 +120,10 @@ struct Heading {
     const char *words, *unit;
 };
 constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS"},
-                                 {"error of the force, size and direction", "RMS, % of the RMS force"},
-                                 {"error of the force at a place, median", "% of the force there"},
+                                 {"error of the size, median", "% of the force there"},
                                  {"the same, 95th percentile", "% of the force there"},
-                                 {"places without a force", "%"},
+                                 {"only the smooth shape or the facets have a force", "% of the places"},
+                                 {"error of the force, size and direction", "RMS, % of the RMS force"},
                                  {"time of an evaluation", "times unshaded [95 % interval]"},
                                  {"largest stable force K·d", "N, 2 mm deep"},
                                  {"energy that a closed stroke gives the hand", "mJ, median"}};
@@ -145,10 +145,10 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
                        : fmt::format("no difference [{:.2f}, {:.2f}]", ratio.low, ratio.high);
         }
         const std::string cells[] = {shown(ways.needed(row, "direction_rms_deg")),
+                                     percent(ways.needed(row, "size_median_1")),
+                                     percent(ways.needed(row, "size_p95_1")),
+                                     percent(ways.needed(row, "one_sided")),
                                      percent(ways.needed(row, "typical_rms_1")),
-                                     percent(ways.needed(row, "local_median_1")),
-                                     percent(ways.needed(row, "local_p95_1")),
-                                     percent(ways.needed(row, "missed")),
                                      time,
                                      shown(stability ? stable_force(*stability, scheme.pressed) : std::nullopt),
                                      shown(energy ? gain_of(*energy, scheme) : std::nullopt)};
@@ -206,18 +206,19 @@ std::string advice(const Table& ways, const Table& rounds, const StudyData* stab
     const auto plain = rows_of(ways, "mesh", "none"), shaded = rows_of(ways, "mesh", "barycentric");
     std::string html = "<p><strong>For a shape that should be perceived as round, shade it: <code>reference</code> on "
                        "a bump, <code>barycentric</code> on a mesh of triangles.</strong> ";
-    if (plain.contains(kElements) && shaded.contains(kElements))
-        html += fmt::format("On the mesh below it brings the error of the direction from {} to {} deg. ",
+    html += "Shading mends the direction of the force, not its size, which stays that of the facets; only "
+            "<code>two_pass</code> changes it: it grows by 1/cos of the angle turned, without a bound.";
+    if (plain.contains(kElements) && shaded.contains(kElements)) {
+        const auto change = [&](const char* column) {
+            return from_to(ways, column, plain.at(kElements), shaded.at(kElements));
+        };
+        html += fmt::format(" On the mesh below the error of the direction goes from {} to {} deg. Where both it and "
+                            "the smooth shape have a force, the error of the size {} of the force there in the median "
+                            "and {} in the 95th percentile; the share of the places where only one has a force {}.",
                             shown(ways.needed(plain.at(kElements), "direction_rms_deg")),
-                            shown(ways.needed(shaded.at(kElements), "direction_rms_deg")));
-    html +=
-        "It does not mend the size of the force, which stays that of the facets; only <code>two_pass</code> changes "
-        "it: it grows by 1/cos of the angle turned, without a bound.";
-    if (plain.contains(kElements) && shaded.contains(kElements))
-        html += fmt::format(" The error of the force at a place, of the force there, {} in the median, and {} in the "
-                            "95th percentile.",
-                            from_to(ways, "local_median_1", plain.at(kElements), shaded.at(kElements)),
-                            from_to(ways, "local_p95_1", plain.at(kElements), shaded.at(kElements)));
+                            shown(ways.needed(shaded.at(kElements), "direction_rms_deg")), change("size_median_1"),
+                            change("size_p95_1"), change("one_sided"));
+    }
     if (const std::string forces = stability ? stable_forces(*stability) : ""; !forces.empty())
         html += " <strong>Its price is stability:</strong> 2 mm deep the largest stable force falls " + forces + ".";
     std::string finer;
@@ -345,7 +346,8 @@ std::string verdict_section(const Contents& contents) {
            "</tr></thead>\n<tbody>\n" + rows +
            "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 N/m: "
            "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it; "
-           "facets lie below it, so that a light touch misses them, and the whole force is the error there. Times are "
+           "facets lie below it, so that a light touch misses them: the errors of direction and size leave such places "
+           "out, in the last error the whole force is missing there. Times are "
            "of single evaluations, on the mesh of a god-object's updates. A force is stable if small displacements die "
            "out, with the hand below, at every place 2 mm deep where the direction does not jump. Energies are of the "
            "force by the place, along strokes out and back at another depth.</p>\n" +

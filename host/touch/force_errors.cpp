@@ -76,15 +76,18 @@ Summary summary_of(std::vector<double> values) {
 ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth, double typical) {
     ForceErrors errors;
     errors.places = forces.size();
-    std::vector<double> directions, local, of_typical;
+    std::vector<double> directions, local, sizes, of_typical;
     for (std::size_t i = 0; i < forces.size(); ++i) {
         const double off = reference::length(forces[i] - truth[i]);
         const bool is = forces[i] != glm::dvec3(0), should = truth[i] != glm::dvec3(0);
         of_typical.push_back(off / typical);
         if (should)
             local.push_back(off / reference::length(truth[i]));
-        if (is && should)
+        if (is && should) {
+            const double size = reference::length(truth[i]);
             directions.push_back(angle_between(forces[i], truth[i]) / kDegree);
+            sizes.push_back(std::abs(reference::length(forces[i]) - size) / size);
+        }
         errors.missed += should && !is;
         errors.phantom += is && !should;
         errors.above += !should;
@@ -93,6 +96,7 @@ ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm
     }
     errors.direction = summary_of(std::move(directions));
     errors.local = summary_of(std::move(local));
+    errors.size = summary_of(std::move(sizes));
     errors.typical = summary_of(std::move(of_typical));
     return errors;
 }

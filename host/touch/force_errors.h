@@ -59,9 +59,12 @@ struct ForceErrors {
     double phantom_largest = 0; /* 1: the largest force at these over the root mean square of the true force */
     Summary direction;          /* deg */
     Summary local;              /* 1: |F - truth| / |truth|, where there should be a force */
+    Summary size;               /* 1: ||F| - |truth|| / |truth|, where both have a force */
     Summary typical;            /* 1: |F - truth| over the root mean square of the true force */
 
     double missed_share() const { return double(missed) / double(places); }
+    /// Of the places, those where only one of the two has a force.
+    double one_sided_share() const { return double(missed + phantom) / double(places); }
     /// Of the places that should have no force, those that have one; NaN without such places.
     double phantom_share() const { return double(phantom) / double(above); }
     /// The criteria of fronts and bounds: RMS error of the direction in deg, and 95th percentile of the local error;

@@ -43,7 +43,10 @@ TEST(ForceErrors, CountWhatIsMissedAndWhatShouldNotBe) {
     EXPECT_EQ(errors.places, 4u);
     EXPECT_EQ(errors.missed, 1u);
     EXPECT_EQ(errors.phantom, 1u);
+    EXPECT_EQ(errors.one_sided_share(), 0.5);
     EXPECT_NEAR(errors.direction.largest, 45, 1e-12);
+    EXPECT_EQ(errors.size.largest, 0.5) << "of the size alone, and only where both have a force";
+    EXPECT_NEAR(errors.size.median, std::sqrt(2) - 1, 1e-12);
     EXPECT_EQ(errors.local.largest, 1) << "over the force there";
     EXPECT_EQ(errors.local.median, 1);
     EXPECT_EQ(errors.typical.largest, 2) << "over the typical force";

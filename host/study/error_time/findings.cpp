@@ -131,8 +131,8 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     findings.push_back(
         {"shading",
          fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
-                     "error from {} to {} deg{}.",
-                     degrees(plain[0]), degrees(shaded[0]),
+                     "error from {} to {} deg, and the size's from {} to {} of the force there, median{}.",
+                     degrees(plain[0]), degrees(shaded[0]), percent(without.size.median), percent(with.size.median),
                      measured.steady() ? "; a god-object's update " + times_as_long(cost, "unshaded") : ""),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
          fmt::format("{}; in round brackets the least and largest of {} draws, each of {} places and a tessellation",

@@ -80,14 +80,18 @@ const ErrorColumns& method_columns() {
         {"ratio_high", "1", "high end", [](const R& r) { return r.unit_ratio.high; }},
         {"places", "1", "that all laws of the surface share, or that a grid has there",
          of_errors(&ForceErrors::places)},
-        {"missed", "1", "share of the places that should have a force and have none",
-         of_errors(&ForceErrors::missed_share)},
+        {"one_sided", "1", "share of the places where only one of the two has a force: this method or the reference",
+         of_errors(&ForceErrors::one_sided_share)},
         {"direction_rms_deg", "deg", "angle to the true force, root mean square",
          of_errors(&ForceErrors::direction, &Summary::rms)},
         {"direction_max_deg", "deg", "the largest", of_errors(&ForceErrors::direction, &Summary::largest)},
-        {"local_median_1", "1", "error of the force over the true force there, median",
-         of_errors(&ForceErrors::local, &Summary::median)},
-        {"local_p95_1", "1", "the same, 95th percentile", of_errors(&ForceErrors::local, &Summary::p95)},
+        {"size_median_1", "1", "error of the force's size alone over the true force there, where both have one, median",
+         of_errors(&ForceErrors::size, &Summary::median)},
+        {"size_p95_1", "1", "the same, 95th percentile", of_errors(&ForceErrors::size, &Summary::p95)},
+        {"local_p95_1", "1",
+         "error of the force, size and direction, over the true force there, 95th percentile; a missing force errs by "
+         "1",
+         of_errors(&ForceErrors::local, &Summary::p95)},
         {"typical_rms_1", "1", "error of the force over the RMS true force, root mean square",
          of_errors(&ForceErrors::typical, &Summary::rms)},
         {"direction_low_deg", "deg", "direction_rms_deg, the least over draws of places, grid and mesh (table draws)",
@@ -123,7 +127,8 @@ ErrorColumns kind_columns() {
          {"places", "1", "of this kind", of_errors(&ForceErrors::places)},
          {"missed", "1", "of these: no force, but there should be one", of_errors(&ForceErrors::missed)},
          {"phantom", "1", "of these: a force, but there should be none", of_errors(&ForceErrors::phantom)}});
-    as_in_methods({"direction_rms_deg", "direction_max_deg", "local_median_1", "local_p95_1", "typical_rms_1"});
+    as_in_methods(
+        {"direction_rms_deg", "direction_max_deg", "size_median_1", "size_p95_1", "local_p95_1", "typical_rms_1"});
     return columns;
 }
 
