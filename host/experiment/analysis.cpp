@@ -429,7 +429,7 @@ std::vector<study::Figure> figures_of(const std::vector<Tested>& tests, const st
         "shares", "Answers by stimulus",
         "Percent of the answers to each stimulus (radius in mil). 1996: the paper's Table 2; observer: what the model "
         "expects of a simulated hand's strokes.",
-        study::FigureKind::map, "shares", {}, {"answer", ""}, {"condition", ""});
+        study::FigureKind::cells, "shares", {}, {"answer", ""}, {"condition", ""});
     shares.value = "percent";
     shares.value_label = "% of the answers";
     shares.value_limit = 100;

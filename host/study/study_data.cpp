@@ -200,7 +200,7 @@ void from_json(const Json& json, Table& table) {
     }
 }
 
-constexpr const char* kKinds[] = {"scatter", "map", "bars"};
+constexpr const char* kKinds[] = {"scatter", "cells", "bars"};
 
 void to_json(Json& json, const FigureKind& kind) {
     json = kKinds[static_cast<int>(kind)];
@@ -376,7 +376,7 @@ std::size_t place_in(std::vector<std::string>& words, const std::string& word) {
 
 void add_row(picture::Chart& chart, const Figure& figure, const Table& table, std::size_t row) {
     const auto number = [&](const std::string& column) { return table.number(row, column).value_or(NAN); };
-    if (figure.kind == FigureKind::map) {
+    if (figure.kind == FigureKind::cells) {
         const std::size_t panel =
             figure.panels.empty() ? 0 : place_in(chart.panels, text_of(table, row, figure.panels));
         const auto place = [&](const FigureAxis& axis, picture::ChartAxis& to) {

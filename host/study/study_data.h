@@ -93,9 +93,9 @@ Table table_of(std::string name, std::string title, const std::vector<ColumnOf<R
     return table;
 }
 
-/// scatter: points (x, y) by series, joined by lines or not. map: a cell at each (x, y), coloured by a number or a
+/// scatter: points (x, y) by series, joined by lines or not. cells: one at each (x, y), coloured by a number or a
 /// word. bars: a bar of height y for each word x, side by side by series.
-enum class FigureKind { scatter, map, bars };
+enum class FigureKind { scatter, cells, bars };
 
 struct FigureAxis {
     std::string column{};
@@ -122,12 +122,12 @@ struct FigureMarks {
     std::string low{}, high{};     /* columns with the ends of a spread about y; empty: none */
     std::string x_low{}, x_high{}; /* the same about x */
     bool joined = false;           /* scatter: points of a series are joined in the order of rows */
-    std::string value{};           /* map: column of the colour, numbers or words */
+    std::string value{};           /* cells: column of the colour, numbers or words */
     std::string value_label{};
     bool value_logarithmic = false;
-    double value_limit = 0; /* map of numbers: the colours end at this size, 0: at the largest number shown */
-    std::vector<std::string> value_words{}; /* map of words: their order in the legend */
-    std::string panels{};                   /* map: column whose words have a small map each, all on the same axes */
+    double value_limit = 0; /* cells of numbers: the colours end at this size, 0: at the largest number shown */
+    std::vector<std::string> value_words{}; /* cells of words: their order in the legend */
+    std::string panels{}; /* cells: column whose words have a small diagram each, all on the same axes */
 };
 
 struct Figure : FigureMarks {

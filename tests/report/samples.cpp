@@ -136,7 +136,7 @@ void add_scatters(study::StudyData& data) {
 }
 
 void add_maps(study::StudyData& data) {
-    Figure f = figure("loop", "Where the loop is stable", FigureKind::map, "loop",
+    Figure f = figure("loop", "Where the loop is stable", FigureKind::cells, "loop",
                       {"K_N_per_m", "stiffness / (N/m)", true}, {"damping_N_s_per_m", "damping / (N s/m)", false});
     f.value = "state";
     f.value_label = "state";
@@ -157,7 +157,7 @@ void add_maps(study::StudyData& data) {
 }
 
 void add_linked(study::StudyData& data) {
-    Figure f = figure("detail", "Where: none n=4", FigureKind::map, "details", {"place_mm", "place / mm", false},
+    Figure f = figure("detail", "Where: none n=4", FigureKind::cells, "details", {"place_mm", "place / mm", false},
                       {"depth_mm", "depth / mm", false});
     f.where = {{"name", "none n=4"}};
     f.value = "error";

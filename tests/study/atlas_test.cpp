@@ -106,7 +106,7 @@ TEST(StabilityAtlas, OfAShadedSlopeIsTheGrips) {
 // With time in samples and force in b / T a loop has the groups b T / m, k_g T / b and the delay: loops alike in these
 // have one K T / b.
 TEST(StabilityAtlas, DependsOnItsGroupsAlone) {
-    for (const char* name : {"shaded bump", "map of a dip"})
+    for (const char* name : {"shaded bump", "height map of a dip"})
         for (const AtlasPoint& point : atlas(name).points) {
             LoopCell other = point.least.cell;
             other.rate *= 3;
@@ -127,7 +127,7 @@ TEST(StabilityAtlas, DependsOnItsGroupsAlone) {
 TEST(StabilityAtlas, OverDepthIsThatOfTheGripAndTheRadius) {
     std::size_t held = 0;
     double least = 1, most = 0; // d / R
-    for (const auto& [name, radius] : {std::pair("shaded bump", 0.01524), std::pair("map of a bump", 0.0254)})
+    for (const auto& [name, radius] : {std::pair("shaded bump", 0.01524), std::pair("height map of a bump", 0.0254)})
         for (const AtlasPoint& point : atlas(name).points) {
             if (point.quantity != "depth" || point.least.hold.name != "down" ||
                 point.least.place.kind == PlaceKind::flat)
@@ -390,7 +390,7 @@ TEST(FrictionBasin, IsThatOfTheEnginesLoops) {
     const Atlas& plane = atlas("plane");
     const LeastLimit& deep = *worst_of(plane.limits, "plane", plane.surface.deepest);
     std::size_t beyond = 0, within = 0;
-    for (const MapLoop& loop : basin_map(cpu_engine(), plane.surface, deep.place, true)) {
+    for (const DiagramLoop& loop : basin_diagram(cpu_engine(), plane.surface, deep.place, true)) {
         const double basin = friction_basin(0.1, 0.05, loop.cell.stiffness, 1e-3, 0);
         if (std::abs(loop.kick / basin - 1) < 0.15)
             continue;

@@ -71,7 +71,7 @@ TEST(StudyFigures, HavePanels) {
     for (int i = 0; i < 6; ++i)
         data.tables[0].rows.push_back({std::string(i < 3 ? "unshaded" : "shaded"), cell(i)});
     Figure figure;
-    figure.kind = FigureKind::map;
+    figure.kind = FigureKind::cells;
     figure.table = "cells";
     figure.x = figure.y = {"x", "x / m", false};
     figure.value = "x";

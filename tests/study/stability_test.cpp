@@ -1,4 +1,4 @@
-// Loops of the study of stability: closed forms, places, limits, swings and maps.
+// Loops of the study of stability: closed forms, places, limits, swings and diagrams.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -164,9 +164,9 @@ TEST(RestPlaces, AreWhereTheShapeHasThem) {
 
 // S = [[d, s], [-d s / c, c]] with d the depth over R, s and c of the slope x / R.
 TEST(RestPlaces, KnowHowTheForceChanges) {
-    const double radius = own("map of a dip").prepared.one.scene.surface.map.radius;
+    const double radius = own("height map of a dip").prepared.one.scene.surface.map.radius;
     int slopes = 0;
-    for (const RestPlace& place : places_on("map of a dip")) {
+    for (const RestPlace& place : places_on("height map of a dip")) {
         if (place.kind != PlaceKind::slope)
             continue;
         ++slopes;
@@ -193,7 +193,7 @@ TEST(LeastLimits, OfATextureAreTheGrips) {
 
 TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
     for (const char* name :
-         {"plane", "textured plane", "shaded bump", "map of a bump", "shaded mesh", "morgenbesser mesh"}) {
+         {"plane", "textured plane", "shaded bump", "height map of a bump", "shaded mesh", "morgenbesser mesh"}) {
         const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), settings_of(own(name), true));
         const LeastLimit& worst = *worst_of(limits);
         EXPECT_NEAR(simulated_limit(own(name), worst).value() / *worst.limit, 1, 2e-3) << name;
@@ -261,7 +261,7 @@ TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
 }
 
 TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
-    const LoopSurface& map = own("map of a bump");
+    const LoopSurface& map = own("height map of a bump");
     const std::vector<LeastLimit> limits = least_limits(map, places_on(map.name), settings_of(map, true));
     const double least = worst_of(limits)->limit.value();
     EXPECT_LT(least, 0.9 * worst_of(limits)->wall) << "a shaded slope bears less than a wall";
@@ -326,7 +326,7 @@ TEST(SceneLimits, SayWhetherABristleIsStable) {
 }
 
 TEST(CouplingLimits, AreWhereSteppedLoopsBeginToGrow) {
-    for (const char* name : {"plane", "shaded bump", "map of a dip"}) {
+    for (const char* name : {"plane", "shaded bump", "height map of a dip"}) {
         const std::vector<CouplingRow> rows = couplings_on(own(name), places_on(name));
         EXPECT_EQ(rows.size(), 9u) << name;
         EXPECT_EQ(rows.back().scene, 1e7) << name;
@@ -434,10 +434,10 @@ const RestPlace& first_place(const std::string& surface, PlaceKind kind) {
 
 // Of couplings over three decades of stiffness and damping the linearised loop tells which come to rest.
 TEST(CouplingMap, IsAsTheLinearisedLoopForesees) {
-    const std::vector<MapLoop> loops =
-        coupling_map(engine(), own("plane"), first_place("plane", PlaceKind::flat), true);
+    const std::vector<DiagramLoop> loops =
+        coupling_diagram(engine(), own("plane"), first_place("plane", PlaceKind::flat), true);
     std::size_t rests = 0, otherwise = 0;
-    for (const MapLoop& loop : loops) {
+    for (const DiagramLoop& loop : loops) {
         const bool stable = loop.outcome.state == LoopState::stable;
         rests += stable;
         otherwise += stable != loop.foreseen;
@@ -499,10 +499,10 @@ LoopResults results_of(const LoopSurface& surface) {
     const std::vector<RestPlace> places = rest_places(surface, 20);
     results.limits = least_limits(surface, places, settings_of(surface, true));
     const LeastLimit& worst = *worst_of(results.limits);
-    results.maps = damping_map(engine(), surface, worst, true);
-    for (MapLoop& loop : rounding_map(engine(), surface, worst.place, true))
-        results.maps.push_back(std::move(loop));
-    results.curves = curves_over(results.maps, worst);
+    results.diagrams = damping_diagram(engine(), surface, worst, true);
+    for (DiagramLoop& loop : rounding_diagram(engine(), surface, worst.place, true))
+        results.diagrams.push_back(std::move(loop));
+    results.curves = curves_over(results.diagrams, worst);
     return results;
 }
 
@@ -532,11 +532,11 @@ TEST(SceneStability, AreTheScenesOwn) {
 TEST(LoopMaps, DoWhatIsForeseen) {
     const LoopResults results = results_of(scene_surface(prepared(kWall)));
     std::size_t wrong = 0, near = 0;
-    for (const MapLoop& loop : results.maps) {
+    for (const DiagramLoop& loop : results.diagrams) {
         const bool rests = loop.outcome.state == LoopState::stable;
         const double limit = wall_limit(loop.cell.hand, loop.cell.rate);
-        near += loop.map == "damping" && std::abs(loop.cell.stiffness / limit - 1) < 0.02;
-        wrong += loop.map == "damping" ? rests != loop.foreseen : loop.foreseen && !rests;
+        near += loop.diagram == "damping" && std::abs(loop.cell.stiffness / limit - 1) < 0.02;
+        wrong += loop.diagram == "damping" ? rests != loop.foreseen : loop.foreseen && !rests;
     }
     EXPECT_LE(wrong, near);
     EXPECT_FALSE(results.curves.empty());

@@ -1,4 +1,4 @@
-// Figures of studies: scatter, maps and bars of the rows of a table, drawn by d3.
+// Figures of studies: scatters, cells and bars of the rows of a table, drawn by d3.
 
 const WIDTH = 720, NARROWEST = 300, HEIGHT = 440, PLOT = { left: 74, right: 16, top: 12, bottom: 46 }; // px
 const MARKS = [d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond, d3.symbolCross, d3.symbolStar, d3.symbolWye];
@@ -268,7 +268,7 @@ function evenScale(band, sorted) {
   return sorted.length > 2 && scales.find(fits) || null;
 }
 
-function drawMap(element, study, figure) {
+function drawCells(element, study, figure) {
   const whole = (where) => rowsOf(study, figure.table, where).filter((row) => row[figure.x.column] !== null && row[figure.y.column] !== null);
   const rows = whole(figure.where), spanned = figure.span ? whole(figure.span) : rows;
   // Numbers rise; words stand in the order of the rows, from the left and from the top.
@@ -363,7 +363,7 @@ function drawBars(element, study, figure) {
       : key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12)).attr("fill", styleOf(name).colour)));
 }
 
-const DRAW = { scatter: drawScatter, map: drawMap, bars: drawBars };
+const DRAW = { scatter: drawScatter, cells: drawCells, bars: drawBars };
 
 // Saving: the SVG with the page's colours put in, a PNG of it at twice the size, or the rows that it shows.
 function save(name, address) {

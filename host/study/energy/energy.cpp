@@ -76,7 +76,7 @@ EnergySurface own_mesh(bool quick) {
 struct Extents {
     std::size_t loops, loops_of_history; /* of a law */
     std::size_t steps;                   /* of a stroke; followed by the god-object */
-    std::uint64_t columns;               /* of a map of curl */
+    std::uint64_t columns;               /* of a section of curl */
 };
 
 Extents extents_of(bool quick) {

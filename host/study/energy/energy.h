@@ -91,9 +91,9 @@ struct SectionField {
 /// cells is their sum, also where forces jump along slanted lines.
 std::vector<double> cell_curls(const SectionField& field);
 
-/// A cell of a map of curl.
+/// A cell of a section of curl.
 struct CurlCell {
-    std::string map;           /* "bump of 8 facets, shaded" */
+    std::string section;       /* "bump of 8 facets, shaded" */
     double x, z;               /* m: its middle */
     double curl_per_stiffness; /* 1 */
 };

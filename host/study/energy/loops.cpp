@@ -166,7 +166,7 @@ std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<
 // Curl of a force field in a section, from the volume that an engine evaluates.
 namespace {
 
-constexpr std::size_t kBlock = 8; // cells of samples along a side of a cell of the map
+constexpr std::size_t kBlock = 8; // cells of samples along a side of a cell of the section
 
 // Samples of the scene's grid, which has one y.
 template <typename T> SectionField evaluated_section(Engine& engine, const PreparedCase& prepared) {

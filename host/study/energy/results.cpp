@@ -132,7 +132,7 @@ Table stroke_table(const EnergyResults& results) {
 Table curl_table(const std::vector<CurlCell>& cells) {
     using R = CurlCell;
     return table_of<R>("curl", "Curl of the force in a section, over the stiffness",
-                       {{"section", "", "surface and scheme", &R::map},
+                       {{"section", "", "surface and scheme", &R::section},
                         {"x_mm", "mm", "middle of the cell", [](const R& r) { return 1e3 * r.x; }},
                         {"z_mm", "mm", "middle of the cell", [](const R& r) { return 1e3 * r.z; }},
                         {"curl_per_K", "1", "work round it over its area and K: the mean of 8 x 8 cells of samples",
@@ -168,7 +168,7 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
             "curl", "Where closed strokes give energy, in a section",
             "Work round a cell over its area and K; a closed stroke gives the sum of the cells inside it. Along a "
             "jump of the force, alternating colours cancel.",
-            FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}, "", "",
+            FigureKind::cells, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}, "", "",
             {.value = "curl_per_K", .value_label = "curl_y F / K", .value_limit = 0.5, .panels = "section"}));
     return figures;
 }

@@ -147,7 +147,7 @@ std::vector<Figure> section_figures(const Subject& subject, const Method& method
     Figure field = make_figure(
         "field-" + subject.name, fmt::format("Error on a section: {}", method.name),
         "Largest error of eight places in each cell of a section, over the force there; at least 1e-4.",
-        FigureKind::map, "fields", where, {"x_mm", "x / mm"}, {"height_mm", "height over the surface / mm"}, "", "",
+        FigureKind::cells, "fields", where, {"x_mm", "x / mm"}, {"height_mm", "height over the surface / mm"}, "", "",
         {.value = "local_max_1",
          .value_label = "error over the force there",
          .value_logarithmic = true,

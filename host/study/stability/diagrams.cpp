@@ -1,4 +1,4 @@
-// Hands like the surface's own, what sets their limits, and maps of their loops.
+// Hands like the surface's own, what sets their limits, and diagrams of their loops.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -28,23 +28,24 @@ Fineness fineness_of(const LoopSurface& surface, bool quick) {
     return quick ? Fineness{16, 8, 200} : Fineness{32, 16, 400};
 }
 
-// From the first of a map's columns or rows to the last.
+// From the first of a diagram's columns or rows to the last.
 struct Ends {
     double low, high;
 };
 
-// Loops like `first` over a map, each changed by set(loop, x, y), and their outcomes: a row is run at once, with its
-// own number of steps and its own kick, if any.
+// Loops like `first` over a diagram, each changed by set(loop, x, y), and their outcomes: a row is run at once, with
+// its own number of steps and its own kick, if any.
 template <typename Set>
-std::vector<MapLoop> map_of(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick,
-                            const MapLoop& first, const Ends& x, const Ends& y, LoopRun run, const Set& set) {
+std::vector<DiagramLoop> diagram_of(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick,
+                                    const DiagramLoop& first, const Ends& x, const Ends& y, LoopRun run,
+                                    const Set& set) {
     const Fineness fine = fineness_of(surface, quick);
     run.patience = fine.patience;
-    std::vector<MapLoop> loops;
+    std::vector<DiagramLoop> loops;
     for (int j = 0; j < fine.rows; ++j) {
         std::vector<LoopCell> cells;
         for (int i = 0; i < fine.columns; ++i) {
-            MapLoop& loop = loops.emplace_back(first);
+            DiagramLoop& loop = loops.emplace_back(first);
             set(loop, short_between(x.low, x.high, i, fine.columns), short_between(y.low, y.high, j, fine.rows));
             cells.push_back(loop.cell);
         }
@@ -231,7 +232,8 @@ std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, c
     return swings;
 }
 
-std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick) {
+std::vector<DiagramLoop> damping_diagram(Engine& engine, const LoopSurface& surface, const LeastLimit& least,
+                                         bool quick) {
     const double damping = damping_of(least.cell.hand), wall = least.wall;
     const double least_shown = std::max(least.limit.value_or(wall), 1e-3 * wall); // N/m
     const double low = std::min(least_shown, surface.stiffness > 0 ? surface.stiffness : wall) / 10;
@@ -240,45 +242,47 @@ std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, con
     double row = NAN;
     LoopRun run;
     run.all_sides = least.hold.along == glm::dvec3(0);
-    return map_of(engine, surface, least.place, quick, {"damping", surface.name, least.cell}, {low, high},
-                  {0.2 * damping, 20 * damping}, run, [&](MapLoop& loop, double stiffness, double damped_by) {
-                      loop.cell = damped(loop.cell, damped_by);
-                      if (damped_by != std::exchange(row, damped_by))
-                          limit = limit_at(least, loop.cell);
-                      loop.cell.stiffness = stiffness;
-                      loop.foreseen = !limit || stiffness < *limit;
-                  });
+    return diagram_of(engine, surface, least.place, quick, {"damping", surface.name, least.cell}, {low, high},
+                      {0.2 * damping, 20 * damping}, run, [&](DiagramLoop& loop, double stiffness, double damped_by) {
+                          loop.cell = damped(loop.cell, damped_by);
+                          if (damped_by != std::exchange(row, damped_by))
+                              limit = limit_at(least, loop.cell);
+                          loop.cell.stiffness = stiffness;
+                          loop.foreseen = !limit || stiffness < *limit;
+                      });
 }
 
-std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
+std::vector<DiagramLoop> coupling_diagram(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                          bool quick) {
     constexpr double kRigid = 1e7; /* N/m */
     HandSpec linear = surface.hand;
     linear.quantisation = linear.coulomb = 0;
     const double damping = damping_of(linear);
     const double passive = passive_stiffness(damping, 1 / surface.rate, linear.delay_samples);
     const Hold down = pressed_along({0, 0, 1});
-    return map_of(engine, surface, place, quick, {"coupling", surface.name, {linear, surface.rate, kRigid}},
-                  {0.1 * passive, 30 * passive}, {0.03 * damping, 100 * damping}, {},
-                  [&](MapLoop& loop, double stiffness, double damper) {
-                      loop.cell.hand = coupled(linear, stiffness, damper);
-                      loop.foreseen = !grows(loop.cell.hand, surface.rate, down, place.force_around(), kRigid);
-                  });
+    return diagram_of(engine, surface, place, quick, {"coupling", surface.name, {linear, surface.rate, kRigid}},
+                      {0.1 * passive, 30 * passive}, {0.03 * damping, 100 * damping}, {},
+                      [&](DiagramLoop& loop, double stiffness, double damper) {
+                          loop.cell.hand = coupled(linear, stiffness, damper);
+                          loop.foreseen = !grows(loop.cell.hand, surface.rate, down, place.force_around(), kRigid);
+                      });
 }
 
-std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
+std::vector<DiagramLoop> rounding_diagram(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                          bool quick) {
     const LoopCell cell{surface.hand, surface.rate, surface.stiffness > 0 ? surface.stiffness : kOwnStiffness};
     const double quantum = cell.hand.quantisation > 0 ? cell.hand.quantisation : kOwnQuantum;
     const double friction = cell.hand.coulomb > 0 ? cell.hand.coulomb : kOwnFriction;
     const double passive = passive_stiffness(damping_of(cell.hand), 1 / cell.rate, cell.hand.delay_samples);
     LoopRun run;
     run.disturbance = kRounded;
-    return map_of(engine, surface, place, quick, {"rounding", surface.name, cell}, {0.1 * quantum, 30 * quantum},
-                  {0.02 * friction, 20 * friction}, run, [&](MapLoop& loop, double step, double coulomb) {
-                      loop.cell.hand.quantisation = step;
-                      loop.cell.hand.coulomb = coulomb;
-                      const double still = 2 * coulomb / step; // N/m (Abbott & Okamura)
-                      loop.foreseen = cell.stiffness <= std::min(passive, still);
-                  });
+    return diagram_of(engine, surface, place, quick, {"rounding", surface.name, cell}, {0.1 * quantum, 30 * quantum},
+                      {0.02 * friction, 20 * friction}, run, [&](DiagramLoop& loop, double step, double coulomb) {
+                          loop.cell.hand.quantisation = step;
+                          loop.cell.hand.coulomb = coulomb;
+                          const double still = 2 * coulomb / step; // N/m (Abbott & Okamura)
+                          loop.foreseen = cell.stiffness <= std::min(passive, still);
+                      });
 }
 
 double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay) {
@@ -347,7 +351,7 @@ std::vector<BasinRow> basins_of(const LoopSurface& surface, const std::vector<Le
     return rows;
 }
 
-std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
+std::vector<DiagramLoop> basin_diagram(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
     const double friction = surface.hand.coulomb > 0 ? surface.hand.coulomb : kOwnFriction;
     LoopCell cell = damped({surface.hand, surface.rate, 1}, 0);
     cell.hand.quantisation = 0;
@@ -356,45 +360,45 @@ std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const
     const double highest = 0.16 * cell.hand.mass * cell.rate * cell.rate; // N/m: w T of 0.4
     LoopRun run;
     run.steps = 8000;
-    return map_of(engine, surface, place, quick, {"basin", surface.name, cell}, {highest / 100, highest},
-                  {place.depth / 200, place.depth / 2}, run, [&](MapLoop& loop, double stiffness, double kick) {
-                      loop.kick = kick;
-                      loop.cell.stiffness = stiffness;
-                      loop.foreseen = kick < friction_basin(cell.hand.mass, friction, stiffness, 1 / cell.rate, 0);
-                  });
+    return diagram_of(engine, surface, place, quick, {"basin", surface.name, cell}, {highest / 100, highest},
+                      {place.depth / 200, place.depth / 2}, run, [&](DiagramLoop& loop, double stiffness, double kick) {
+                          loop.kick = kick;
+                          loop.cell.stiffness = stiffness;
+                          loop.foreseen = kick < friction_basin(cell.hand.mass, friction, stiffness, 1 / cell.rate, 0);
+                      });
 }
 
-std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least) {
-    std::vector<MapCurvePoint> points;
-    // Visits a row or a column of a map, the loops of the least `number`, with the largest one of the map.
-    const auto over = [&](const char* map, double (*number)(const MapLoop&), const auto& visit) {
+std::vector<CurvePoint> curves_over(const std::vector<DiagramLoop>& loops, const LeastLimit& least) {
+    std::vector<CurvePoint> points;
+    // Visits a row or a column of a diagram, the loops of the least `number`, with the largest one of the diagram.
+    const auto over = [&](const char* diagram, double (*number)(const DiagramLoop&), const auto& visit) {
         double low = INFINITY, high = 0;
-        for (const MapLoop& loop : loops)
-            if (loop.map == map) {
+        for (const DiagramLoop& loop : loops)
+            if (loop.diagram == diagram) {
                 low = std::min(low, number(loop));
                 high = std::max(high, number(loop));
             }
-        for (const MapLoop& loop : loops)
-            if (loop.map == map && number(loop) == low)
+        for (const DiagramLoop& loop : loops)
+            if (loop.diagram == diagram && number(loop) == low)
                 visit(loop, loop.cell, high);
     };
     for (const char* curve : {"K_crit", "linearised"})
         over(
-            "damping", [](const MapLoop& loop) { return loop.cell.stiffness; },
-            [&](const MapLoop&, const LoopCell& cell, double) {
+            "damping", [](const DiagramLoop& loop) { return loop.cell.stiffness; },
+            [&](const DiagramLoop&, const LoopCell& cell, double) {
                 const std::optional<double> limit =
                     curve[0] == 'K' ? wall_limit(cell.hand, cell.rate) : limit_at(least, cell);
                 if (limit && *limit > 0)
                     points.push_back(
-                        {.map = "damping", .curve = curve, .stiffness = *limit, .damping = damping_of(cell.hand)});
+                        {.diagram = "damping", .curve = curve, .stiffness = *limit, .damping = damping_of(cell.hand)});
             });
     over(
-        "coupling", [](const MapLoop& loop) { return loop.cell.hand.coupling_stiffness; },
-        [&](const MapLoop&, const LoopCell& cell, double) {
+        "coupling", [](const DiagramLoop& loop) { return loop.cell.hand.coupling_stiffness; },
+        [&](const DiagramLoop&, const LoopCell& cell, double) {
             const double softest = cell.hand.coupling_stiffness, damper = cell.hand.coupling_damping;
             const auto add = [&](const std::string& curve, double stiffness) {
                 points.push_back(
-                    {.map = "coupling", .curve = curve, .coupling = stiffness, .coupling_damping = damper});
+                    {.diagram = "coupling", .curve = curve, .coupling = stiffness, .coupling_damping = damper});
             };
             const double passive = passive_stiffness(damping_of(cell.hand) - damper, 1 / cell.rate,
                                                      cell.hand.delay_samples); // Colgate & Schenkel
@@ -413,20 +417,20 @@ std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const 
             }
         });
     over(
-        "rounding", [](const MapLoop& loop) { return loop.cell.hand.coulomb; },
-        [&](const MapLoop&, const LoopCell& cell, double most) {
+        "rounding", [](const DiagramLoop& loop) { return loop.cell.hand.coulomb; },
+        [&](const DiagramLoop&, const LoopCell& cell, double most) {
             const double quantum = cell.hand.quantisation, friction = cell.stiffness * quantum / 2;
             if (friction >= cell.hand.coulomb && friction <= most)
                 points.push_back(
-                    {.map = "rounding", .curve = "f_c = K quantum / 2", .quantum = quantum, .friction = friction});
+                    {.diagram = "rounding", .curve = "f_c = K quantum / 2", .quantum = quantum, .friction = friction});
         });
     over(
-        "basin", [](const MapLoop& loop) { return loop.kick; },
-        [&](const MapLoop& loop, const LoopCell& cell, double most) {
+        "basin", [](const DiagramLoop& loop) { return loop.kick; },
+        [&](const DiagramLoop& loop, const LoopCell& cell, double most) {
             const double kick = friction_basin(cell.hand.mass, cell.hand.coulomb, cell.stiffness, 1 / cell.rate, 0);
             if (kick >= loop.kick && kick <= most)
                 points.push_back(
-                    {.map = "basin", .curve = "8 f_c / (pi K T w)", .stiffness = cell.stiffness, .kick = kick});
+                    {.diagram = "basin", .curve = "8 f_c / (pi K T w)", .stiffness = cell.stiffness, .kick = kick});
         });
     return points;
 }

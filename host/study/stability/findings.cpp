@@ -249,19 +249,19 @@ void add_atlas(std::vector<Finding>& findings, const LoopResults& results, const
                                                    stepped, apart)});
 }
 
-// Of a map: the loops that are foreseen to come to rest, and those that are not.
+// Of a diagram: the loops that are foreseen to come to rest, and those that are not.
 struct Tally {
-    const MapLoop* any = nullptr;                             /* null: there is no such map */
+    const DiagramLoop* any = nullptr;                         /* null: there is no such diagram */
     std::size_t foreseen = 0, kept = 0, others = 0, rest = 0; /* kept, rest: of either, those that do come to rest */
 
     std::size_t all() const { return foreseen + others; }
     std::size_t as_foreseen() const { return kept + others - rest; }
 };
 
-Tally tally_of(const LoopResults& results, const char* map) {
+Tally tally_of(const LoopResults& results, const char* diagram) {
     Tally tally;
-    for (const MapLoop& loop : results.maps) {
-        if (loop.map != map)
+    for (const DiagramLoop& loop : results.diagrams) {
+        if (loop.diagram != diagram)
             continue;
         tally.any = &loop;
         (loop.foreseen ? tally.foreseen : tally.others) += 1;

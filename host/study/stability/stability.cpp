@@ -18,7 +18,7 @@ struct StudiedSurface {
     bool limits_alone = false; // nothing else is examined
 };
 
-// The box of a bump or map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
+// The box of a bump or height map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
 constexpr glm::dvec3 kBumpLow{-0.0152, -0.005, -0.003}, kBumpHigh{0.0152, 0.005, 0.008};
 constexpr glm::dvec3 kMeshLow{-0.0105, -0.008, -0.003}, kMeshHigh{0.0105, 0.008, 0.008};
 constexpr OwnSurface mesh_of(Shading shading) {
@@ -31,11 +31,11 @@ const StudiedSurface kStudied[] = {
     {"shaded bump", {.shaded = true, .radius = kOwnRadius, .facets = 2}, kBumpLow, kBumpHigh},
     {"bump of 8 facets", {.radius = kOwnRadius}, kBumpLow, kBumpHigh, 0, true},
     {"shaded bump of 8 facets", {.shaded = true, .radius = kOwnRadius}, kBumpLow, kBumpHigh, 0, true},
-    {"map of a bump",
+    {"height map of a bump",
      {.kind = SurfaceKind::height_map, .shaded = true},
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.002}},
-    {"map of a dip",
+    {"height map of a dip",
      {.kind = SurfaceKind::height_map, .function = MapFunction::dip, .shaded = true},
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.002}},
@@ -96,7 +96,7 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
         results.profile.push_back({surface.name, x, z});
 }
 
-// At the surface with the lowest limit, away from edges: paths of a map go further than a limit's disturbance.
+// At the surface with the lowest limit, away from edges: paths of a diagram go further than a limit's disturbance.
 void add_maps(Engine& engine, bool quick, LoopResults& results) {
     const LoopSurface& first = results.surfaces.front();
     const LeastLimit *worst = worst_of(results.limits), *flat = worst_of(results.limits, first.name);
@@ -107,15 +107,15 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
     const auto surface = std::ranges::find(results.surfaces, held.surface, &LoopSurface::name);
     held.hold = held.place.force.z > 0 ? Hold{"down", {0, 0, 1}} : Hold{"on all sides", glm::dvec3(0)};
     held.limit = linear_limit(held.cell.hand, held.cell.rate, held.hold, held.place.force_around());
-    results.map_kind = name_of(held.place.kind);
-    results.maps = damping_map(engine, *surface, held, quick);
-    append(results.maps, rounding_map(engine, first, flat->place, quick));
+    results.diagram_kind = name_of(held.place.kind);
+    results.diagrams = damping_diagram(engine, *surface, held, quick);
+    append(results.diagrams, rounding_diagram(engine, first, flat->place, quick));
     if (!first.is_mesh())
-        append(results.maps, coupling_map(engine, first, flat->place, quick));
+        append(results.diagrams, coupling_diagram(engine, first, flat->place, quick));
     if (const LeastLimit* deep = worst_of(results.limits, first.name, first.deepest, PlaceKind::flat);
         deep && !first.is_mesh())
-        append(results.maps, basin_map(engine, first, deep->place, quick));
-    results.curves = curves_over(results.maps, held);
+        append(results.diagrams, basin_diagram(engine, first, deep->place, quick));
+    results.curves = curves_over(results.diagrams, held);
 }
 
 template <typename T> std::vector<T> joined(std::deque<std::vector<T>>& parts) {
@@ -198,7 +198,7 @@ StudyData study_stability(StudyRun& run) {
     std::ranges::reverse(parts); // the longest first: thin meshes, dips
     if (!run.scene())            // of plain surfaces of the study's own
         append(parts, number_parts(run.engine(), quick, by_number));
-    parts.push_back({"maps of loops", [&] {
+    parts.push_back({"diagrams of loops", [&] {
                          for (LoopResults& own : by_surface) {
                              append(loops.limits, std::move(own.limits));
                              append(loops.by_edges, std::move(own.by_edges));

@@ -1,7 +1,7 @@
 // The study of the limits of loops and numbers: loops run by an engine; their limits for hands like the surface's own,
-// by damping, rate and delay, and over what sets a limit, one quantity at a time; and maps of the loops' states over
-// stiffness and damping at the lowest limit of a surface, over the step of the measured position and friction, and over
-// kicks of a device without damping.
+// by damping, rate and delay, and over what sets a limit, one quantity at a time; and diagrams of the loops' states
+// over stiffness and damping at the lowest limit of a surface, over the step of the measured position and friction, and
+// over kicks of a device without damping.
 #pragma once
 
 #include <cmath>
@@ -65,9 +65,9 @@ struct EdgeSwing {
 /// surface's own hand pressed down.
 std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, const std::vector<RestPlace>& places);
 
-/// A loop of a map.
-struct MapLoop {
-    std::string map, surface; /* "damping", "coupling", "rounding", "basin" */
+/// A loop of a diagram.
+struct DiagramLoop {
+    std::string diagram, surface; /* "damping", "coupling", "rounding", "basin" */
     LoopCell cell;
     LoopOutcome outcome{};
     bool foreseen = false; /* to come to rest: by the linearised loop; with rounding by
@@ -83,14 +83,17 @@ double short_between(double low, double high, int i, int count);
 LoopCell damped(LoopCell cell, double damping);
 
 /// Over stiffness and damping at a limit's place; its hold must be one that paths have: down or on all sides.
-std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick);
+std::vector<DiagramLoop> damping_diagram(Engine& engine, const LoopSurface& surface, const LeastLimit& least,
+                                         bool quick);
 
 /// Over stiffness and damping of a virtual coupling (the Z-width of Colgate & Brown 1994), pressed down onto a scene of
 /// 1e7 N/m there.
-std::vector<MapLoop> coupling_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+std::vector<DiagramLoop> coupling_diagram(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                          bool quick);
 
 /// Over quantum and friction, the hand pressed down there. The stiffness is the scene's, or 1000 N/m.
-std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+std::vector<DiagramLoop> rounding_diagram(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                          bool quick);
 
 /// m: kicks up to here die out by friction, N, alone: of a mass, kg, without damping on a wall of `stiffness`, N/m,
 /// whose force is held for a sample, s, and `delay` samples late. Hold and delay feed pi K T w A^2 (1/2 + delay) a
@@ -99,7 +102,7 @@ std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, co
 double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay);
 
 /// Loops on a wall without damping, over stiffness and kick; `foreseen` by friction_basin.
-std::vector<MapLoop> basin_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
+std::vector<DiagramLoop> basin_diagram(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick);
 
 /// m: the same of a loop of `cell` without damping at a place of any surface, for a kick straight down, at any w T: the
 /// probe swings along the force, where the grip's spring holds it, too, at the w of harmonic balance, m w^2 = k_g + K s
@@ -120,17 +123,17 @@ struct BasinRow {
 /// holds.
 std::vector<BasinRow> basins_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick);
 
-/// A point of a line over a map.
-struct MapCurvePoint {
-    std::string map, curve; /* "K_crit" */
+/// A point of a line over a diagram.
+struct CurvePoint {
+    std::string diagram, curve; /* "K_crit" */
     /* SI; NaN: does not apply */
     double stiffness = NAN, damping = NAN, quantum = NAN, friction = NAN, kick = NAN;
     double coupling = NAN, coupling_damping = NAN; /* N/m, N s/m: of a virtual coupling */
 };
 
 /// K_crit and the linearised loop over damping; the linearised loop, with filters, too, and what is passive over
-/// couplings; f_c = K quantum / 2 over quantum, friction_basin over stiffness: within the maps.
-std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least);
+/// couplings; f_c = K quantum / 2 over quantum, friction_basin over stiffness: within the diagrams.
+std::vector<CurvePoint> curves_over(const std::vector<DiagramLoop>& loops, const LeastLimit& least);
 
 /// A place, and what one quantity makes of its limit; all else is the surface's own hand.
 struct AtlasPoint {
@@ -210,9 +213,9 @@ struct LoopResults {
     std::vector<BasinRow> basins;
     std::vector<EdgeSwing> swings;
     std::vector<CouplingRow> couplings;
-    std::vector<MapLoop> maps;
-    std::vector<MapCurvePoint> curves;
-    std::string map_kind; /* of the place of the map over damping */
+    std::vector<DiagramLoop> diagrams;
+    std::vector<CurvePoint> curves;
+    std::string diagram_kind; /* of the place of the diagram over damping */
     std::vector<ProfilePoint> profile;
 };
 

@@ -214,7 +214,7 @@ Table swing_table(const LoopResults& results) {
             {{"jump_deg", "deg", "between the directions of the force on both sides",
               [](const R& r) { return r.place.jump / kDegree; }},
              {"stiffness_N_per_m", "N/m", "of the surface", &R::stiffness},
-             {"state", "", "as in loop_map; slid aside: at rest more than a tenth of its depth away",
+             {"state", "", "as in loop_states; slid aside: at rest more than a tenth of its depth away",
               [](const R& r) {
                   const bool slid = r.outcome.state == LoopState::stable && r.outcome.moved > 0.1 * r.place.depth;
                   return slid ? "slid aside" : word_of(r.outcome.state);
@@ -257,15 +257,15 @@ Table coupling_table(const LoopResults& results) {
         results.couplings);
 }
 
-Table map_table(const LoopResults& results) {
-    using R = MapLoop;
+Table state_table(const LoopResults& results) {
+    using R = DiagramLoop;
     return table_of<R>(
-        "loop_map", "States of sampled loops",
-        {{"map", "",
+        "loop_states", "States of sampled loops",
+        {{"diagram", "",
           "damping: over stiffness and damping at the surface's lowest limit; coupling: over stiffness and damping of "
           "a virtual coupling to a scene of 1e7 N/m; rounding: over the step of the measured "
           "position and friction; basin: over stiffness and kick, without damping",
-          &R::map},
+          &R::diagram},
          {"surface", "", "pressed by the hand", &R::surface},
          {"stiffness_N_per_m", "N/m", "K of the surface", [](const R& r) { return r.cell.stiffness; }},
          {"damping_N_s_per_m", "N s/m", "b of device and hand together",
@@ -293,17 +293,17 @@ Table map_table(const LoopResults& results) {
           "rests or grows, by the linearised loop; with rounding: rests where K <= min(2 b / T, 2 f_c / quantum); "
           "basin: "
           "by describing functions",
-          [](const R& r) { return r.foreseen            ? Cell("rests")
-                                  : r.map == "rounding" ? Cell()
-                                                        : Cell("grows"); }}},
-        results.maps);
+          [](const R& r) { return r.foreseen                ? Cell("rests")
+                                  : r.diagram == "rounding" ? Cell()
+                                                            : Cell("grows"); }}},
+        results.diagrams);
 }
 
 Table curve_table(const LoopResults& results) {
-    using R = MapCurvePoint;
+    using R = CurvePoint;
     return table_of<R>(
-        "loop_curves", "Closed forms over the maps",
-        {{"map", "", "over which map", &R::map},
+        "loop_curves", "Closed forms over the diagrams",
+        {{"diagram", "", "over which diagram", &R::diagram},
          {"curve", "", "which closed form", &R::curve},
          {"stiffness_N_per_m", "N/m", "K of the surface", &R::stiffness},
          {"damping_N_s_per_m", "N s/m", "b", &R::damping},
@@ -368,19 +368,19 @@ Table kind_table(const LoopResults& results) {
                        rows);
 }
 
-// Of one of the maps, with the lines that it has.
-Figure map_figure(const LoopResults& results, const std::string& map, const std::string& title, const FigureAxis& x,
-                  const FigureAxis& y) {
+// Of one of the diagrams, with the lines that it has.
+Figure diagram_figure(const LoopResults& results, const std::string& diagram, const std::string& title,
+                      const FigureAxis& x, const FigureAxis& y) {
     Figure figure =
-        make_figure("loop-" + map, title, "The state of each loop, the hand pressed down. Lines: closed forms.",
-                    FigureKind::map, "loop_map", {{"map", map}}, x, y, "", "",
+        make_figure("loop-" + diagram, title, "The state of each loop, the hand pressed down. Lines: closed forms.",
+                    FigureKind::cells, "loop_states", {{"diagram", diagram}}, x, y, "", "",
                     {.value = "state",
                      .value_label = "the loop",
                      .value_words = {"stable", "quantisation limit cycle", "limit cycle", "unstable"}});
     for (const std::string curve : {"K_crit", "passive", "linearised", "filter of 5 samples", "filter of 20 samples",
                                     "f_c = K quantum / 2", "8 f_c / (pi K T w)"})
-        if (const Where where{{"map", map}, {"curve", curve}}; std::ranges::any_of(
-                results.curves, [&](const MapCurvePoint& one) { return one.map == map && one.curve == curve; }))
+        if (const Where where{{"diagram", diagram}, {"curve", curve}}; std::ranges::any_of(
+                results.curves, [&](const CurvePoint& one) { return one.diagram == diagram && one.curve == curve; }))
             figure.curves.push_back({"loop_curves", where, x.column, y.column,
                                      curve == "linearised" ? "linearised there" : curve,
                                      curve == "K_crit" || curve == "passive"});
@@ -411,13 +411,15 @@ std::vector<Figure> figures_of(const LoopResults& results) {
             FigureKind::scatter, "loop_edges", {{"kind", "foot"}, {"depth_mm", Cell(1e3 * first.depths()[2]).text()}},
             {"stiffness_N_per_m", "stiffness / (N/m)", true}, {"swing_um", "swing / um", true}, "series", "",
             {.joined = true}));
-    const auto any = [&](const char* map) { return std::ranges::find(results.maps, map, &MapLoop::map); };
-    if (const auto loop = any("damping"); loop != results.maps.end())
-        figures.push_back(map_figure(results, "damping",
-                                     fmt::format("Loops over stiffness and damping: {}{}", loop->surface,
-                                                 results.map_kind.empty() ? "" : ", " + results.map_kind),
-                                     {"stiffness_N_per_m", "stiffness / (N/m)", true},
-                                     {"damping_N_s_per_m", "damping / (N s/m)", true}));
+    const auto any = [&](const char* diagram) {
+        return std::ranges::find(results.diagrams, diagram, &DiagramLoop::diagram);
+    };
+    if (const auto loop = any("damping"); loop != results.diagrams.end())
+        figures.push_back(diagram_figure(results, "damping",
+                                         fmt::format("Loops over stiffness and damping: {}{}", loop->surface,
+                                                     results.diagram_kind.empty() ? "" : ", " + results.diagram_kind),
+                                         {"stiffness_N_per_m", "stiffness / (N/m)", true},
+                                         {"damping_N_s_per_m", "damping / (N s/m)", true}));
     // Over a quantity in groups without units.
     const std::tuple<const char*, const char*, FigureAxis> groups[] = {
         {"mass", "The limit over the hand's mass, 1 g to 10 kg", {"b_T_over_m_1", "b T / m", true}},
@@ -454,18 +456,19 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                         "of 5 samples. All at rest at all places.",
                         FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e7).text()}},
                         {"surface", "surface"}, {"displayed_N_per_m", "displayed / (N/m)", true}, "coupling"));
-    if (const auto loop = any("coupling"); loop != results.maps.end())
-        figures.push_back(map_figure(results, "coupling",
-                                     fmt::format("Z-width: virtual couplings to a {} of 1e7 N/m", loop->surface),
-                                     {"coupling_N_per_m", "coupling's stiffness / (N/m)", true},
-                                     {"coupling_N_s_per_m", "coupling's damping / (N s/m)", true}));
-    if (const auto loop = any("basin"); loop != results.maps.end())
-        figures.push_back(map_figure(results, "basin",
-                                     fmt::format("Kicks of a device without damping: {}, {:.3g} N of friction",
-                                                 loop->surface, loop->cell.hand.coulomb),
-                                     {"stiffness_N_per_m", "stiffness / (N/m)", true}, {"kick_um", "kick / um", true}));
-    if (const auto loop = any("rounding"); loop != results.maps.end())
-        figures.push_back(map_figure(
+    if (const auto loop = any("coupling"); loop != results.diagrams.end())
+        figures.push_back(diagram_figure(results, "coupling",
+                                         fmt::format("Z-width: virtual couplings to a {} of 1e7 N/m", loop->surface),
+                                         {"coupling_N_per_m", "coupling's stiffness / (N/m)", true},
+                                         {"coupling_N_s_per_m", "coupling's damping / (N s/m)", true}));
+    if (const auto loop = any("basin"); loop != results.diagrams.end())
+        figures.push_back(diagram_figure(results, "basin",
+                                         fmt::format("Kicks of a device without damping: {}, {:.3g} N of friction",
+                                                     loop->surface, loop->cell.hand.coulomb),
+                                         {"stiffness_N_per_m", "stiffness / (N/m)", true},
+                                         {"kick_um", "kick / um", true}));
+    if (const auto loop = any("rounding"); loop != results.diagrams.end())
+        figures.push_back(diagram_figure(
             results, "rounding",
             fmt::format("Loops over rounding and friction, {}, K = {:.4g} N/m", loop->surface, loop->cell.stiffness),
             {"quantum_um", "step of the measured position / um", true}, {"friction_N", "friction / N", true}));
@@ -496,7 +499,7 @@ std::string disagreement_note(const LoopResults& results) {
 void add_loops(StudyData& data, const LoopResults& results) {
     data.tables = {kind_table(results),         limit_table(results), atlas_table(results),   basin_table(results),
                    disagreement_table(results), swing_table(results), worst_table(results),   profile_table(results),
-                   map_table(results),          curve_table(results), coupling_table(results)};
+                   state_table(results),        curve_table(results), coupling_table(results)};
     if (!results.by_edges.empty())
         data.tables.push_back(edge_limit_table(results));
     data.figures = figures_of(results);
@@ -512,7 +515,7 @@ void add_loops(StudyData& data, const LoopResults& results) {
         "half the limit, which is small close to a jump of the direction.",
         "Where the direction jumps there is no linearised loop: the hand balances the mean of both sides' forces, and "
         "the probe's swing is given instead.",
-        "A loop of a map begins a tenth of its depth too deep and a little aside, half of it with rounding and "
+        "A loop of a diagram begins a tenth of its depth too deep and a little aside, half of it with rounding and "
         "friction. It is unstable if it moves further than three depths from its place, stable if it decays or its "
         "measured position does not change any more; with rounding, the hand presses to a depth midway between two "
         "quanta, the worst case. Without damping, friction alone brings it to rest: a kick dies out if friction takes "
