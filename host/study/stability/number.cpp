@@ -369,8 +369,8 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, 
     }
     if (const LawRounding* fork = worst(true, false)) {
         text += fmt::format(
-            ", and by up to {:.2g} times it where two strokes fork at an edge: along each of them its force does "
-            "not jump",
+            ", and by up to {:.2g} times it where two strokes fork at an edge. It does not jump between facets that "
+            "are equally near, but further on, where its proxy slides over the ridge",
             fork->error);
         laws += "; " + fork->law;
     }
