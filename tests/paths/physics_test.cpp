@@ -1,5 +1,6 @@
 // The oracle against closed forms: sampled stability, flutter, and the paths of the paper (shaders/README.md).
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -50,6 +51,49 @@ TEST(SampledStability, LimitOfAPlaneToATenthOfAPercent) {
                                          [&](double stiffness) { return growth(pressed(plant, stiffness, delay)); });
             EXPECT_NEAR(found, right, 1e-3 * right) << plant.mass << ' ' << plant.damping << ' ' << delay;
         }
+}
+
+// m: above its place of rest, after `count` samples of T, of a mass that begins at `from` and is held by the plane's
+// force of each sample until the next: m e'' = -b e' - K e_k. By the powers of the matrix that takes (e, e') over a
+// sample.
+double held_plane(const Plant& plant, double stiffness, double from, int count) {
+    const double decay = std::exp(-plant.damping * plant.period / plant.mass);
+    const double pace = plant.mass / plant.damping * (1 - decay); // s: of a speed, the way of a sample
+    const double place = 1 - stiffness / plant.damping * (plant.period - pace),
+                 speed = -stiffness / plant.damping * (1 - decay);
+    const std::complex<double> half = (place + decay) / 2, root = std::sqrt(half * half - place * decay + pace * speed);
+    const std::complex<double> one = half + root, other = half - root;
+    const auto powers = [&](int n) { return (std::pow(one, n) - std::pow(other, n)) / (2.0 * root); };
+    return from * (powers(count) * place - one * other * powers(count - 1)).real();
+}
+
+// Paths over the time step: each is the sampled loop's exact solution, and comes as much closer to that of a plane
+// whose force is not held as the step is shorter.
+TEST(PressedPlane, IsSampledExactlyAtAnyRate) {
+    constexpr double kStiffness = 1000, kTime = 0.2, kForce = 1;
+    const double rest = kForce / kStiffness, from = -0.3 * rest; // begins deeper
+    std::vector<double> off;
+    for (const double rate : {1000.0, 4000.0, 16000.0}) {
+        const Plant plant{.mass = 0.1, .damping = 2, .period = 1 / rate, .limit = 0, .limit_late = 0};
+        const int steps = static_cast<int>(kTime * rate);
+        const auto result = explored<double>(testing::pressed_scene(
+            plant, kStiffness, 1.3, fmt::format("count = 1\nsteps = {}\nrate = \"{} Hz\"\n", steps, rate)));
+        const double half = plant.damping / (2 * plant.mass),
+                     pulsation = std::sqrt(kStiffness / plant.mass - half * half); // 1/s
+        double of_held = 0, square = 0;
+        for (int step = 0; step < steps; ++step) {
+            const double above = result.place(static_cast<std::size_t>(step)).z + rest, time = step / rate;
+            const double free = from * std::exp(-half * time) *
+                                (std::cos(pulsation * time) + half / pulsation * std::sin(pulsation * time));
+            of_held = std::max(of_held, std::abs(above - held_plane(plant, kStiffness, from, step)));
+            square += (above - free) * (above - free) / steps;
+        }
+        EXPECT_LT(of_held, 1e-11 * rest) << rate;
+        off.push_back(std::sqrt(square) / rest);
+    }
+    EXPECT_NEAR(off[0], 0.0195, 0.0005);
+    EXPECT_NEAR(off[0] / off[1], 4, 0.5);
+    EXPECT_NEAR(off[1] / off[2], 4, 0.15);
 }
 
 // A probe held by a constant force on a slope of 50 degrees of a shaded dip, off its place by a thousandth of a
