@@ -115,6 +115,7 @@ std::string words_section(bool of_score) {
         {"god-object",
          "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed in, and "
          "the force pulls the probe to it"},
+        {"height map", "a surface given by its height over x and y"},
         {"look-up volume", "forces computed beforehand on a grid, between which a loop interpolates"},
         {"octree", "a look-up volume of bricks that are finer near the surface"},
         {"trilinear", "between eight samples, linear along each axis"},

@@ -591,6 +591,7 @@ TEST_F(SceneErrorTime, NamesNothingTheCheapestWithoutATruth) {
         run("[surface]\nkind = \"height_map\"\nfunction = \"gaussian\"\nheight = \"2 mm\"\nradius = \"3 mm\"\n"
             "[force]\nshading = \"height_map\"\n[grid]\nsize = [24, 16, 16]\n"
             "origin = [\"-12 mm\", \"-8 mm\", \"-3 mm\"]\nspacing = [\"1 mm\", \"1 mm\", \"0.4 mm\"]\n");
+    EXPECT_TRUE(says(data.notes.front(), "threads ran or waited on the machine")) << "times depend on its load";
     EXPECT_TRUE(data.table("cheapest").rows.empty());
     ASSERT_FALSE(data.findings.empty());
     EXPECT_LE(data.findings.size(), 6u);

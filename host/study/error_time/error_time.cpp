@@ -331,7 +331,7 @@ StudyData study_error_time(StudyRun& run) {
     const Times times(std::move(rounds), unit);
     const Measured measured{subjects, methods, times, times.ratio(control, unit)};
     StudyData data = run.data();
-    data.notes = notes_of(subjects, methods[unit], run.engine().report(), data.cores);
+    append(data.notes, notes_of(subjects, methods[unit], run.engine().report(), data.cores));
     if (!measured.steady())
         data.notes.push_back(
             fmt::format("\"{}\" took {:.2g} to {:.2g} times as long as itself, so busy was the machine: "

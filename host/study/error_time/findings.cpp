@@ -127,12 +127,18 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
         return spread ? fmt::format("{:.2g} ({:.2g} to {:.2g})", spread->median, spread->low, spread->high)
                       : fmt::format("{:.2g}", errors.shared.direction.rms);
     };
+    const auto size = [&](std::size_t i) {
+        const MethodErrors& errors = *measured.methods[i].errors;
+        const auto spread = over_draws(errors, [](const MethodErrors& one) { return one.shared.size.median; });
+        return percent(spread ? spread->median : errors.shared.size.median);
+    };
     const std::size_t draws = measured.methods[shaded[0]].errors->by_draw.size();
     findings.push_back(
         {"shading",
          fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
-                     "error from {} to {} deg, and the size's from {} to {} of the force there, median{}.",
-                     degrees(plain[0]), degrees(shaded[0]), percent(without.size.median), percent(with.size.median),
+                     "error from {} to {} deg; the median error of its size is {} of the force there unshaded and {} "
+                     "shaded{}.",
+                     degrees(plain[0]), degrees(shaded[0]), size(plain[0]), size(shaded[0]),
                      measured.steady() ? "; a god-object's update " + times_as_long(cost, "unshaded") : ""),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
          fmt::format("{}; in round brackets the least and largest of {} draws, each of {} places and a tessellation",
