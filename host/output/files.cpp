@@ -140,7 +140,8 @@ IoError file_error(const char* verb, const std::filesystem::path& path, int numb
                    advice(path, writing, number));
 }
 
-TemporaryFile::TemporaryFile(std::filesystem::path final_path, bool hashed) : path_(std::move(final_path)) {
+TemporaryFile::TemporaryFile(std::filesystem::path final_path, bool hashed, std::size_t buffers)
+    : path_(std::move(final_path)) {
     const std::string name = path_.filename().string();
     struct stat status {};
     if (name.empty() || name == "." || name == ".." || (::stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)))
@@ -149,7 +150,7 @@ TemporaryFile::TemporaryFile(std::filesystem::path final_path, bool hashed) : pa
         open_unique();
         lock_or_discard();
     }
-    disk_ = std::make_unique<WriteBehind>(descriptor_, hashed);
+    disk_ = std::make_unique<WriteBehind>(descriptor_, hashed, buffers);
     buffer_ = disk_->free_buffer();
 }
 

@@ -38,8 +38,8 @@ inline bool is_plain_name(const std::string& name) {
 /// what an earlier call met.
 class TemporaryFile {
 public:
-    /// `hashed`: sha256() will be asked for.
-    explicit TemporaryFile(std::filesystem::path final_path, bool hashed = false);
+    /// `hashed`: sha256() will be asked for. `buffers` of 512 KiB each are held for the disk, at most.
+    explicit TemporaryFile(std::filesystem::path final_path, bool hashed = false, std::size_t buffers = 3);
     /// Removes the temporary unless it was published.
     ~TemporaryFile();
     TemporaryFile(const TemporaryFile&) = delete;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <condition_variable>
 #include <cstddef>
@@ -19,6 +18,7 @@
 #include <string>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 #include "host/output/files.h"
 
@@ -28,8 +28,9 @@ namespace forceshade {
 /// take ten times the processor's time, only to be dropped from it. Used by one thread; errors are errnos.
 class WriteBehind {
 public:
-    /// `descriptor` must outlive it.
-    WriteBehind(int descriptor, bool hashed) : descriptor_(descriptor) {
+    /// `descriptor` must outlive it. `buffers` are allocated as they are needed.
+    WriteBehind(int descriptor, bool hashed, std::size_t buffers)
+        : descriptor_(descriptor), buffers_(buffers), pieces_(buffers) {
         if (hashed)
             hash_.emplace();
     }
@@ -37,8 +38,8 @@ public:
     /// One that may be filled, until it is handed over or put. Waits for one.
     std::span<std::byte> free_buffer() {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return end_ - begin_ < kBuffers; });
-        Buffer& buffer = buffers_[end_ % kBuffers];
+        changed_.wait(lock, [&] { return end_ - begin_ < buffers_.size(); });
+        Buffer& buffer = buffers_[end_ % buffers_.size()];
         if (!buffer)
             buffer.reset(static_cast<std::byte*>(std::aligned_alloc(kAlignment, kBufferBytes)));
         return buffer ? std::span(buffer.get(), kBufferBytes) : throw std::bad_alloc();
@@ -48,7 +49,7 @@ public:
         const std::lock_guard lock(mutex_);
         if (error_ != 0)
             return error_;
-        pieces_[end_++ % kBuffers] = {bytes, position};
+        pieces_[end_++ % buffers_.size()] = {bytes, position};
         if (!thread_.joinable())
             thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
         changed_.notify_all();
@@ -65,7 +66,7 @@ public:
     std::string sha256(std::uint64_t size) { return hash_ && hashed_ == size ? hash_->finish() : std::string(); }
 
 private:
-    static constexpr std::size_t kBuffers = 3, kBufferBytes = 1 << 19, kAlignment = 4096;
+    static constexpr std::size_t kBufferBytes = 1 << 19, kAlignment = 4096;
     static constexpr std::uint64_t kWriteBack = 8 << 20; /* bytes */
 
     struct Free {
@@ -80,7 +81,7 @@ private:
     void work(const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
         while (changed_.wait(lock, stop, [&] { return begin_ < end_; }) && !stop.stop_requested()) {
-            const Piece piece = pieces_[begin_ % kBuffers];
+            const Piece piece = pieces_[begin_ % buffers_.size()];
             int number = error_;
             lock.unlock();
             if (number == 0)
@@ -137,8 +138,8 @@ private:
 
     std::mutex mutex_;
     std::condition_variable_any changed_;
-    std::array<Buffer, kBuffers> buffers_; // in turn
-    std::array<Piece, kBuffers> pieces_;   // of the buffers from begin_ to before end_
+    std::vector<Buffer> buffers_; // in turn
+    std::vector<Piece> pieces_;   // of the buffers from begin_ to before end_
     std::uint64_t begin_ = 0, end_ = 0;
     int error_ = 0;
     std::jthread thread_; // last: it ends first

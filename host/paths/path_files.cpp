@@ -1,6 +1,7 @@
 #include "host/paths/path_files.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -85,6 +86,30 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
 template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
 template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
 
+// Beyond these sizes an exponent may be shorter, and integers are exact.
+template <typename T> char* put_shortest(char* to, T value) {
+    constexpr std::ptrdiff_t kRoom = 40;
+    const T size = std::abs(value);
+    if (!(size >= T(1e-3) && size < T(1e5)))
+        return std::to_chars(to, to + kRoom, value).ptr;
+    const auto [digits, power] = fmt::detail::dragonbox::to_decimal(size);
+    const int count = fmt::detail::count_digits(digits), whole = count + power; // places before the point
+    *to = '-';
+    to += std::signbit(value);
+    std::memcpy(to, "0.00", 4);
+    char* const begin = whole <= 0 ? to + 2 - whole : power < 0 ? to + 1 : to;
+    fmt::detail::format_decimal(begin, digits, count);
+    if (power >= 0)
+        return std::fill_n(begin + count, power, '0');
+    for (int i = 0; i < whole; ++i, ++to)
+        to[0] = to[1];
+    if (whole > 0)
+        *to = '.';
+    return begin + count;
+}
+template char* put_shortest(char*, float);
+template char* put_shortest(char*, double);
+
 std::string path_summary_header() {
     std::string names;
     for_each_figure(0, {}, [&](std::string_view name, const auto&) { names.append(name) += ','; });
@@ -117,8 +142,9 @@ VolumeResult PathSummary::finish() {
     return publish_raw(file_);
 }
 
+// The disk gets work while samples are computed: 16 MiB.
 PathWriter::PathWriter(const std::filesystem::path& path, const glm::dvec3& origin, bool compared)
-    : file_(path, true), origin_(origin) {
+    : file_(path, true, 32), origin_(origin) {
     file_.write(
         fmt::format("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet{}\n", compared ? ",angle,magnitude_error" : ""));
 }
@@ -208,13 +234,21 @@ void PathCsvWriter::write(const AnyPathRows& any) {
         const std::size_t all = ends_.empty() ? 0 : ends_.back();
         for (std::size_t done = 0; done < all; done += at_once) {
             const std::size_t end = std::min(done + at_once, all);
+            std::vector<std::atomic<bool>> ready(blocks_.size());
+            std::size_t written = 0; // blocks
+            const auto write_ready = [&] {
+                for (; written < ready.size() && ready[written]; ++written)
+                    blocks_[written].write(writer_.file_);
+            };
             crew_.share_out((end - done + kBlock - 1) / kBlock, [&](std::size_t thread, std::size_t block) {
                 const std::size_t first = done + block * kBlock;
                 add_samples(blocks_[block], texts_[thread], labels_, writer_.origin_, rows, ends_, first,
                             std::min(first + kBlock, end));
+                ready[block] = true;
+                if (thread == 0) // which may throw
+                    write_ready();
             });
-            for (NumberRows& block : blocks_)
-                block.write(writer_.file_);
+            write_ready();
         }
     };
     std::visit(add, any);

@@ -124,6 +124,12 @@ template <typename Add> void for_each_figure(std::uint64_t path, const PathFigur
     add("unfinished_samples", figures.unfinished);
 }
 
+/// Puts the text of std::to_chars, at most 25 characters, in about half of its time; returns its end. By Dragonbox
+/// (Jeon 2020). `to` needs room for 40.
+template <typename T> char* put_shortest(char* to, T value);
+extern template char* put_shortest(char*, float);
+extern template char* put_shortest(char*, double);
+
 /// A number as it was written last, with its comma: to copy it takes a tenth of the time that writing it again does.
 struct NumberText {
     std::uint64_t bits = 0;
@@ -137,9 +143,13 @@ struct NumberText {
 class NumberRows {
 public:
     template <typename T> void add(T value) {
-        char* const begin = room();
-        size_ += static_cast<std::size_t>(std::to_chars(begin, begin + kMost, value).ptr - begin);
-        text_[size_++] = ',';
+        char *const begin = room(), *end = nullptr;
+        if constexpr (std::is_floating_point_v<T>)
+            end = put_shortest(begin, value);
+        else
+            end = std::to_chars(begin, begin + kMost, value).ptr;
+        *end = ',';
+        size_ += static_cast<std::size_t>(end + 1 - begin);
     }
     /// The same, sooner if it is what `last` or `other` hold: numbers of the same type. `last` then holds it, unless
     /// `other` does.

@@ -1,6 +1,7 @@
 // The files that explored paths are written to: what stands where, the same bytes however paths arrive.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -201,9 +202,28 @@ TEST_F(PathFiles, CsvHoldsWhatWasFeltPathAfterPath) {
     }
 }
 
+TEST(ShortestNumbers, AreThoseOfTheLibrary) {
+    std::mt19937_64 random(11);
+    const auto expect_same = [](auto value) {
+        std::array<char, 64> text{}, expected{};
+        const std::string_view ours(text.data(), put_shortest(text.data(), value));
+        ASSERT_EQ(ours, std::string_view(expected.data(), std::to_chars(expected.begin(), expected.end(), value).ptr));
+    };
+    for (int i = 0; i < 200000; ++i) {
+        const std::uint64_t bits = random();
+        const int power = int(random() % 28) - 12;
+        const double size = std::ldexp(double(bits >> 11) * 0x1p-53, power), few = double(bits % 20001) - 10000;
+        for (const double value : {std::bit_cast<double>(bits), size, -size, few, few * std::pow(10.0, power % 6)}) {
+            expect_same(value);
+            expect_same(float(value));
+        }
+        expect_same(std::bit_cast<float>(std::uint32_t(bits)));
+    }
+}
+
 // Numbers that come again are copied: of the row before, of the probe, of the path before.
 TEST_F(PathFiles, CsvWritesNumbersThatComeAgainAsTheFirstTime) {
-    constexpr std::size_t kPaths = 7, kSteps = 1500; // blocks end within paths
+    constexpr std::size_t kPaths = 7, kSteps = 10001; // blocks end within paths; more than are formatted at once
     const std::vector<double> values{0,    -0.0,  1,        -1,        0.1,     1e-7,     123456.75, 5e-324, 1e-40,
                                      3e38, 1e300, 16777216, -0.000123, 1.0 / 3, 1e17 / 3, HUGE_VAL,  -NAN};
     const auto expect_same = [&]<typename T>(T) {
