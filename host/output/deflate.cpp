@@ -106,11 +106,10 @@ std::uint32_t crc32_of(std::span<const std::byte> bytes, std::uint32_t before) {
 }
 
 void deflate(std::span<const std::byte> from, std::vector<std::byte>& to) {
-    constexpr int kLevel = 4; // OpenEXR's
     to.resize(libdeflate_zlib_compress_bound(nullptr, from.size()));
     uLongf size = to.size();
     const int result = pack(reinterpret_cast<Bytef*>(to.data()), &size,
-                            {reinterpret_cast<const Bytef*>(from.data()), from.size()}, kLevel);
+                            {reinterpret_cast<const Bytef*>(from.data()), from.size()}, kDeflateLevel);
     if (result == Z_MEM_ERROR)
         throw std::bad_alloc();
     if (result != Z_OK)
@@ -129,7 +128,7 @@ int compress2(Bytef* to, uLongf* room, const Bytef* from, uLong size, int level)
 }
 
 int compress(Bytef* to, uLongf* room, const Bytef* from, uLong size) {
-    return compress2(to, room, from, size, Z_DEFAULT_COMPRESSION);
+    return compress2(to, room, from, size, forceshade::kDeflateLevel); // of PXR24
 }
 
 int uncompress(Bytef* to, uLongf* room, const Bytef* from, uLong size) {

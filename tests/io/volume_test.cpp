@@ -113,6 +113,21 @@ TEST(Volume, KeepsWhatItsHeaderSays) {
     EXPECT_TRUE(std::equal(row.begin(), row.end(), values.begin() + 40 * 37 * 3));
 }
 
+// A block of zlib's begins with how hard its writer tried.
+TEST(Volume, IsPackedByTheFastestLevel) {
+    const Folder folder;
+    for (const Compression compression : {Compression::zip1, Compression::zip, Compression::pxr24}) {
+        VolumeHeader header = sample_header(kSize, layout::kChannelForce);
+        header.compression = compression;
+        write_volume(folder / "a.exr", header, SampleField(kSize));
+        const std::string bytes = read_file(folder / "a.exr");
+        int fastest = 0;
+        for (std::size_t at = 0; (at = bytes.find("\x78\x01", at)) != std::string::npos; ++at)
+            ++fastest;
+        EXPECT_GE(fastest, compression == Compression::zip1 ? 77 : 5); // blocks of 77 rows
+    }
+}
+
 TEST(Volume, HasTheSameBytesHoweverItWasWritten) {
     const Folder folder;
     const std::array<std::uint64_t, 3> size{12000, 13, 3}; // groups of 16 rows, so that pieces cross them
