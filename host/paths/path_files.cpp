@@ -142,9 +142,8 @@ VolumeResult PathSummary::finish() {
     return publish_raw(file_);
 }
 
-// The disk gets work while samples are computed: 16 MiB.
-PathWriter::PathWriter(const std::filesystem::path& path, const glm::dvec3& origin, bool compared)
-    : file_(path, true, 32), origin_(origin) {
+PathWriter::PathWriter(const std::filesystem::path& path, const glm::dvec3& origin, bool compared, std::size_t buffers)
+    : file_(path, true, buffers), origin_(origin) {
     file_.write(
         fmt::format("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet{}\n", compared ? ",angle,magnitude_error" : ""));
 }

@@ -249,9 +249,9 @@ class PathWriter {
 public:
     /// `origin`, m, in the world: what places are measured from; on axes on which it is not 0 they are written as
     /// doubles. `compared`: with columns angle (deg) and magnitude_error (N) of [compare], empty where there is no
-    /// number. \throws IoError, as do the others.
+    /// number. `buffers` as TemporaryFile has them. \throws IoError, as do the others.
     explicit PathWriter(const std::filesystem::path& path, const glm::dvec3& origin = glm::dvec3(0),
-                        bool compared = false);
+                        bool compared = false, std::size_t buffers = 3);
     /// `compared`: those two columns, if `compared` was set.
     template <typename T>
     void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact,
@@ -286,11 +286,14 @@ public:
     /// Throws IoError, as do the others.
     PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels, const glm::dvec3& origin = glm::dvec3(0),
                   bool compared = false)
-        : writer_(path, origin, compared), labels_(labels), blocks_(32 * most_threads()), texts_(most_threads()) {}
+        : writer_(path, origin, compared, kBuffers), labels_(labels), blocks_(32 * most_threads()),
+          texts_(most_threads()) {}
     void write(const AnyPathRows& rows) override;
     VolumeResult finish() override { return writer_.finish(); }
 
 private:
+    static constexpr std::size_t kBuffers = 8; // 4 MiB: the disk has work while samples are computed
+
     PathWriter writer_;
     PathLabels labels_;
     std::vector<std::size_t> ends_;  // of the rows' paths, in samples
