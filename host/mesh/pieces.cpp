@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -279,15 +279,14 @@ public:
 private:
     void match() {
         // Each facet's corners by place, from the lowest one on towards the lower of its two neighbours.
-        std::vector<std::uint32_t> corners;
-        for (const std::uint32_t corner : polygons_.corners)
-            corners.push_back(places_[corner]);
+        std::vector<std::uint32_t> corners(polygons_.corners.size());
+        std::ranges::transform(polygons_.corners, corners.begin(),
+                               [&](std::uint32_t corner) { return places_[corner]; });
         const auto cycle = [&](std::size_t facet) {
             return std::span(corners).subspan(polygons_.begins[facet], polygons_.corners_of(facet));
         };
         std::vector<bool> backwards(polygons_.facets());
-        std::unordered_set<std::uint32_t> turned; // facets that have coincided with one of the opposite order
-        FirstOfEqual cycles(polygons_.facets());
+        std::vector<std::uint32_t> begins(places_.size() + 2, 0); // of the facets with a lowest place
         for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
             const auto mine = cycle(facet);
             if (mine.empty())
@@ -296,20 +295,37 @@ private:
             backwards[facet] = mine.back() < mine[1 % mine.size()];
             if (backwards[facet])
                 std::reverse(mine.begin() + 1, mine.end());
-            std::uint64_t hash = mine.size();
-            for (const std::uint32_t place : mine) {
-                hash = (hash ^ place) * 0x9E3779B97F4A7C15u;
-                hash ^= hash >> 29;
-            }
-            const std::uint32_t first =
-                cycles.add(hash, facet, [&](std::uint32_t other) { return std::ranges::equal(cycle(other), mine); });
-            if (first == facet)
-                continue;
-            if (backwards[first] == backwards[facet] || !turned.insert(first).second)
-                found_.redundant.push_back(facet);
-            else if (normals_[facet] != glm::dvec3(0))
-                pairs_.push_back({{first, facet}});
+            ++begins[mine.front() + 2];
         }
+        std::partial_sum(begins.begin(), begins.end(), begins.begin());
+        std::vector<std::uint32_t> filed(begins.back());
+        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet)
+            if (const auto mine = cycle(facet); !mine.empty())
+                filed[begins[mine.front() + 1]++] = facet;
+        for (std::size_t place = 0; place < places_.size(); ++place) {
+            const auto here = std::span(filed).subspan(begins[place], begins[place + 1] - begins[place]);
+            std::ranges::sort(here, [&](std::uint32_t one, std::uint32_t other) {
+                const auto mine = cycle(one), its = cycle(other);
+                const auto order =
+                    std::lexicographical_compare_three_way(mine.begin(), mine.end(), its.begin(), its.end());
+                return order == 0 ? one < other : order < 0;
+            });
+            bool turned = false; // the first has coincided with one of the opposite order
+            for (std::size_t first = 0, i = 1; i < here.size(); ++i) {
+                if (!std::ranges::equal(cycle(here[first]), cycle(here[i]))) {
+                    first = i;
+                    turned = false;
+                } else if (turned || backwards[here[first]] == backwards[here[i]]) {
+                    found_.redundant.push_back(here[i]);
+                } else {
+                    turned = true;
+                    if (normals_[here[i]] != glm::dvec3(0))
+                        pairs_.push_back({{here[first], here[i]}});
+                }
+            }
+        }
+        std::ranges::sort(found_.redundant);
+        std::ranges::sort(pairs_, {}, [](const Pair& pair) { return pair.facets[1]; });
     }
 
     /// Calls use(start, end) for the places at the ends of a facet's edges.
