@@ -487,7 +487,7 @@ BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T
         largest = std::max({largest, std::abs(axis.front()), std::abs(axis.back())});
     auto made = std::make_unique<Implementation>(Implementation{
         {mesh, {x, y, z}, inside, reference::prune_slack(largest), {}, free == FreeSpace::visited}, threads, nullptr});
-    if (mesh.clearance && inside == layout::kInsidePseudonormal && free == FreeSpace::skipped &&
+    if (mesh.solid && inside == layout::kInsidePseudonormal && free == FreeSpace::skipped &&
         is_scan_faster(mesh, made->input.axes, evaluator))
         made->scan = SolidScan<T>::make(mesh, x, y, z, inside, threads);
     if (made->scan) {

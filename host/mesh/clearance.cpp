@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <utility>
 
 #include "host/reference/chunks.h"
 #include "host/reference/elementary.h"
 #include "host/reference/mesh_nearest.h"
+#include "host/reference/mesh_neighbourhood.h"
 
 namespace forceshade {
 
@@ -95,64 +97,84 @@ bool overlap(const dvec3& low, const dvec3& high, const Corners& other) {
            other.low.z <= high.z && other.high.z >= low.z;
 }
 
+// `one` has its box grown by the gap.
 bool keep_apart(const Corners& one, const Corners& other, double gap) {
-    if (share_a_corner(one, other))
-        return !is_slit(one, other);
-    return !overlap(one.low - gap, one.high + gap, other) || are_apart(one, other, gap);
+    if (!overlap(one.low, one.high, other))
+        return true;
+    return share_a_corner(one, other) ? !is_slit(one, other) : are_apart(one, other, gap);
 }
 
-// A leaf of the tree against all triangles that come after its own.
-bool leaf_keeps_apart(const MeshParts& parts, const MeshReals<double>& reals, const layout::MeshView<double>& mesh,
-                      uint leaf, double gap) {
+// A leaf of the tree against all triangles that come after its own; counts those that come near in `near`.
+bool leaf_keeps_apart(const MeshParts& parts, const MeshReals<double>& reals, uint leaf, double gap,
+                      std::size_t& near) {
     std::array<Corners, layout::kMeshLeafTriangles> own;
     std::size_t count = 0;
     const uint begin = reference::leaf_begin(leaf);
     dvec3 low(2), high(-2);
     reference::visit_leaf(leaf, [&](uint triangle, uint end) {
         for (; triangle < end; ++triangle) {
-            const Corners& added = own[count++] = corners_of(parts, reals, triangle);
+            Corners& added = own[count++] = corners_of(parts, reals, triangle);
+            added.low -= gap;
+            added.high += gap;
             for (int axis = 0; axis < 3; ++axis) {
-                low[axis] = std::min(low[axis], added.low[axis] - gap);
-                high[axis] = std::max(high[axis], added.high[axis] + gap);
+                low[axis] = std::min(low[axis], added.low[axis]);
+                high[axis] = std::max(high[axis], added.high[axis]);
             }
         }
     });
+    constexpr float kLoose = 0x1p-20F; // more than rounding to single precision makes of a coordinate
+    reference::MoveBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.low[axis] = static_cast<float>(low[axis]) - kLoose;
+        box.high[axis] = static_cast<float>(high[axis]) + kLoose;
+    }
     bool apart = true;
-    const auto meets = [&](const layout::MeshNode& node, uint child) {
-        return double(node.low_x[child]) <= high.x && double(node.high_x[child]) >= low.x &&
-               double(node.low_y[child]) <= high.y && double(node.high_y[child]) >= low.y &&
-               double(node.low_z[child]) <= high.z && double(node.high_z[child]) >= low.z;
+    const auto check = [&](uint triangle, uint end) {
+        for (triangle = std::max(triangle, begin); triangle < end; ++triangle) {
+            const Corners other = corners_of(parts, reals, triangle);
+            if (!overlap(low, high, other))
+                continue;
+            ++near;
+            for (std::size_t k = 0; k < count && begin + k < triangle; ++k)
+                apart = apart && keep_apart(own[k], other, gap);
+        }
     };
-    reference::visit_tree(
-        mesh, [&](uint) { return apart; }, meets,
-        [&](uint triangle, uint end) {
-            for (triangle = std::max(triangle, begin); triangle < end; ++triangle) {
-                const Corners other = corners_of(parts, reals, triangle);
-                if (!overlap(low, high, other))
-                    continue;
-                for (std::size_t k = 0; k < count && begin + k < triangle; ++k)
-                    apart = apart && keep_apart(own[k], other, gap);
-            }
-        });
+    uint stack[reference::kMeshStack];
+    uint height = 0;
+    stack[height++] = 0;
+    while (height > 0 && apart) {
+        const layout::MeshNode& node = parts.nodes[stack[--height]];
+        for (unsigned meeting = reference::children_meeting(node, box); meeting != 0; meeting &= meeting - 1) {
+            const uint child = node.child[std::countr_zero(meeting)];
+            if ((child & layout::kMeshLeaf) == 0)
+                stack[height++] = child;
+            else if (reference::leaf_begin(child) >= begin)
+                reference::visit_leaf(child, check);
+        }
+    }
     return apart;
 }
 
 bool keeps_apart(const MeshParts& parts, const MeshReals<double>& reals, double gap, unsigned threads) {
-    layout::MeshView<double> mesh;
-    mesh.nodes = parts.nodes;
     std::vector<uint> leaves; // as their nodes have them
     for (const layout::MeshNode& node : parts.nodes)
         for (const uint child : node.child)
             if (child != layout::kMeshNoChild && (child & layout::kMeshLeaf) != 0)
                 leaves.push_back(child);
     std::atomic<bool> apart{true};
+    std::atomic<std::size_t> near{0};
+    // Needles round a vertex of high valence all come near each other.
+    const std::size_t most_near = 20'000'000 + 50 * parts.triangle_facets.size();
     constexpr std::size_t kRun = 64;
     reference::share_out(reference::threads_for(threads), (leaves.size() + kRun - 1) / kRun,
                          [&](std::size_t, std::size_t run) {
                              const std::size_t end = std::min(leaves.size(), (run + 1) * kRun);
+                             std::size_t mine = 0;
                              for (std::size_t i = run * kRun; i < end && apart; ++i)
-                                 if (!leaf_keeps_apart(parts, reals, mesh, leaves[i], gap))
+                                 if (!leaf_keeps_apart(parts, reals, leaves[i], gap, mine) || mine > most_near)
                                      apart = false;
+                             if ((near += mine) > most_near)
+                                 apart = false;
                          });
     return apart;
 }

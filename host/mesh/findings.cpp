@@ -70,7 +70,7 @@ std::size_t count_degenerate(const PolygonSoup& polygons, const MeshFindings& fo
 
 } // namespace
 
-ShapeFindings inspect_shape(const PolygonSoup& all, std::size_t self_intersection_triangles) {
+ShapeFindings inspect_shape(const PolygonSoup& all) {
     const Stage stage("checking the mesh");
     ShapeFindings shape;
     MeshFindings& found = shape.findings;
@@ -88,16 +88,21 @@ ShapeFindings inspect_shape(const PolygonSoup& all, std::size_t self_intersectio
         normals = facet_normals(rest);
     }
     const PolygonSoup& polygons = shape.redundant.empty() ? all : rest;
-
-    const MeshTriangles triangles = triangulate(polygons, normals);
-    measure_surface(polygons, triangles, found);
-    if (triangles.corners.size() <= self_intersection_triangles) {
-        constexpr std::size_t kMostPairs = 100'000;
-        const SelfIntersections pairs = count_self_intersections(polygons, weld(polygons), triangles, kMostPairs);
-        found.self_intersections = pairs.pairs;
-        found.more_self_intersections = !pairs.complete;
-    }
+    measure_surface(polygons, triangulate(polygons, normals), found);
     return shape;
+}
+
+void find_self_intersections(const PolygonSoup& all, ShapeFindings& shape, std::size_t most_triangles) {
+    const Stage stage("looking for self-intersections");
+    const PolygonSoup rest = shape.redundant.empty() ? PolygonSoup() : without_facets(all, shape.redundant);
+    const PolygonSoup& polygons = shape.redundant.empty() ? all : rest;
+    const MeshTriangles triangles = triangulate(polygons, facet_normals(polygons));
+    if (triangles.corners.size() > most_triangles)
+        return;
+    constexpr std::size_t kMostPairs = 100'000;
+    const SelfIntersections pairs = count_self_intersections(polygons, weld(polygons), triangles, kMostPairs);
+    shape.findings.self_intersections = pairs.pairs;
+    shape.findings.more_self_intersections = !pairs.complete;
 }
 
 namespace {
@@ -131,7 +136,9 @@ MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh) {
 }
 
 MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_triangles) {
-    return with_connections(inspect_shape(polygons, self_intersection_triangles), polygons);
+    ShapeFindings shape = inspect_shape(polygons);
+    find_self_intersections(polygons, shape, self_intersection_triangles);
+    return with_connections(std::move(shape), polygons);
 }
 
 bool is_solid(const MeshFindings& findings) {

@@ -47,14 +47,16 @@ inline constexpr std::size_t kSelfIntersectionTriangles = 4'000'000;
 /// Looks at everything. Corners must be in range and coordinates finite.
 MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_triangles = kSelfIntersectionTriangles);
 
-// The same in two steps, so that the first can run while another thread finds out how the facets are connected.
+// The same in steps, so that the first can run while another thread finds out how the facets are connected.
 
 struct ShapeFindings {
-    MeshFindings findings;                /* without counts of connections, and `closed` */
+    MeshFindings findings;                /* without self-intersections, counts of connections, and `closed` */
     std::vector<std::uint32_t> redundant; /* facets, ascending */
 };
-ShapeFindings inspect_shape(const PolygonSoup& polygons,
-                            std::size_t self_intersection_triangles = kSelfIntersectionTriangles);
+ShapeFindings inspect_shape(const PolygonSoup& polygons);
+/// Fills findings.self_intersections, unless there are more triangles than are looked at.
+void find_self_intersections(const PolygonSoup& polygons, ShapeFindings& shape,
+                             std::size_t most_triangles = kSelfIntersectionTriangles);
 MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh);
 
 /// True if it is known that the facets bound one solid whose surface nowhere meets itself.

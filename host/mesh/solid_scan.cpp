@@ -380,7 +380,7 @@ template <typename T>
 std::unique_ptr<const SolidScan<T>> SolidScan<T>::make(const layout::MeshView<T>& mesh, std::span<const T> x,
                                                        std::span<const T> y, std::span<const T> z, uint inside,
                                                        unsigned threads) {
-    if (inside != layout::kInsidePseudonormal || !mesh.clearance)
+    if (inside != layout::kInsidePseudonormal || !mesh.solid || !mesh.clearance)
         return nullptr;
     auto made = std::make_unique<Implementation>();
     made->mesh = mesh;

@@ -29,18 +29,26 @@ void append(std::vector<double>& table, const glm::dvec3& vector) {
     table.insert(table.end(), {vector.x, vector.y, vector.z});
 }
 
+/// Shares out work(i) for every i below count, many at a time.
+template <typename Work> void share_each(unsigned threads, std::size_t count, const Work& work) {
+    constexpr std::size_t kRun = 4096;
+    reference::share_out(threads, (count + kRun - 1) / kRun, [&](std::size_t, std::size_t run) {
+        for (std::size_t i = run * kRun; i < std::min(count, (run + 1) * kRun); ++i)
+            work(i);
+    });
+}
+
 /// The triangles that have an area, with their boxes.
-std::vector<TreeItem> tree_items(const Mesh& mesh, const MeshTriangles& triangles, const MeshFrame& frame) {
-    std::vector<TreeItem> items;
-    items.reserve(triangles.corners.size());
-    for (std::size_t triangle = 0; triangle < triangles.corners.size(); ++triangle) {
-        if (triangles.normals[triangle] == glm::dvec3(0))
-            continue;
+std::vector<TreeItem> tree_items(const Mesh& mesh, const MeshTriangles& triangles, const MeshFrame& frame,
+                                 unsigned threads) {
+    std::vector<TreeItem> items(triangles.corners.size());
+    share_each(threads, items.size(), [&](std::size_t triangle) {
         std::array<glm::dvec3, 3> corners;
         std::ranges::transform(triangles.corners[triangle], corners.begin(),
                                [&](uint corner) { return frame.local(mesh.polygons.vertices[corner]); });
-        items.push_back(tree_item(static_cast<std::uint32_t>(triangle), corners));
-    }
+        items[triangle] = tree_item(static_cast<std::uint32_t>(triangle), corners);
+    });
+    std::erase_if(items, [&](const TreeItem& item) { return triangles.normals[item.triangle] == glm::dvec3(0); });
     if (items.empty())
         throw UsageError("the mesh has no facet with an area");
     if (items.size() >= kMostTriangles)
@@ -206,12 +214,14 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
     const MeshFrame frame = frame_of(mesh.polygons);
     MeshParts parts;
     MeshReals<double> reals;
+    bool has_all = false; // of the mesh's triangles
     {
         const std::optional<MeshTriangles> surface = make_surface(mesh, frame);
         const MeshTriangles& triangles = surface ? *surface : mesh.triangles;
-        std::vector<TreeItem> items = tree_items(mesh, triangles, frame);
+        std::vector<TreeItem> items = tree_items(mesh, triangles, frame, threads);
         parts.nodes = build_tree(items, std::clamp(options.leaf_triangles, 1u, layout::kMeshLeafTriangles), threads);
         number(mesh, triangles, frame, items, parts, reals);
+        has_all = !surface && items.size() == triangles.corners.size();
     }
     bound_by_slabs(parts, reals, threads);
     const std::vector<uint> places = weld(reals.vertices);
@@ -226,6 +236,8 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
                             nullptr,
                             false,
                             nullptr};
+    if (has_all)
+        structure.clearance = std::make_shared<const Clearance>(structure.parts, structure.reals);
     if (options.winding)
         structure.winding = make_winding(structure);
     return structure;
@@ -316,8 +328,8 @@ void assume_solid(MeshStructure& structure) {
         structure.solid =
             (neighbours[edge] & layout::kMeshManyBit) == 0 && // nor a border
             is_firm(vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, neighbours[edge]));
-    structure.clearance =
-        structure.solid ? std::make_shared<const Clearance>(structure.parts, structure.reals) : nullptr;
+    if (structure.solid && !structure.clearance)
+        structure.clearance = std::make_shared<const Clearance>(structure.parts, structure.reals);
 }
 
 namespace {

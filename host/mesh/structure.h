@@ -53,7 +53,7 @@ struct MeshStructure {
     std::shared_ptr<const MeshReals<double>> reals;
     std::shared_ptr<const MeshWinding> winding; /* null unless asked for */
     bool solid = false;                         /* see assume_solid */
-    std::shared_ptr<const Clearance> clearance; /* of a solid; else null */
+    std::shared_ptr<const Clearance> clearance; /* of a solid, and where the triangles are all of the mesh's */
 
     std::size_t triangles() const { return parts->triangle_facets.size(); }
     std::size_t bytes() const;
@@ -87,7 +87,7 @@ template <typename T> struct MeshTables {
     std::shared_ptr<const MeshReals<T>> reals;
     std::shared_ptr<const MeshWinding> winding;
     bool solid;
-    std::shared_ptr<const Clearance> clearance;     /* of a solid; else null */
+    std::shared_ptr<const Clearance> clearance;     /* as in the structure */
     std::shared_ptr<const MeshObstacles> obstacles; /* null unless asked for */
 
     /// Valid as long as any copy of these tables.

@@ -6,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/field/prepared_case.h"
+#include "host/mesh/places.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/io/folder.h"
@@ -82,6 +83,27 @@ TEST_F(InsideChoice, IsTheWindingNumberForCrossingPiecesAndShapesWithHoles) {
     const PolygonSoup holed = shapes::kept_facets(shapes::icosphere(3), [](std::size_t facet) { return facet > 0; });
     EXPECT_EQ(prepared(holed).images.mesh->inside, InsideTest::winding);
     EXPECT_EQ(prepared(holed, "inside = \"pseudonormal\"\n").images.mesh->inside, InsideTest::pseudonormal);
+}
+
+// Where the tree shows that triangles keep apart, the file's own are not looked at.
+TEST_F(InsideChoice, CrossingsAreThoseOfTheFileWhereverItStands) {
+    const PolygonSoup touching =
+        shapes::merged(shapes::cube(true), shapes::moved(shapes::cube(true), glm::dvec3(0.25), {1.25, 0, 0}));
+    for (PolygonSoup polygons :
+         {shapes::icosphere(3), shapes::merged(shapes::icosphere(2), shapes::icosphere(1)), touching,
+          shapes::random_polyhedra(40, 3), shapes::needle_fan(257, 1), shapes::cube(), shapes::plate(1e-12)}) {
+        join_vertices(polygons); // as files are read
+        const MeshFindings expected = inspect(polygons);
+        for (const char* transform :
+             {"scale = 1", "scale = 1e-5", "translate = [\"5 m\", \"0 m\", \"-7 m\"]",
+              "rotate = [\"20 deg\", \"-50 deg\", \"7 deg\"]",
+              "translate = [\"1e12 m\", \"0 m\", \"1e12 m\"], rotate = [\"33 deg\", \"5 deg\", \"0 deg\"]"}) {
+            const MeshFindings found =
+                prepared(polygons, std::string("transform = {") + transform + "}\n").images.mesh->findings;
+            EXPECT_EQ(found.self_intersections, expected.self_intersections) << polygons.facets() << transform;
+            EXPECT_EQ(static_cast<const ConnectivityCounts&>(found), expected) << polygons.facets() << transform;
+        }
+    }
 }
 
 TEST_F(InsideChoice, OrientAndWeldMakeASolid) {
