@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -34,8 +35,14 @@ struct Box {
     }
 };
 
+using Int4 = std::int32_t __attribute__((vector_size(16)));
+
+/// The number of a triangle would be a denormal float, with which processors compute very slowly.
 Box box_of(const TreeItem& item) {
-    return std::bit_cast<Box>(item);
+    constexpr Int4 kUsed{-1, -1, -1, 0};
+    Box box = std::bit_cast<Box>(item);
+    box.low = Float4(Int4(box.low) & kUsed);
+    return box;
 }
 
 struct Range {
@@ -49,15 +56,8 @@ struct Range {
     }
 };
 
-using Int4 = std::int32_t __attribute__((vector_size(16)));
-
 constexpr int kBins = 16;
 constexpr float kLeastExtent = 1e-30f; // of doubled centroids, below which an axis is not worth splitting
-
-struct Bin {
-    Box box;
-    std::uint32_t count = 0;
-};
 
 /// How doubled centroids fall into bins.
 struct Binning {
@@ -70,11 +70,7 @@ struct Binning {
         low[3] = 0;
         per_unit[3] = 0;
     }
-    Int4 bins(const Box& item) const {
-        Float4 at = (item.low + item.high - low) * per_unit;
-        at[3] = 0;
-        return __builtin_convertvector(at, Int4);
-    }
+    Int4 bins(const Box& item) const { return __builtin_convertvector((item.low + item.high - low) * per_unit, Int4); }
     bool splits(int axis) const { return per_unit[axis] > 0; }
 };
 
@@ -82,52 +78,75 @@ struct Split {
     int axis = -1;
     int bin = 0; // first of the right side
     float cost = kFar;
+    Box left, right;
 };
 
-Split best_on_axis(const std::array<Bin, kBins>& bins, int axis) {
-    std::array<float, kBins> right_costs;
-    Box box;
-    std::uint32_t count = 0;
-    for (int i = kBins - 1; i > 0; --i) {
-        box.include(bins[std::size_t(i)].box);
-        count += bins[std::size_t(i)].count;
-        right_costs[std::size_t(i)] = count > 0 ? float(count) * box.half_area() : -1;
+/// The bins along one axis. Most are of few triangles: only those that have some are touched.
+struct Bins {
+    Float4 low[kBins], high[kBins];
+    std::uint32_t counts[kBins];
+    unsigned used; // a bit a bin; all else of the others is undefined
+
+    void include(int bin, const Box& item) {
+        if ((used >> bin & 1U) == 0) {
+            used |= 1U << bin;
+            low[bin] = item.low;
+            high[bin] = item.high;
+            counts[bin] = 1;
+            return;
+        }
+        Box box{low[bin], high[bin]};
+        box.include(item);
+        low[bin] = box.low;
+        high[bin] = box.high;
+        ++counts[bin];
     }
-    Split best;
-    box = Box();
-    count = 0;
-    for (int i = 1; i < kBins; ++i) {
-        box.include(bins[std::size_t(i - 1)].box);
-        count += bins[std::size_t(i - 1)].count;
-        const float right_cost = right_costs[std::size_t(i)];
-        if (count == 0 || right_cost < 0)
-            continue;
-        const float cost = float(count) * box.half_area() + right_cost;
-        if (cost < best.cost)
-            best = {axis, i, cost};
+
+    /// Replaces `best` by the best split along the axis, if that costs less.
+    void improve(int axis, Split& best) const {
+        std::array<Box, kBins> right_boxes; // of a bin and all behind it
+        std::array<float, kBins> right_costs;
+        Box box;
+        std::uint32_t count = 0;
+        for (unsigned left = used; left != 0;) {
+            const int bin = std::bit_width(left) - 1;
+            left ^= 1U << bin;
+            box.include(low[bin], high[bin]);
+            count += counts[bin];
+            right_boxes[std::size_t(bin)] = box;
+            right_costs[std::size_t(bin)] = float(count) * box.half_area();
+        }
+        box = Box();
+        count = 0;
+        for (unsigned right = used; right != 0;) {
+            const int bin = std::countr_zero(right);
+            right &= right - 1;
+            if (right == 0)
+                break;
+            box.include(low[bin], high[bin]);
+            count += counts[bin];
+            const auto next = static_cast<std::size_t>(std::countr_zero(right));
+            const float cost = float(count) * box.half_area() + right_costs[next];
+            if (cost < best.cost)
+                best = {axis, bin + 1, cost, box, right_boxes[next]};
+        }
     }
-    return best;
-}
+};
 
 Split best_split(const std::vector<TreeItem>& items, const Range& range, const Binning& binning) {
-    std::array<std::array<Bin, kBins>, 3> bins{};
+    std::array<Bins, 3> bins;
+    for (Bins& axis : bins)
+        axis.used = 0;
     for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
         const Box item = box_of(items[i]);
         const Int4 at = binning.bins(item);
-        for (int axis = 0; axis < 3; ++axis) {
-            Bin& bin = bins[std::size_t(axis)][std::size_t(at[axis])];
-            bin.box.include(item);
-            ++bin.count;
-        }
+        for (int axis = 0; axis < 3; ++axis)
+            bins[std::size_t(axis)].include(at[axis], item);
     }
     Split best;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!binning.splits(axis))
-            continue;
-        const Split split = best_on_axis(bins[std::size_t(axis)], axis);
-        if (split.cost < best.cost)
-            best = split;
-    }
+    for (int axis = 0; axis < 3; ++axis)
+        if (binning.splits(axis))
+            bins[std::size_t(axis)].improve(axis, best);
     return best;
 }
 
@@ -155,20 +174,21 @@ std::pair<Range, Range> split(std::vector<TreeItem>& items, const Range& range) 
     const Split best = best_split(items, range, binning);
     if (best.axis < 0)
         return halved(items, range);
-    Range left{.first = range.first}, right;
+    Box left, right; // of doubled centroids
     std::uint32_t begin = range.first, end = range.first + range.count;
     while (begin < end) {
         const Box item = box_of(items[begin]);
+        const Float4 centroid = item.low + item.high;
         if (binning.bins(item)[best.axis] < best.bin) {
-            left.include(item);
+            left.include(centroid, centroid);
             ++begin;
         } else {
-            right.include(item);
+            right.include(centroid, centroid);
             std::swap(items[begin], items[--end]);
         }
     }
-    right.first = begin;
-    return {left, right};
+    const std::uint32_t count = begin - range.first;
+    return {{range.first, count, best.left, left}, {begin, range.count - count, best.right, right}};
 }
 
 /// A part of the tree that one thread builds, and the child of a node of the top that it is.
@@ -189,8 +209,9 @@ public:
                        std::vector<Task>* tasks = nullptr, std::uint32_t task_items = 0) const {
         const auto index = static_cast<layout::uint>(nodes.size());
         nodes.push_back(empty_node());
-        const std::vector<Range> parts = range.count <= leaf_ ? std::vector<Range>{range} : children(range, depth);
-        for (std::size_t i = 0; i < parts.size(); ++i) {
+        std::array<Range, layout::kMeshChildren> parts{range};
+        const std::size_t count = range.count <= leaf_ ? 1 : split_in_parts(parts, depth);
+        for (std::size_t i = 0; i < count; ++i) {
             set_bounds(nodes[index], i, parts[i].box);
             if (parts[i].count <= leaf_) {
                 nodes[index].child[i] =
@@ -206,30 +227,29 @@ public:
     }
 
 private:
-    /// The up to four parts that become a node's children.
-    std::vector<Range> children(const Range& range, unsigned depth) const {
+    /// Splits the first part into those that become a node's children; returns their number.
+    std::size_t split_in_parts(std::array<Range, layout::kMeshChildren>& parts, unsigned depth) const {
         // What a child at the next depth may hold so that medians still fit below it.
         const unsigned levels = reference::kMeshTreeDepth - 1 - depth;
         const std::uint64_t room = std::uint64_t(leaf_) << std::min(levels, 40u);
-        const bool balanced = range.count > room;
-        std::vector<Range> parts{range};
-        while (parts.size() < layout::kMeshChildren) {
-            std::size_t widest = parts.size();
+        const bool balanced = parts[0].count > room;
+        std::size_t count = 1;
+        for (; count < parts.size(); ++count) {
+            std::size_t widest = count;
             float most = -1;
-            for (std::size_t i = 0; i < parts.size(); ++i) {
+            for (std::size_t i = 0; i < count; ++i) {
                 const float size = balanced ? float(parts[i].count) : parts[i].box.half_area();
                 if (parts[i].count > leaf_ && size > most) {
                     most = size;
                     widest = i;
                 }
             }
-            if (widest == parts.size())
+            if (widest == count)
                 break;
-            const auto [left, right] = balanced ? halved(items_, parts[widest]) : split(items_, parts[widest]);
-            parts[widest] = left;
-            parts.push_back(right);
+            std::tie(parts[widest], parts[count]) =
+                balanced ? halved(items_, parts[widest]) : split(items_, parts[widest]);
         }
-        return parts;
+        return count;
     }
 
     static layout::MeshNode empty_node() {
@@ -268,14 +288,13 @@ float rounded_up(double value) {
 } // namespace
 
 TreeItem tree_item(std::uint32_t triangle, const std::array<glm::dvec3, 3>& corners) {
-    TreeItem item{{2, 2, 2}, triangle, {-2, -2, -2}, 0};
-    for (const glm::dvec3& corner : corners)
-        for (int axis = 0; axis < 3; ++axis) {
-            float& low = item.low[std::size_t(axis)];
-            float& high = item.high[std::size_t(axis)];
-            low = std::min(low, rounded_down(corner[axis]));
-            high = std::max(high, rounded_up(corner[axis]));
-        }
+    TreeItem item{{}, triangle, {}, 0};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const int axis = static_cast<int>(i);
+        const auto [low, high] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
+        item.low[i] = rounded_down(low);
+        item.high[i] = rounded_up(high);
+    }
     return item;
 }
 

@@ -85,6 +85,19 @@ TEST(Structure, DoesNotDependOnTheNumberOfThreads) {
     }
 }
 
+// Sums round by the triangles' order, which is the tree's: forces on marginal places move with it.
+TEST(Structure, TheTreeStaysTheSame) {
+    const MeshStructure structure =
+        build_structure(shapes::mesh_of(shapes::merged(shapes::icosphere(5), shapes::random_polyhedra(500, 9))));
+    std::uint64_t hash = 0;
+    for (const layout::uint facet : structure.parts->triangle_facets)
+        hash = (hash ^ facet) * 0x9E3779B97F4A7C15u + (hash >> 29);
+    for (const layout::MeshNode& node : structure.parts->nodes)
+        for (const layout::uint child : node.child)
+            hash = (hash ^ child) * 0x9E3779B97F4A7C15u + (hash >> 29);
+    EXPECT_EQ(hash, 0xbb60d86bbd2b2a14u);
+}
+
 TEST(Structure, IsAsSmallAsItSays) {
     const MeshStructure plain = build_structure(shapes::mesh_of(shapes::icosphere(6)));
     const MeshStructure winding = build_structure(shapes::mesh_of(shapes::icosphere(6)), {.winding = true});
