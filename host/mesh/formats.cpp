@@ -41,6 +41,25 @@ public:
     explicit ObjReader(const Source& source) : lines_(source.name, source.bytes), wanted_(source.normals) {}
 
     PolygonFile read() {
+        read_statements();
+        if (has_text_ && soup_.vertices.empty())
+            lines_.damaged("none of the file's lines is a vertex of an OBJ file");
+        check_range();
+        if (!normals_.empty())
+            take_normals();
+        return {std::move(soup_), "", "OBJ", skipped_.warnings()};
+    }
+
+    /// Of a part of a file; none where what is before it matters, or lines were skipped.
+    std::optional<PolygonSoup> read_part() {
+        read_statements();
+        return is_relative_ || !skipped_.empty() ? std::nullopt : std::optional(std::move(soup_));
+    }
+
+private:
+    static constexpr std::int64_t kNone = -1; // normal
+
+    void read_statements() {
         std::string_view line;
         while (next_statement(line)) {
             const std::string_view keyword = take_word(line);
@@ -55,16 +74,7 @@ public:
             else if (!is_one_of(keyword, kNameStatements) && !is_one_of(keyword, kOtherStatements))
                 skip_element_or_text(keyword, line);
         }
-        if (has_text_ && soup_.vertices.empty())
-            lines_.damaged("none of the file's lines is a vertex of an OBJ file");
-        check_range();
-        if (!normals_.empty())
-            take_normals();
-        return {std::move(soup_), "", "OBJ", skipped_.warnings()};
     }
-
-private:
-    static constexpr std::int64_t kNone = -1; // normal
 
     // A backslash at the end of a line continues it; blanks may stand behind it. In a statement that ends in a name, as
     // `usemtl a\`, and in text it may belong to the name: there it continues the line only if the next line begins with
@@ -74,6 +84,7 @@ private:
             return false;
         if (!continues(line))
             return true;
+        is_relative_ = true;
         std::string_view words = line;
         const std::string_view keyword = take_word(words);
         const bool may_be_name = !is_data(keyword);
@@ -120,12 +131,14 @@ private:
     }
 
     glm::dvec3 read_vector(std::string_view line, const char* what) {
-        return read_coordinates(lines_, "", [&] {
-            const std::string_view word = take_word(line);
-            if (word.empty())
-                lines_.damaged("{} has three coordinates; the file is damaged or breaks off here", what);
-            return word;
-        });
+        return read_coordinates(
+            lines_, [] { return ""; },
+            [&] {
+                const std::string_view word = take_word(line);
+                if (word.empty())
+                    lines_.damaged("{} has three coordinates; the file is damaged or breaks off here", what);
+                return word;
+            });
     }
 
     // `s 1`; `s 0` and `s off` are none, and so is any other word.
@@ -135,8 +148,10 @@ private:
         group_ = parse_integer(word, number) && number > 0 && number <= std::int64_t{0xFFFFFFFF}
                      ? static_cast<std::uint32_t>(number)
                      : 0;
-        if (group_ != 0)
+        if (group_ != 0) {
+            is_relative_ = true;
             soup_.groups.resize(soup_.facets(), 0);
+        }
     }
 
     void end_facet() {
@@ -169,6 +184,7 @@ private:
         std::int64_t index = 0;
         const auto known = static_cast<std::int64_t>(soup_.vertices.size());
         const std::size_t slash = word.find('/');
+        is_relative_ = is_relative_ || word.starts_with('-');
         if (!parse_integer(word.substr(0, slash), index) ||
             (slash != std::string_view::npos && !is_reference(word.substr(slash + 1))))
             lines_.damaged("{} is not a corner of a facet", in_quotes(word));
@@ -217,6 +233,7 @@ private:
     TextLines lines_;
     bool wanted_; // normals
     bool has_text_ = false;
+    bool is_relative_ = false; // to what is before: a corner, a group, a line that goes on
     PolygonSoup soup_;
     Skipped skipped_{"in line"};
     std::vector<glm::dvec3> normals_;
@@ -230,6 +247,11 @@ private:
 } // namespace
 
 PolygonFile read_obj(const Source& source) {
+    if (!source.normals)
+        if (auto soup = read_in_blocks(source.bytes, "", false, [&](const TextBlock& block) {
+                return ObjReader({source.name, block.text}).read_part();
+            }))
+            return {std::move(*soup), "", "OBJ"};
     return ObjReader(source).read();
 }
 
@@ -263,7 +285,7 @@ public:
 
 private:
     void read_header() {
-        next_line("its keyword OFF");
+        next_line([] { return "its keyword OFF"; });
         std::string_view word = take_word(line_);
         std::int64_t count = 0;
         if (parse_integer(word, count))
@@ -273,7 +295,7 @@ private:
         if (word == "BINARY")
             throw UsageError("{}: binary OFF is not read; save it as text, or as PLY", name_);
         if (word.empty()) {
-            next_line("its numbers of vertices and facets");
+            next_line([] { return "its numbers of vertices and facets"; });
             word = take_word(line_);
         }
         vertices_ = announced(word, "vertices");
@@ -319,20 +341,20 @@ private:
         return static_cast<std::size_t>(count);
     }
 
-    void next_line(std::string_view expected) {
+    template <typename Expected> void next_line(const Expected& expected) {
         if (!lines_.next_words(line_))
-            lines_.damaged("the file breaks off before {}", expected);
+            lines_.damaged("the file breaks off before {}", expected());
     }
 
     // What follows the coordinates in a line (a normal, a colour, a texture position) is ignored.
     void read_vertex() {
-        next_line(fmt::format("vertex {} of {}", soup_.vertices.size(), vertices_));
-        const std::string whose = fmt::format(" of vertex {}", soup_.vertices.size());
+        next_line([&] { return fmt::format("vertex {} of {}", soup_.vertices.size(), vertices_); });
+        const auto whose = [&] { return fmt::format(" of vertex {}", soup_.vertices.size()); };
         soup_.vertices.push_back(read_coordinates(lines_, whose, [&] { return take_word(line_); }));
     }
 
     void read_facet() {
-        next_line(fmt::format("facet {} of {}", facet_, facets_));
+        next_line([&] { return fmt::format("facet {} of {}", facet_, facets_); });
         const std::size_t line = lines_.line_number(), begin = soup_.corners.size();
         const std::size_t count = announced(take_word(line_), "corners of a facet");
         if (count > line_.size() / 2 + lines_.rest().size() / 2)
@@ -351,7 +373,7 @@ private:
     std::uint32_t read_corner() {
         std::string_view word = take_word(line_);
         if (word.empty()) {
-            next_line(fmt::format("all corners of facet {}", facet_));
+            next_line([&] { return fmt::format("all corners of facet {}", facet_); });
             word = take_word(line_);
         }
         std::int64_t index = 0;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -55,6 +56,8 @@ public:
     explicit Skipped(std::string_view where) : where_(where) {}
 
     void add(const Kind& kind, std::size_t place);
+
+    bool empty() const { return entries_.empty(); }
 
     /// "3 faces of two corners: skipped (the first in line 12)", a sentence for each kind.
     std::vector<std::string> warnings() const;
@@ -114,6 +117,21 @@ private:
 /// Takes the next word (up to a space or a tab) off the front of a line; empty at its end.
 std::string_view take_word(std::string_view& line);
 
+/// A block of a text file, of whole lines.
+struct TextBlock {
+    std::string_view text;
+    bool is_first, is_last;
+    std::size_t lines_before = 0, lines = 0; /* with words, before it and in it; if they are counted */
+};
+
+/// Reads a large text by blocks that begin with a line of this keyword, or with any line, on all threads. None where
+/// the text is small, or `read` throws or returns none for a block that cannot be read alone, or a corner is no vertex:
+/// then it is to be read as a whole, which says what is wrong in which line.
+/// \param read of a block; any thread may call it
+std::optional<PolygonSoup>
+read_in_blocks(std::string_view text, std::string_view keyword, bool counts_lines,
+               const std::function<std::optional<PolygonSoup>(const TextBlock& block)>& read);
+
 /// A word for a message: in quotes, shortened, without control characters.
 std::string in_quotes(std::string_view word);
 
@@ -127,13 +145,13 @@ bool parse_integer(std::string_view word, std::int64_t& value);
 /// facet, and is not text.
 bool has_only_numbers(std::string_view line);
 
-/// Three numbers that next_word() gives; `whose` ends the message about a word that is none.
-template <typename NextWord>
-glm::dvec3 read_coordinates(const TextLines& lines, const std::string& whose, const NextWord& next_word) {
+/// Three numbers that next_word() gives; whose() ends the message about a word that is none.
+template <typename Whose, typename NextWord>
+glm::dvec3 read_coordinates(const TextLines& lines, const Whose& whose, const NextWord& next_word) {
     glm::dvec3 vertex;
     for (int axis = 0; axis < 3; ++axis)
         if (const std::string_view word = next_word(); !parse_number(word, vertex[axis]))
-            lines.damaged("{} is not a coordinate{}", in_quotes(word), whose);
+            lines.damaged("{} is not a coordinate{}", in_quotes(word), whose());
     return vertex;
 }
 

@@ -2,6 +2,7 @@
 #include "host/mesh/mesh_file.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include "host/mesh/places.h"
 #include "host/numbers.h"
 #include "host/output/files.h"
+#include "host/reference/chunks.h"
 
 namespace forceshade::mesh_file {
 
@@ -147,6 +149,79 @@ std::vector<std::string> Skipped::warnings() const {
     return warnings;
 }
 
+namespace {
+
+// Where the next block of a text begins: at or behind a place, and at a line of the keyword.
+std::size_t next_block(std::string_view text, std::size_t from, std::string_view keyword) {
+    while (from < text.size()) {
+        const std::size_t end = text.find('\n', from);
+        if (end == std::string_view::npos)
+            break;
+        from = end + 1;
+        std::string_view line = text.substr(from, 256);
+        if (keyword.empty() || is_keyword(take_word(line), keyword))
+            return from;
+    }
+    return text.size();
+}
+
+std::size_t count_lines(std::string_view text) {
+    TextLines lines("", text);
+    std::size_t count = 0;
+    for (std::string_view line; lines.next(line);)
+        count += take_word(line).empty() ? 0 : 1;
+    return count;
+}
+
+} // namespace
+
+std::optional<PolygonSoup>
+read_in_blocks(std::string_view text, std::string_view keyword, bool counts_lines,
+               const std::function<std::optional<PolygonSoup>(const TextBlock& block)>& read) {
+    constexpr std::size_t kBlock = std::size_t(1) << 20, kLeast = 4 * kBlock; // bytes
+    if (text.size() < kLeast)
+        return std::nullopt;
+    std::vector<TextBlock> blocks;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = next_block(text, begin + kBlock, keyword);
+        blocks.push_back({text.substr(begin, end - begin), begin == 0, end == text.size()});
+        begin = end;
+    }
+    const unsigned threads = most_threads();
+    if (counts_lines)
+        reference::share_out(threads, blocks.size(),
+                             [&](std::size_t, std::size_t i) { blocks[i].lines = count_lines(blocks[i].text); });
+    for (std::size_t i = 1; i < blocks.size(); ++i)
+        blocks[i].lines_before = blocks[i - 1].lines_before + blocks[i - 1].lines;
+    std::vector<std::optional<PolygonSoup>> parts(blocks.size());
+    std::atomic<bool> is_plain{true};
+    reference::share_out(threads, blocks.size(), [&](std::size_t, std::size_t i) {
+        try {
+            if (is_plain)
+                parts[i] = read(blocks[i]);
+        } catch (const std::exception&) { // which who reads the whole will throw
+            parts[i].reset();
+        }
+        if (!parts[i])
+            is_plain = false;
+    });
+    if (!is_plain)
+        return std::nullopt;
+    PolygonSoup soup;
+    for (std::optional<PolygonSoup>& part : parts) {
+        const auto before = static_cast<std::uint32_t>(soup.corners.size());
+        soup.vertices.insert(soup.vertices.end(), part->vertices.begin(), part->vertices.end());
+        soup.corners.insert(soup.corners.end(), part->corners.begin(), part->corners.end());
+        for (const std::uint32_t begin : std::span(part->begins).subspan(1))
+            soup.begins.push_back(before + begin);
+        part.reset();
+    }
+    const auto highest = std::ranges::max_element(soup.corners);
+    if (soup.vertices.empty() || (highest != soup.corners.end() && *highest >= soup.vertices.size()))
+        return std::nullopt;
+    return soup;
+}
+
 // STL, text and binary: triangles without vertices of their own.
 
 std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian) {
@@ -168,6 +243,8 @@ float read_float(const char* bytes) {
 PolygonSoup triangles(std::vector<glm::dvec3> corners) {
     PolygonSoup soup;
     soup.vertices = std::move(corners);
+    soup.corners.reserve(soup.vertices.size());
+    soup.begins.reserve(soup.vertices.size() / 3 + 1);
     for (std::uint32_t corner = 0; corner < soup.vertices.size(); ++corner) {
         soup.vertices[corner] += 0.0; // -0 becomes 0
         soup.corners.push_back(corner);
@@ -216,10 +293,29 @@ public:
     explicit StlTextReader(const Source& source) : lines_(source.name, source.bytes) {}
 
     PolygonFile read() {
-        bool open = false;                // a solid that is to end
+        if (read_parts(false, false) == 0)
+            lines_.damaged("not an STL file: no line begins with solid or facet");
+        return {triangles(std::move(corners_)), "", "STL (text)", skipped_.warnings()};
+    }
+
+    /// Of a part of a file that begins with a facet, unless it is the first; none where lines were skipped.
+    std::optional<PolygonSoup> read_part(const TextBlock& block) {
+        read_parts(!block.is_first, !block.is_last);
+        if (!skipped_.empty())
+            return std::nullopt;
+        PolygonSoup soup;
+        soup.vertices = std::move(corners_);
+        return soup;
+    }
+
+private:
+    /// Solids, their ends and facets; returns their number.
+    /// \param open a solid is to end
+    /// \param goes_on more follows behind the text
+    std::size_t read_parts(bool open, bool goes_on) {
         std::size_t parts = 0, begin = 0; // the first corner of the solid
         for (;; ++parts) {
-            const std::string_view word = next_part(!open);
+            const std::string_view word = next_part(!open || goes_on);
             if (word.empty())
                 break;
             if (is_keyword(word, "facet")) {
@@ -234,12 +330,9 @@ public:
             begin = corners_.size();
             line_ = {}; // the name
         }
-        if (parts == 0)
-            lines_.damaged("not an STL file: no line begins with solid or facet");
-        return {triangles(std::move(corners_)), "", "STL (text)", skipped_.warnings()};
+        return parts;
     }
 
-private:
     // Solid, endsolid or facet, left where it is; empty at the end of the file.
     std::string_view next_part(bool may_end) {
         for (;;) {
@@ -273,10 +366,12 @@ private:
 
     void read_vertex() {
         next_word("vertex");
-        corners_.push_back(read_coordinates(lines_, "", [&] {
-            peek("a coordinate");
-            return take_word(line_);
-        }));
+        corners_.push_back(read_coordinates(
+            lines_, [] { return ""; },
+            [&] {
+                peek("a coordinate");
+                return take_word(line_);
+            }));
     }
 
     // The next word, left where it is; empty only at an end of the file that is allowed.
@@ -326,8 +421,13 @@ std::optional<std::size_t> bytes_behind_binary_stl(std::string_view bytes) {
 }
 
 PolygonFile read_stl(const Source& source) {
-    const bool text = looks_like_text(source.bytes) && !bytes_behind_binary_stl(source.bytes);
-    return text ? StlTextReader(source).read() : read_binary(source);
+    if (!looks_like_text(source.bytes) || bytes_behind_binary_stl(source.bytes))
+        return read_binary(source);
+    if (auto soup = read_in_blocks(source.bytes, "facet", false, [&](const TextBlock& block) {
+            return StlTextReader({source.name, block.text}).read_part(block);
+        }))
+        return {triangles(std::move(soup->vertices)), "", "STL (text)"};
+    return StlTextReader(source).read();
 }
 
 } // namespace forceshade::mesh_file

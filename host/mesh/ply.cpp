@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -262,6 +263,22 @@ public:
         : header_(header), values_(source, header), normals_(source.normals) {}
 
     PolygonFile read() {
+        read_elements();
+        check_range();
+        if (!vertex_normals_.empty())
+            for (const std::uint32_t vertex : soup_.corners)
+                soup_.normals.push_back(vertex_normals_[vertex]);
+        return {std::move(soup_), "", kFlavours[static_cast<std::size_t>(header_.encoding)], skipped_.warnings()};
+    }
+
+    /// Of a part of a file; none where something was skipped.
+    std::optional<PolygonSoup> read_part() {
+        read_elements();
+        return skipped_.empty() ? std::optional(std::move(soup_)) : std::nullopt;
+    }
+
+private:
+    void read_elements() {
         check_announced();
         for (const PlyElement& element : header_.elements) {
             if (is_vertices(element))
@@ -276,14 +293,8 @@ public:
         }
         if (!values_.at_end(skipped_))
             values_.fail("the file goes on behind the elements that it announces");
-        check_range();
-        if (!vertex_normals_.empty())
-            for (const std::uint32_t vertex : soup_.corners)
-                soup_.normals.push_back(vertex_normals_[vertex]);
-        return {std::move(soup_), "", kFlavours[static_cast<std::size_t>(header_.encoding)], skipped_.warnings()};
     }
 
-private:
     static bool is_vertices(const PlyElement& element) {
         return element.name == "vertex" || element.name == "vertices";
     }
@@ -463,10 +474,43 @@ private:
 
 } // namespace
 
+namespace {
+
+// What of each element stands in a block.
+PlyHeader header_of(const PlyHeader& header, const TextBlock& block) {
+    PlyHeader part = header;
+    part.bytes = part.lines = 0;
+    std::uint64_t before = block.lines_before;
+    std::uint64_t left = block.is_last ? std::numeric_limits<std::uint64_t>::max() : block.lines;
+    for (PlyElement& element : part.elements) {
+        const std::uint64_t passed = std::min(element.count, before);
+        before -= passed;
+        element.count = std::min(element.count - passed, left);
+        left -= element.count;
+    }
+    return part;
+}
+
+// Strips are read by how many vertices there are, and a block may have none of them.
+bool has_parts(const PlyHeader& header) {
+    return std::ranges::all_of(header.elements, [](const PlyElement& element) {
+        return !element.properties.empty() && !element.name.starts_with("tristrip");
+    });
+}
+
+} // namespace
+
 PolygonFile read_ply(const Source& source) {
     const PlyHeader header = read_ply_header(source.name, source.bytes);
-    return header.encoding == PlyEncoding::text ? PlyReader<TextValues>(source, header).read()
-                                                : PlyReader<BinaryValues>(source, header).read();
+    if (header.encoding != PlyEncoding::text)
+        return PlyReader<BinaryValues>(source, header).read();
+    if (!source.normals && has_parts(header))
+        if (auto soup = read_in_blocks(source.bytes.substr(header.bytes), "", true, [&](const TextBlock& block) {
+                const PlyHeader part = header_of(header, block);
+                return PlyReader<TextValues>({source.name, block.text}, part).read_part();
+            }))
+            return {std::move(*soup), "", kFlavours[static_cast<std::size_t>(header.encoding)]};
+    return PlyReader<TextValues>(source, header).read();
 }
 
 } // namespace forceshade::mesh_file

@@ -74,6 +74,40 @@ TEST_F(MeshFiles, FormatAndHashAreTold) {
               "STL (binary)");
 }
 
+// Large texts are read in blocks. A line that is skipped, or a corner counted backwards, has the whole read in order.
+TEST_F(MeshFiles, LargeTextsAreTheSameInBlocks) {
+    const PolygonSoup sphere = shapes::icosphere(7);
+    const std::string obj = testing::as_obj(sphere), ply = testing::as_ply_text(sphere);
+    const std::string stl = testing::as_stl_text(shapes::icosphere(6));
+    ASSERT_GT(std::min({obj.size(), ply.size(), stl.size()}), std::size_t(4) << 20);
+    expect_same(read("a.obj", obj), sphere);
+    expect_same(read("b.obj", "solitary words\n" + obj), sphere);
+    expect_same(read("c.ply", ply), sphere);
+    expect_same(read("d.stl", stl), read("e.stl", "words\n" + stl));
+    expect_same(read("f.stl", stl + stl), read("g.stl", "words\n" + stl + stl));
+    PolygonSoup more = sphere;
+    more.corners.insert(more.corners.end(), {0, 1, static_cast<std::uint32_t>(sphere.vertices.size() - 1)});
+    more.end_facet();
+    expect_same(read("g.obj", obj + "f 1 2 -1\n"), more);
+    more.groups.assign(sphere.facets(), 0);
+    more.groups.push_back(3);
+    EXPECT_EQ(read("h.obj", obj + "s 3\nf 1 2 -1\n").groups, more.groups);
+}
+
+TEST_F(MeshFiles, FaultsOfLargeTextsHaveTheirLine) {
+    const PolygonSoup sphere = shapes::icosphere(7);
+    const std::string obj = testing::as_obj(sphere), ply = testing::as_ply_text(sphere);
+    const std::string stl = testing::as_stl_text(shapes::icosphere(6));
+    const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+    expect_refused<IoError>("a.obj", obj + "f 1 2 nothing\n", fmt::format(":{}: \"nothing\"", lines(obj) + 1));
+    expect_refused<IoError>("b.obj", obj + "f 1 2 1000000\n",
+                            fmt::format("the facet in line {} has vertex 1000000", lines(obj) + 1));
+    expect_refused<IoError>("c.ply", ply + "3 0 1 2\n", "goes on behind the elements");
+    expect_refused<IoError>("d.ply", ply.substr(0, ply.rfind('\n', ply.size() - 2) + 1), "breaks off");
+    const std::string cut = stl.substr(0, stl.rfind("endfacet"));
+    expect_refused<IoError>("e.stl", cut, fmt::format(":{}: the file breaks off before endfacet", lines(cut) + 1));
+}
+
 TEST_F(MeshFiles, ObjCornersOfEveryForm) {
     const std::string vertices = "v 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv +1 1 0\nv 0 1e0 0\nvt 0 0\nvn 0 0 1\n";
     const std::vector<std::uint32_t> expected{0, 1, 2, 3};
