@@ -109,7 +109,7 @@ struct Bins {
         Box box;
         std::uint32_t count = 0;
         for (unsigned left = used; left != 0;) {
-            const int bin = std::bit_width(left) - 1;
+            const int bin = static_cast<int>(std::bit_width(left)) - 1;
             left ^= 1U << bin;
             box.include(low[bin], high[bin]);
             count += counts[bin];
