@@ -112,14 +112,22 @@ struct Cells {
         const double part = (value - values[above - 1]) / (values[above] - values[above - 1]);
         return (static_cast<double>(above) - 0.5 + part) / count;
     }
-    // Every n-th value has a tick, and every word.
+    // Every word has a tick, and every value of a few; of more, round numbers between them.
     static Axis axis(const ChartAxis& of, const std::vector<double>& values, std::size_t most) {
+        if (of.words.empty() && values.size() > most) {
+            const double low = values.front(), high = values.back();
+            const Range range{low, high, low > 0 && high > 8 * low};
+            Axis axis = number_axis(of.label, range, most);
+            for (AxisTick& tick : axis.ticks)
+                tick.fraction = fraction(values, range.logarithmic ? low * std::pow(high / low, tick.fraction)
+                                                                   : low + (high - low) * tick.fraction);
+            return axis;
+        }
         Axis axis{of.label, {}};
-        const std::size_t each = of.words.empty() ? (values.size() + most - 1) / most : 1;
-        for (std::size_t i = 0; i < values.size(); i += each)
-            axis.ticks.push_back(
-                {fraction(values, values[i]),
-                 of.words.empty() ? cell_number(values[i]) : of.words[static_cast<std::size_t>(std::fabs(values[i]))]});
+        for (const double value : values)
+            axis.ticks.push_back({fraction(values, value), of.words.empty()
+                                                               ? cell_number(value)
+                                                               : of.words[static_cast<std::size_t>(std::fabs(value))]});
         return axis;
     }
 

@@ -84,6 +84,7 @@ TEST_F(LiveLog, NowhereTakesEverything) {
 }
 
 TEST_F(LiveLog, ThatAnotherRunWritesIsRefusedAndStaysWhole) {
+    write_still("still.csv", 60 * kRows); // a minute: the others may come late
     Process first(launch(by_the_clock("log.csv", {"--overwrite"})));
     await(first, [&] { return text("log.csv").size() > 10'000; });
     for (const char* const name : {"log.csv", "also.csv"}) {
@@ -92,10 +93,11 @@ TEST_F(LiveLog, ThatAnotherRunWritesIsRefusedAndStaysWhole) {
         expect_failure(2, live("bump.toml", {"--fast", "--duration", "1 s", "--log", name, "--overwrite"}),
                        {std::string("--log "), name, "another run writes it now"});
     }
+    first.send(SIGINT);
     const Outcome outcome = first.wait();
-    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    EXPECT_EQ(outcome.code, 130) << outcome.error;
     const Rows log = rows("log.csv");
-    ASSERT_EQ(log.size(), kRows);
+    EXPECT_GT(log.size(), 100u);
     expect_every_tick(log);
     expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv", "--overwrite"}));
     EXPECT_EQ(rows("log.csv").size(), 1000u) << "once it is written it may be replaced";

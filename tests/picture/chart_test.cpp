@@ -120,6 +120,16 @@ TEST(Chart, HasALegendOfWhatIsDrawnAlone) {
     EXPECT_EQ(std::ranges::count(texts_of(map), "never"), 0);
 }
 
+TEST(Chart, HasRoundTicksBetweenManyCells) {
+    Chart map = map_sample(false);
+    map.cells.clear();
+    for (int i = 0; i < 40; ++i)
+        map.cells.push_back({130 * std::pow(1.26, i), 100, 1, ""});
+    const std::vector<std::string> texts = texts_of(map);
+    EXPECT_EQ(std::ranges::count(texts, "1000"), 1);
+    EXPECT_EQ(std::ranges::count(texts, "130"), 0) << "the value of the first column";
+}
+
 TEST(Chart, KeepsLabelsClearOfLines) {
     Chart chart = named({"way"});
     chart.series[0].points = {
