@@ -96,7 +96,7 @@ template <typename T> char* put_shortest(char* to, T value) {
     const int count = fmt::detail::count_digits(digits), whole = count + power; // places before the point
     *to = '-';
     to += std::signbit(value);
-    std::memcpy(to, "0.00", 4);
+    std::copy_n("0.00", 4, to);
     char* const begin = whole <= 0 ? to + 2 - whole : power < 0 ? to + 1 : to;
     fmt::detail::format_decimal(begin, digits, count);
     if (power >= 0)
