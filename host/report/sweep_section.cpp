@@ -199,6 +199,20 @@ std::string by_shading(const Rows& cases, const Number& number, double factor, c
                        range_text(shaded, factor), unit);
 }
 
+// The texts that `of` gives the cases, each once, in their order.
+std::vector<std::string> distinct(const Rows& cases, std::string (*of)(R)) {
+    std::vector<std::string> texts;
+    for (R one : cases)
+        if (std::ranges::find(texts, of(one)) == texts.end())
+            texts.push_back(of(one));
+    return texts;
+}
+
+// What the touched cases' forces are held against.
+std::string touched_truth(const Rows& cases) {
+    return fmt::format("{}", fmt::join(distinct(cases, [](R one) { return one->touch->against; }), " or "));
+}
+
 // Errors where a hand touches, in a sentence; empty without such errors.
 std::string touch_finding(const Sweep& sweep) {
     const Rows cases = with_touch(sweep);
@@ -211,7 +225,7 @@ std::string touch_finding(const Sweep& sweep) {
         "(median{}).",
         by_shading(
             cases, [](const CaseRecord& one) { return one.touch->direction_rms; }, 1, "deg"),
-        cases.front()->touch->against,
+        touched_truth(cases),
         by_shading(
             cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"),
         missed < 0.01 ? "" : fmt::format("; up to {} % of the places have no force", number_text(100 * missed, 2)));
@@ -219,11 +233,7 @@ std::string touch_finding(const Sweep& sweep) {
 
 // What the cases are compared with: shapes, and where on them depth is read, whose numbers are not to be mixed.
 std::vector<std::string> compared_with(const Rows& cases) {
-    std::vector<std::string> shapes;
-    for (R one : cases)
-        if (std::ranges::find(shapes, one->deviation->from) == shapes.end())
-            shapes.push_back(one->deviation->from);
-    return shapes;
+    return distinct(cases, [](R one) { return one->deviation->from; });
 }
 
 // Of the comparison that the scenes ask for, a sentence for each shape; empty without one.
@@ -277,7 +287,7 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
     if (cases.empty())
         return;
     using Row = const Plotted&;
-    const TouchRecord& touch = *cases.front()->touch;
+    const auto [least, most] = std::ranges::minmax_element(cases, {}, [](R one) { return one->touch->deepest; });
     add_errors(
         data, axes_of(cases), "touch", "Errors where a hand touches",
         {{{"direction_deg", "deg", "angle to the force that should be there, root mean square"},
@@ -289,7 +299,8 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
          {{"missed_percent", "%", "of the places, those without the force that should be there"},
           [](Row r) { return 100 * r.record->touch->missed_share; }}},
         fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform.",
-                    touch.against, touch.places, 10 * touch.deepest, 1e3 * touch.deepest),
+                    touched_truth(cases), cases.front()->touch->places, 10 * (*least)->touch->deepest,
+                    1e3 * (*most)->touch->deepest),
         {{"touch-direction", "Error of the force's direction", {"direction_deg", "RMS error of the direction / deg"}},
          {"touch-force", "Error of the force", {"force_percent", "median error of the force / % of the force there"}}});
 }

@@ -213,6 +213,9 @@ private:
             fail(source_, place({"force.shading", "surface.kind"}),
                  "shading \"{}\" does not fit kind \"{}\", whose shading is {}", find("force.shading")->texts.front(),
                  find("surface.kind")->texts.front(), allowed);
+        if (shading == Shading::two_pass)
+            warn(place({"force.shading"}), "shading \"two_pass\" turns the force and makes it 1/cos of that angle as "
+                                           "large, without a bound; the other shadings keep its magnitude");
     }
 
     void check_texture(const TextureSpec& texture) {

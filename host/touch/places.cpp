@@ -27,6 +27,8 @@ std::optional<TouchPlace> surface_between(const TouchedShape& shape, glm::dvec3 
         return std::nullopt;
     for (int i = 0; i < kHalvings; ++i) {
         const glm::dvec3 middle = 0.5 * (inside + outside);
+        if (middle == inside || middle == outside)
+            break;
         (touches(shape.force({middle})) ? inside : outside) = middle;
     }
     const glm::dvec3 force = shape.force({inside - 1e-3 * shape.scale.shallowest() * up});

@@ -96,5 +96,11 @@ TEST(Check, WarnsOfVoxelsThatCoincide) {
     EXPECT_EQ(warnings("[surface]\nfacets = [1000000, 100000000]\n").size(), 1u);
 }
 
+TEST(Check, WarnsOfAForceWithoutABound) {
+    const std::string mesh = "[surface]\nkind = \"mesh\"\nfile = \"a.obj\"\n[grid]\nsamples = 9\n[force]\n";
+    ASSERT_EQ(warnings(mesh + "shading = [\"mean_value\", \"two_pass\"]\n").size(), 1u);
+    EXPECT_TRUE(warnings(mesh + "shading = [\"mean_value\", \"none\"]\n").empty());
+}
+
 } // namespace
 } // namespace forceshade

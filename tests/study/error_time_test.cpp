@@ -97,7 +97,8 @@ TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
     EXPECT_EQ(of_coarse(at(0, top, 1e-3)), Kind::edge) << "of four facets two meet at the top";
     EXPECT_EQ(of_coarse(at(1e-3, top, 1e-3)), Kind::facet);
     EXPECT_EQ(of_fine(at(0, top, 1e-3)), Kind::edge);
-    const KindPlaces all = places_of(bump, coarse, shared_places(bump, few(), 0), few(), 0);
+    SharedPlaces shared = shared_places(bump, few(), 0);
+    const KindPlaces all = places_of(bump, coarse, shared, few(), 0);
     for (const Kind kind : kKinds)
         EXPECT_GE(std::ranges::count(all.kinds, kind), 30) << name_of(kind);
     for (std::size_t i = 0; i < all.at.size(); ++i)
@@ -113,7 +114,8 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     const Variant& shaded = variant_named(bump, "64 facets, reference");
     const TurnedGrid grid(bump.low, bump.high, 0.4e-3, glm::dvec3(0), 0);
     const Volume<float, float, 3> volume(grid.grid, sampled(*shaded.prepared, grid));
-    const KindPlaces all = places_of(bump, shaded, shared_places(bump, few(), 0), few(), 0);
+    SharedPlaces shared = shared_places(bump, few(), 0);
+    const KindPlaces all = places_of(bump, shaded, shared, few(), 0);
     std::vector<glm::dvec3> found[2], truth[2];
     for (std::size_t i = 0; i < all.at.size(); ++i) {
         const bool shallow = all.kinds[i] == Kind::boundary;

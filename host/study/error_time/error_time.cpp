@@ -102,7 +102,7 @@ void add_errors(std::vector<Method>& methods, const Subject& subject, const Vari
     const auto take = [&](std::size_t draw) { // a thread has a draw to itself
         const Variant& drawn = variant.at(draw);
         if (!known.shared[draw])
-            known.shared[draw] = shared_places(subject, extents, draw);
+            known.shared[draw].emplace(shared_places(subject, extents, draw));
         if (!known.of_law[draw])
             known.of_law[draw] = places_of(subject, drawn, *known.shared[draw], extents, draw);
         std::vector<Method> moved;

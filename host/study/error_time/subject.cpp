@@ -272,13 +272,20 @@ PreparedCase unshaded(PreparedCase prepared) {
 
 // rad: the largest turn of a force on a ring of that radius about the place.
 template <typename Force> double turn_about(const TouchPlace& place, double radius, const Force& force_at) {
+    static const auto ring = [] { // cosines and sines
+        std::array<glm::dvec2, kRing> directions{};
+        for (std::size_t i = 0; i < kRing; ++i) {
+            const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
+            directions[i] = {std::cos(angle), std::sin(angle)};
+        }
+        return directions;
+    }();
     const std::pair<glm::dvec3, glm::dvec3> across = directions_across(place.normal);
     const glm::dvec3 middle = force_at(place);
     double largest = 0;
-    for (std::size_t i = 0; i < kRing; ++i) {
-        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
+    for (const glm::dvec2& direction : ring) {
         TouchPlace near = place;
-        near.at += radius * (std::cos(angle) * across.first + std::sin(angle) * across.second);
+        near.at += radius * (direction.x * across.first + direction.y * across.second);
         if (const glm::dvec3 force = force_at(near); touches(force) && touches(middle))
             largest = std::max(largest, angle_between(middle, force));
     }
@@ -311,6 +318,16 @@ Kind KindOf::of(const TouchPlace& place, double smooth_turn) {
     return smooth_turn < kFlatTurn && facet_turn < kFlatTurn ? Kind::flat : Kind::facet;
 }
 
+const std::optional<std::pair<TouchPlace, double>>& DrawnPlaces::operator[](std::size_t tries) {
+    while (found_.size() <= tries) {
+        const std::optional<TouchPlace> place = draw_();
+        found_.emplace_back();
+        if (place)
+            found_.back().emplace(*place, smooth_turn(subject_, *place));
+    }
+    return found_[tries];
+}
+
 SharedPlaces shared_places(const Subject& subject, const Extents& extents, std::size_t draw) {
     SharedPlaces shared;
     shared.at = draw == 0 ? subject.places
@@ -321,7 +338,7 @@ SharedPlaces shared_places(const Subject& subject, const Extents& extents, std::
     return shared;
 }
 
-KindPlaces places_of(const Subject& subject, const Variant& variant, const SharedPlaces& shared, const Extents& extents,
+KindPlaces places_of(const Subject& subject, const Variant& variant, SharedPlaces& shared, const Extents& extents,
                      std::size_t draw) {
     KindOf kind_of(subject, variant);
     KindPlaces all{{}, {}, shared.at.size()};
@@ -333,15 +350,17 @@ KindPlaces places_of(const Subject& subject, const Variant& variant, const Share
     };
     for (std::size_t i = 0; i < shared.at.size(); ++i)
         add(shared.at[i], kind_of.of(shared.at[i], shared.turns[i]));
-    PlaceDraw draw_place(subject, *variant.prepared, subject.seed(Subject::Random::kinds, draw));
+    if (!shared.further || variant.prepared->images.mesh)
+        shared.further.emplace(subject, *variant.prepared, subject.seed(Subject::Random::kinds, draw));
     const std::size_t wanted = extents.places_of_kind;
     for (std::size_t tries = 0; tries < kTriesOfKinds * wanted; ++tries) {
         const bool early = tries < kTriesOfRare * wanted; // a kind not met by then does not exist
         if (std::ranges::all_of(counts, [&](std::size_t count) { return count >= wanted || (count == 0 && !early); }))
             break;
-        if (const auto place = draw_place())
-            if (const Kind kind = kind_of(*place); counts[static_cast<std::size_t>(kind)] < wanted)
-                add(*place, kind);
+        if (const auto& found = (*shared.further)[tries])
+            if (const Kind kind = kind_of.of(found->first, found->second);
+                counts[static_cast<std::size_t>(kind)] < wanted)
+                add(found->first, kind);
     }
     // As far above the surface as the shallow ones are below it: there should be no force.
     for (std::size_t i = 0, end = all.at.size(); i < end; ++i)

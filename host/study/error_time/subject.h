@@ -112,15 +112,31 @@ struct KindPlaces {
     std::size_t shared = 0; /* how many the subject's own are */
 };
 
+/// Places drawn one after the other; each is drawn once.
+class DrawnPlaces {
+public:
+    /// `subject`, and the mesh of `prepared`, must outlive it.
+    DrawnPlaces(const Subject& subject, const PreparedCase& prepared, std::uint64_t seed)
+        : subject_(subject), draw_(subject, prepared, seed) {}
+    /// The place that a try finds, and the smooth_turn about it; empty without one.
+    const std::optional<std::pair<TouchPlace, double>>& operator[](std::size_t tries);
+
+private:
+    const Subject& subject_;
+    PlaceDraw draw_;
+    std::vector<std::optional<std::pair<TouchPlace, double>>> found_;
+};
+
 /// The places that all laws of the subject meet in a draw.
 struct SharedPlaces {
     std::vector<TouchPlace> at;
-    std::vector<double> turns; /* smooth_turn */
+    std::vector<double> turns;            /* smooth_turn */
+    std::optional<DrawnPlaces> further{}; /* which laws on the same mesh, or on none, meet where more are asked for */
 };
 SharedPlaces shared_places(const Subject& subject, const Extents& extents, std::size_t draw);
 
 /// These and more, so that each kind has `extents.places_of_kind` where the surface has such places.
-KindPlaces places_of(const Subject& subject, const Variant& variant, const SharedPlaces& shared, const Extents& extents,
+KindPlaces places_of(const Subject& subject, const Variant& variant, SharedPlaces& shared, const Extents& extents,
                      std::size_t draw);
 
 // A method of computing a force: a law, its evaluation, and its errors.
