@@ -175,10 +175,10 @@ void describe(Options& options, StudyArguments& arguments) {
         "--renderer LIBRARY[:OPTIONS]", arguments.renderers,
         "error-time, stability and energy of a scene: a shared library of your own, measured too "
         "(forceshade_renderer.h); once for each; if one fails, the rest is measured and the exit code is 1");
-    options.flag("--quick", arguments.quick, "coarse, within a minute each");
+    options.flag("--quick", arguments.quick, "coarse, in about a minute each");
     options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
     options.example("study all --quick --out results", "which shading? in some two minutes")
-        .example("study error-time --quick --out results", "within a minute")
+        .example("study error-time --quick --out results", "in about a minute")
         .example("study energy bump.toml --quick -o results", "of a scene of your own")
         .example("study stability bump.toml --renderer ./libmine.so -o results",
                  "up to which stiffness yours is stable");

@@ -90,7 +90,7 @@ std::optional<double> stable_force(const StudyData& stability, const std::string
     std::optional<double> least;
     for (std::size_t row = 0; row < limits.rows.size(); ++row)
         if (limits.word(row, "surface") == surface && limits.word(row, "hand") == "own")
-            if (const auto limit = limits.number(row, "limit_N_per_m")) {
+            if (const auto limit = limits.number(row, "any_press_N_per_m")) {
                 const double force = *limit * 1e-3 * limits.needed(row, "depth_mm");
                 if (limits.needed(row, "depth_mm") > 1 && (!least || force < *least))
                     least = force;
@@ -142,7 +142,8 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
             time = was_busy(ways, rounds) ? "not known: the machine was busy"
                    : study::is_significant(ratio)
                        ? study::ratio_text(ratio)
-                       : fmt::format("no difference [{:.2f}, {:.2f}]", ratio.low, ratio.high);
+                       : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(ratio) ? "open" : "no difference",
+                                     ratio.low, ratio.high);
         }
         const std::string cells[] = {shown(ways.needed(row, "direction_rms_deg")),
                                      percent(ways.needed(row, "size_median_1")),
@@ -349,8 +350,9 @@ std::string verdict_section(const Contents& contents) {
            "facets lie below it, so that a light touch misses them: the errors of direction and size leave such places "
            "out, in the last error the whole force is missing there. Times are "
            "of single evaluations, on the mesh of a god-object's updates. A force is stable if small displacements die "
-           "out, with the hand below, at every place 2 mm deep where the direction does not jump. Energies are of the "
-           "force by the place, along strokes out and back at another depth.</p>\n" +
+           "out, with the hand below, pressing in any direction that the surface supports, at every place 2 mm deep "
+           "where the direction does not jump. Energies are of the static force, also on the mesh, along strokes out "
+           "and back at another depth.</p>\n" +
            device + "</section>\n";
 }
 

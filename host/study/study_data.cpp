@@ -98,10 +98,12 @@ std::string ratio_text(const Interval& ratio) {
 }
 
 std::string times_as_long(const Interval& ratio, const char* other) {
-    if (!is_significant(ratio))
-        return fmt::format("takes about as long as {} (no significant difference: {:.2f} to {:.2f} times)", other,
-                           ratio.low, ratio.high);
-    return fmt::format("takes {} times as long as {}", ratio_text(ratio), other);
+    if (is_significant(ratio))
+        return fmt::format("takes {} times as long as {}", ratio_text(ratio), other);
+    if (was_busy(ratio))
+        return fmt::format("takes [{:.2f}, {:.2f}] times as long as {}, which leaves open whether more or less",
+                           ratio.low, ratio.high, other);
+    return fmt::format("takes about as long as {} ([{:.2f}, {:.2f}] times)", other, ratio.low, ratio.high);
 }
 
 double quantile(std::vector<double> values, double share) {

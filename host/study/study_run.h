@@ -24,7 +24,7 @@ struct StudyOptions {
     std::filesystem::path folder;            /* of this study: OUT/error-time */
     std::optional<Case> scene;               /* the user's; none: the study's own */
     std::vector<Case> cases;                 /* the user's, of a study of many scenes */
-    bool quick = false;                      /* coarse, within a minute */
+    bool quick = false;                      /* coarse, in about a minute */
     std::vector<RendererSource> renderers{}; /* of the user's own, on the user's scene */
     bool rubs = false;                       /* the study measures the scene's friction and vibration, too */
     EngineOptions engine;

@@ -146,6 +146,20 @@ TEST(Verdict, SetsSchemesSideBySide) {
                                                 {"size_median_1", "1", "", &Way::median},
                                                 {"size_p95_1", "1", "", &Way::p95}},
                                                ways));
+    struct Limit {
+        const char* hand;
+        double depth, usual, any;
+    };
+    StudyPart stability; // the least of every direction in which a hand may press, of its own and of deep places
+    stability.data.study = "stability";
+    stability.data.tables.push_back(study::table_of<Limit>(
+        "loop_limits", "",
+        {{"surface", "", "", [](const Limit&) { return "barycentric mesh"; }},
+         {"hand", "", "", &Limit::hand},
+         {"depth_mm", "mm", "", &Limit::depth},
+         {"limit_N_per_m", "N/m", "", &Limit::usual},
+         {"any_press_N_per_m", "N/m", "", &Limit::any}},
+        std::vector<Limit>{{"own", 2, 1383, 766}, {"own", 0.2, 11, 10}, {"around", 2, 100, 90}}));
     const auto with_times = [&](double shaded) {
         struct Time {
             double round, way, time;
@@ -156,7 +170,7 @@ TEST(Verdict, SetsSchemesSideBySide) {
             times.push_back({double(round), 2, shaded * (100.0 + round) * (1 + 0.02 * (round % 3 - 1))});
             times.push_back({double(round), 4, 2 * shaded * (100.0 + round)});
         }
-        Contents contents{{}, {part}, {}};
+        Contents contents{{}, {part, stability}, {}};
         contents.studies[0].data.tables.push_back(study::table_of<Time>(
             "rounds", "",
             {{"round", "1", "", &Time::round}, {"way", "1", "", &Time::way}, {"time_ns", "ns", "", &Time::time}},
@@ -166,7 +180,7 @@ TEST(Verdict, SetsSchemesSideBySide) {
     const std::string slower = with_times(1.5);
     for (const char* cell :
          {"deg RMS\">0.2</td>", "RMS force\">11</td>", "places\">25</td>", "interval]\">1.50 [1.47, 1.53]</td>",
-          "size goes from 8.4 to 7.6 % of the force there in the median and stays at 83 % in the",
+          "deep\">1.5</td>", "size goes from 8.4 to 7.6 % of the force there in the median and stays at 83 % in the",
           "from 4.2 to 0.2 deg", "only one has a force goes from 26 to 25 %",
           "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the force, and take 2.00 [1.96, 2.04] "
           "times as long as 8 x 8 cells shaded"})

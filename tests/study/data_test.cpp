@@ -57,6 +57,13 @@ TEST(StudyFiles, WhatIsNoNumberIsNothing) {
 }
 
 // A cell is drawn in its panel.
+TEST(Ratios, SayNoMoreThanTheirIntervals) {
+    EXPECT_EQ(times_as_long({1.2, 1.3, 1.4}, "b"), "takes 1.30 [1.20, 1.40] times as long as b");
+    EXPECT_EQ(times_as_long({0.97, 1.01, 1.05}, "b"), "takes about as long as b ([0.97, 1.05] times)");
+    EXPECT_EQ(times_as_long({0.72, 2, 6.86}, "b"),
+              "takes [0.72, 6.86] times as long as b, which leaves open whether more or less");
+}
+
 TEST(Ratios, AreWrittenSoThatTheirEndsDifferFromOne) {
     EXPECT_EQ(ratio_text({1.21, 1.3, 1.42}), "1.30 [1.21, 1.42]");
     EXPECT_EQ(ratio_text({0.82, 0.84, 0.998}), "0.840 [0.820, 0.998]");

@@ -545,7 +545,7 @@ TEST(AsMetTimes, AreOfSingleEvaluationsInTurns) {
 TEST(AsMetTimes, SayNothingWhereTheControlWaits) {
     AsMet control{AsMet::kControl, {0.1e-6, 2e-6, 5e-6}, {}, 1000, 10};
     EXPECT_FALSE(was_busy({control}));
-    control.loop.p999 = 2e-4;
+    control.loop.p99 = 2e-5;
     EXPECT_TRUE(was_busy({control}));
     control.loop = {2e-6, 3e-6, 4e-6};
     EXPECT_TRUE(was_busy({control}));

@@ -128,14 +128,18 @@ void add_errors(std::vector<Method>& methods, const Subject& subject, const Vari
         }
 }
 
-Round measure_round(std::span<const Method> methods, std::size_t number) {
-    std::vector<std::size_t> order(methods.size());
+std::vector<std::size_t> shuffled(std::size_t count, std::size_t number) {
+    std::vector<std::size_t> order(count);
     std::iota(order.begin(), order.end(), std::size_t(0));
     Random draw(1000 + number);
-    for (std::size_t i = order.size(); i > 1; --i) // Fisher & Yates
+    for (std::size_t i = count; i > 1; --i)
         std::swap(order[i - 1], order[static_cast<std::size_t>(draw(0, static_cast<double>(i)))]);
+    return order;
+}
+
+Round measure_round(std::span<const Method> methods, std::size_t number) {
     Round round(methods.size());
-    for (const std::size_t i : order)
+    for (const std::size_t i : shuffled(methods.size(), number))
         round[i] = methods[i].seconds();
     return round;
 }

@@ -50,6 +50,9 @@ void add_errors(std::vector<Method>& methods, const Subject& subject, const Vari
 /// Seconds of an evaluation, method by method.
 using Round = std::vector<double>;
 
+/// The numbers below `count`, in an order that follows from `number` (Fisher & Yates).
+std::vector<std::size_t> shuffled(std::size_t count, std::size_t number);
+
 /// Measures every method once, in an order that follows from the number of the round.
 Round measure_round(std::span<const Method> methods, std::size_t number);
 
@@ -169,7 +172,7 @@ std::vector<LoopRun> loop_runs(const std::string& surface, const Variant& varian
 
 /// s: of single evaluations.
 struct Waits {
-    double median = 0, p999 = 0, worst = 0;
+    double median = 0, p99 = 0, worst = 0;
 };
 Waits waits_of(const std::vector<double>& seconds);
 
@@ -188,7 +191,7 @@ inline constexpr double kLoopRate = 1000; /* Hz */
 /// Of each thorough, shaded law the direct evaluation, the god-object and each kind of look-up at its finest spacing.
 std::vector<std::size_t> met_methods(const std::vector<Method>& methods);
 
-/// Takes turns, a method a tick, the control first; `ticks` and `colds` of each.
+/// Takes turns, a method a tick, in an order of their own each time; `ticks` and `colds` of each.
 std::vector<AsMet> measure_as_met(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen,
                                   std::size_t ticks, std::size_t colds);
 

@@ -52,6 +52,12 @@ std::string percents(const Interval& share) {
     return fmt::format("{} ({} to {})", percent(share.median), percent(share.low), percent(share.high));
 }
 
+std::string at_the_rim(const LookUpErrors& errors) {
+    return errors.rim ? fmt::format(", the direction at the rim by {:.0f} deg ({:.0f} to {:.0f})", errors.rim->median,
+                                    errors.rim->low, errors.rim->high)
+                      : "";
+}
+
 // Of the finest volume, wherever its grid lies; and of one that holds depth and direction in place of the force.
 void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const auto of_family = [&](const std::string& family) {
@@ -68,11 +74,8 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const auto errors = lookup_errors(*measured.methods[*finest].errors);
     if (!errors)
         return;
-    std::string text = fmt::format("Trilinear look-up volume of {:.2g} mm: the RMS error is {} of the RMS force",
-                                   1e3 * *method.spacing, percents(errors->rms));
-    if (errors->rim)
-        text += fmt::format("; at the rim that of the direction is {:.0f} deg ({:.0f} to {:.0f})", errors->rim->median,
-                            errors->rim->low, errors->rim->high);
+    std::string text = fmt::format("A trilinear look-up volume of {:.2g} mm errs by {} of the RMS force (RMS){}",
+                                   1e3 * *method.spacing, percents(errors->rms), at_the_rim(*errors));
     text +=
         fmt::format("; up to {:.2g} mm above the surface, where there is no force, {} of the places have one, of "
                     "up to {} of the RMS force.",
@@ -86,14 +89,12 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     };
     for (const std::size_t i : same("look-up, depth and direction"))
         if (const auto of_depth = lookup_errors(*measured.methods[i].errors))
-            text += fmt::format(" A volume of signed depth and direction errs by {}, with {} of such places.",
-                                percents(of_depth->rms), percent(of_depth->phantom.median));
+            text += fmt::format(" A volume of signed depth and direction errs by {}{}, with {} of such places.",
+                                percents(of_depth->rms), at_the_rim(*of_depth), percent(of_depth->phantom.median));
     for (const std::size_t i : same("look-up, adaptive")) // how long it takes differs by 1.6 from run to run
-        if (const auto adaptive = lookup_errors(*measured.methods[i].errors); adaptive && adaptive->rim)
-            text +=
-                fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}, at the rim by {:.0f} "
-                            "deg ({:.0f} to {:.0f}).",
-                            percents(adaptive->rms), adaptive->rim->median, adaptive->rim->low, adaptive->rim->high);
+        if (const auto adaptive = lookup_errors(*measured.methods[i].errors))
+            text += fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}{}.",
+                                percents(adaptive->rms), at_the_rim(*adaptive));
     findings.push_back(
         {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
          fmt::format(
@@ -178,6 +179,7 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     double largest = 0;
     std::size_t places = 0;
     std::vector<std::string> significant;
+    std::string worst;
     std::size_t others = 0;
     const std::vector<std::size_t> single =
         measured.find([](const Method& method) { return method.family == "direct" && method.precision == "f32"; });
@@ -185,7 +187,10 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
         const Method& method = measured.methods[i];
         const MethodErrors& errors = *measured.methods[i].errors;
         places = std::max(places, errors.shared.places);
-        largest = std::max(largest, errors.precision.largest);
+        if (errors.precision.largest > largest) {
+            largest = errors.precision.largest;
+            worst = law_name(method);
+        }
         if (!method.variant->thorough)
             continue;
         const Interval cost = measured.times.ratio(i, measured.find([&](const Method& other) {
@@ -206,10 +211,11 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
         times += fmt::format("; {} of the laws {} not significantly different", others, others == 1 ? "is" : "are");
     findings.push_back(
         {"precision",
-         fmt::format("Single precision differs from double by up to {} of the RMS force at random places (at its worst "
-                     "by far more: study stability); as compiled here {}.",
-                     percent(largest), times),
-         "", fmt::format("{} laws", single.size()), "direct evaluation on one thread",
+         fmt::format(
+             "Single precision differs from double by up to {} of the RMS force at random places, where rounding "
+             "chooses another facet (at its worst by far more: study stability); as compiled here {}.",
+             percent(largest), times),
+         "", fmt::format("{} laws, the largest of {}", single.size(), worst), "direct evaluation on one thread",
          fmt::format("{}; {} places a law", kBootstrap, places)});
 }
 
@@ -245,16 +251,13 @@ void add_ways_to_run(std::vector<Finding>& findings, const Measured& measured) {
     const Method* of = nullptr;
     for (const Subject& one : measured.subjects)
         if (const auto batch = between(measured, one, "direct, a batch on all threads", "direct")) {
-            batches.push_back(is_significant(batch->first)
-                                  ? fmt::format("{} of the time of one alone ({})", ratio_text(batch->first), one.name)
-                                  : fmt::format("about as long as one alone ({}: {:.2f} to {:.2f} times)", one.name,
-                                                batch->first.low, batch->first.high));
+            batches.push_back(fmt::format("of the {} {}", one.name, times_as_long(batch->first, "one alone")));
             of = batch->second;
         }
     if (of)
         findings.push_back(
-            {"batches", fmt::format("A place in a batch of 65536 on all threads takes {}.", fmt::join(batches, ", ")),
-             "", "the shaded laws that are also read from volumes", "direct evaluation in double", kBootstrap});
+            {"batches", fmt::format("A place in a batch of 65536 on all threads: {}.", fmt::join(batches, ", ")), "",
+             "the shaded laws that are also read from volumes", "direct evaluation in double", kBootstrap});
 }
 
 } // namespace
