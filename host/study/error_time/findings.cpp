@@ -251,7 +251,7 @@ void add_ways_to_run(std::vector<Finding>& findings, const Measured& measured) {
     const Method* of = nullptr;
     for (const Subject& one : measured.subjects)
         if (const auto batch = between(measured, one, "direct, a batch on all threads", "direct")) {
-            batches.push_back(fmt::format("of the {} {}", one.name, times_as_long(batch->first, "one alone")));
+            batches.push_back(fmt::format("of the {} it {}", one.name, times_as_long(batch->first, "one alone")));
             of = batch->second;
         }
     if (of)
