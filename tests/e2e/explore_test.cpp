@@ -76,6 +76,12 @@ TEST_F(Explore, TakesDoublePrecisionForAThinMesh) {
         const bool single = std::string(run).find("f32") != std::string::npos;
         EXPECT_EQ(outcome.error.find("precision: f64") == std::string::npos, single) << outcome.error;
     }
+    write("thin.toml", scene);
+    for (const std::string flag : {"f32", "f64"}) {
+        const Outcome outcome = expect_success({"explore", "thin.toml", "--paths", "thin.csv", "--out", "thin-out.csv",
+                                                "--engine", "cpu", "--overwrite", "--precision", flag});
+        EXPECT_EQ(outcome.error.find("precision: f64"), std::string::npos) << outcome.error;
+    }
 }
 
 TEST_F(Explore, DoesNotFallBackFromOneEngineToTheOther) {
