@@ -12,9 +12,7 @@
 #include "host/error.h"
 #include "host/field/engine.h"
 #include "host/field/pipeline_cache.h"
-#include "host/mesh/structure.h"
 #include "host/output/files.h"
-#include "host/reference/god_object.h"
 #include "host/renderer/renderer_engine.h"
 #include "host/spelling.h"
 
@@ -99,17 +97,11 @@ Case load_scene(const std::string& path, const CommonOptions& common) {
 }
 
 PreparedCase prepare_scene(CasePreparation& preparation, Case one, const CommonOptions& common) {
-    constexpr double kThin = 100 * double(reference::Skin<float>::kWidth); /* of the mesh's frame, half its size */
-    PreparedCase prepared = preparation.prepare(one);
-    const auto& mesh = prepared.images.mesh;
-    if (!one.chooses_precision || !mesh || !has_thin_parts(mesh->structure, kThin))
-        return prepared;
-    note(common,
-         "precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32 "
-         "(--precision f32 takes it all the same)\n",
-         kThin * mesh->structure.scale);
-    set_precision(one, Precision::f64);
-    return preparation.prepare(one);
+    std::string why;
+    PreparedCase prepared = preparation.prepare_open(std::move(one), why);
+    if (!why.empty())
+        note(common, "{} (--precision f32 takes it all the same)\n", why);
+    return prepared;
 }
 
 Study load_study(const std::string& path, const CommonOptions& common, const CaseChoice& choice) {

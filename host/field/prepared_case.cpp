@@ -17,6 +17,7 @@
 #include "host/output/files.h"
 #include "host/output/height_image.h"
 #include "host/reference/elementary.h"
+#include "host/reference/god_object.h"
 #include "host/scene/scene.h"
 #include "host/scene/schema.h"
 #include "host/spelling.h"
@@ -366,6 +367,18 @@ PreparedCase CasePreparation::prepare(const Case& one, const PolygonFile* given)
     prepared.scene = resolved_toml(prepared.one);
     prepared.seconds = seconds_since(start);
     return prepared;
+}
+
+PreparedCase CasePreparation::prepare_open(Case one, std::string& note, const PolygonFile* given) {
+    constexpr double kThin = 100 * double(reference::Skin<float>::kWidth); /* of the mesh's frame, half its size */
+    PreparedCase prepared = prepare(one, given);
+    const auto& mesh = prepared.images.mesh;
+    if (!one.chooses_precision || !mesh || !has_thin_parts(mesh->structure, kThin))
+        return prepared;
+    note = fmt::format("precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32",
+                       kThin * mesh->structure.scale);
+    set_precision(one, Precision::f64);
+    return prepare(one, given);
 }
 
 glm::dvec3 scene_origin(const PreparedCase& prepared) {

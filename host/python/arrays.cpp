@@ -195,7 +195,10 @@ PreparedScene::PreparedScene(const std::string& text, const std::string& name, c
                                one.scene.surface.mesh.normals == NormalWeights::file);
     }
     const py::gil_scoped_release release;
-    prepared_ = CasePreparation().prepare(one, polygons ? &*polygons : nullptr);
+    std::string why;
+    prepared_ = CasePreparation().prepare_open(one, why, polygons ? &*polygons : nullptr);
+    if (!why.empty())
+        warnings_.push_back(why + " ({\"run.precision\": \"f32\"} takes it all the same)");
     std::ranges::copy(prepared_.warnings, std::back_inserter(warnings_));
     in_precision(prepared_.one.scene.precision,
                  [&]<typename T>(std::type_identity<T>) { law_ = CaseLaw<T>(prepared_); });

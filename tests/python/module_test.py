@@ -424,6 +424,17 @@ class Scenes(InFolder):
             forceshade.Scene({"surface": {"kind": "mesh"}}, mesh=(vertices, faces[1:])) # open
         self.assertTrue(any(issubclass(one.category, forceshade.SceneWarning) for one in caught))
 
+    def test_thin_meshes_are_in_double_unless_a_precision_is_named(self):
+        corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1e-3], [1, 0, 1e-3], [0, 1, 1e-3]])
+        faces = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]]
+        for named, dtype in ((None, np.float64), ("auto", np.float64), ("f32", np.float32)):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                scene = forceshade.Scene({"surface": {"kind": "mesh"}}, {"run.precision": named} if named else {},
+                                         mesh=(corners, faces))
+            self.assertEqual(scene.contact([0.2, 0.2, 0.9e-3]).force.dtype, dtype)
+            self.assertEqual(any("too thin for f32" in str(one.message) for one in caught), dtype == np.float64)
+
     def test_arrays_outlive_their_scene(self):
         field = forceshade.Scene(BUMP).field()
         expected = field.force.copy()
