@@ -105,10 +105,10 @@ private:
         return forceshade::in_unit_of(text_of(path, part), number, schema_keys()[key_index(path)].dimension);
     }
 
-    // The first of the keys that stands in the file; a default has no place.
+    // Of the first of the keys that is given; a default has no place.
     Location place(std::initializer_list<std::string> paths, std::size_t part = 0) const {
         for (const std::string& path : paths)
-            if (const Value* value = find(path); value && value->where.line > 0)
+            if (const Value* value = find(path); value && !value->where.is_default())
                 return value->parts[value->one_for_all ? 0 : part];
         return {};
     }
@@ -192,7 +192,7 @@ private:
         // The other defaults are the paper's, and would hardly meet the mesh.
         const Location given = place({"grid.size", "grid.origin", "grid.spacing"});
         for (const char* path : {"grid.size", "grid.origin", "grid.spacing"})
-            if (scene_.grid.samples == 0 && given.line > 0 && place({path}).line == 0)
+            if (scene_.grid.samples == 0 && !given.is_default() && place({path}).is_default())
                 fail(source_, given,
                      "a mesh's grid needs size, origin and spacing, of which {} is missing; or samples, which makes "
                      "them from the mesh's box",
@@ -222,7 +222,7 @@ private:
         if (texture.effect == TextureEffect::normal && scene_.surface.kind != SurfaceKind::mesh)
             fail(source_, place({"texture.effect"}),
                  "effect \"normal\" tilts the normals of a mesh; kind \"height_map\" does that for a plane (L5)");
-        if (texture.effect == TextureEffect::normal && place({"texture.stiffness"}).line > 0)
+        if (texture.effect == TextureEffect::normal && !place({"texture.stiffness"}).is_default())
             warn(place({"texture.stiffness"}), "stiffness does nothing with effect \"normal\", which adds no force");
         if (texture.stiffness != 0)
             attempt([&] { check_stiffness("texture.stiffness", texture.stiffness); });

@@ -245,18 +245,19 @@ void read_variants(const TomlNode& variants, const std::string& folder, Document
 }
 
 // A value by itself, of a default or an override, which has no place in a file.
-TomlNode value_of(std::string_view text, const std::string& source) {
+TomlNode value_of(std::string_view text, const std::string& source, Location where = {}) {
     TomlNode root = parse_toml(fmt::format("value = {}", text), source);
     if (root.items.size() != 1)
         fail(source, {}, "\"{}\" is not one value", text);
     TomlNode value = std::move(root.items.front());
-    value.where = {};
+    value.where = where;
     for (TomlNode& item : value.items)
-        item.where = {};
+        item.where = where;
     return value;
 }
 
 void read_override(const Override& override, const std::string& folder, Layer& layer) {
+    constexpr Location kOverride{0, 1};
     const auto& [path, text] = override;
     const std::string source = "override " + path;
     const int index = find_key(path);
@@ -272,9 +273,9 @@ void read_override(const Override& override, const std::string& folder, Layer& l
     const bool plain = !text.starts_with('[') && key.kind != ValueKind::integer;
     TomlNode node;
     if (plain)
-        node.type = Type::string, node.text = text;
+        node.type = Type::string, node.text = text, node.where = kOverride;
     else
-        node = value_of(text, source);
+        node = value_of(text, source, kOverride);
     layer.tables.emplace(key.table);
     std::erase_if(layer.entries, [&](const Entry& e) { return e.key == number || replaces(number, e.key); });
     layer.entries.push_back({number, read_values(key, node, source, folder), {}});

@@ -603,8 +603,8 @@ void add_output(std::vector<Key>& keys) {
                                       "32 or 16 bits a sample; half is refused where a value would overflow");
     Table(keys, "run")
         .add(ValueKind::choice, "precision", "\"f32\"", store_precision,
-             "the arithmetic that forces are evaluated in; auto: f64 for explore and field where a mesh has parts too "
-             "thin for f32, else f32; so is what names none")
+             "the arithmetic that forces are evaluated in; auto: f64 where a mesh has parts too thin for f32 (explore, "
+             "field, score and Python), else f32; so is what names none")
         .choices = kPrecisions;
 }
 

@@ -192,12 +192,10 @@ private:
     }
 
     /// Where it may be chosen it is single, unless something else is said once the mesh is known.
-    void settle_precision(const Selection& selection, Case& one) const {
-        const std::size_t key = key_index("run.precision");
-        const Value* precision = selection[key];
+    static void settle_precision(const Selection& selection, Case& one) {
+        const Value* precision = selection[key_index("run.precision")];
         const bool automatic = precision && precision->integers.at(0) == 2;
-        const bool stated = precision && (precision->where != Location{} || document_->overrides.find(key));
-        one.chooses_precision = automatic || !stated;
+        one.chooses_precision = automatic || !precision || precision->where.is_default();
         if (automatic)
             set_precision(one, Precision::f32);
     }

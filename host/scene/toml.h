@@ -16,10 +16,11 @@
 
 namespace forceshade {
 
-/// Counted from 1, in characters. Line 0: no place in a file, but a default or an override.
+/// Counted from 1, in characters. Line 0: no place in a file, but a default or, with column 1, an override.
 struct Location {
     std::uint32_t line = 0;
     std::uint32_t column = 0;
+    bool is_default() const { return *this == Location{}; }
     friend auto operator<=>(const Location&, const Location&) = default;
 };
 

@@ -166,6 +166,23 @@ TEST(Document, Overrides) {
     EXPECT_NE(error("surface.facets", "1\nx = 2"), "(no error)");
 }
 
+// An override counts as given, though it stands in no file.
+TEST(Document, OverridesAreNoDefaults) {
+    const auto chooses = [](const std::vector<Override>& overrides) {
+        return parse_study("", "f.toml", {}, overrides).cases.at(0).chooses_precision;
+    };
+    EXPECT_TRUE(chooses({}));
+    EXPECT_TRUE(chooses({{"run.precision", "auto"}}));
+    EXPECT_FALSE(chooses({{"run.precision", "f32"}}));
+    EXPECT_FALSE(chooses({{"run.precision", "f64"}}));
+    const std::string mesh = "[surface]\nkind = \"mesh\"\nfile = \"a.obj\"\n", origin = "[\"0 m\", \"0 m\", \"0 m\"]";
+    const std::vector<Override> only{{"grid.origin", origin}};
+    const std::string grid = "[grid]\nsize = [2, 2, 2]\nspacing = \"1 mm\"\n";
+    EXPECT_EQ(parse_study(mesh + grid, "f.toml", {}, only).cases.size(), 1u);
+    EXPECT_NE(usage_error([&] { parse_study(mesh, "f.toml", {}, only); }).find("of which size is missing"),
+              std::string::npos);
+}
+
 TEST(Document, Files) {
     EXPECT_THROW(read_study("no/such/file.toml"), IoError);
     const testing::Folder folder;
