@@ -41,7 +41,7 @@ void add_common_options(Options options, CommonOptions& common) {
                      "such work, its start included (study, validate and doctor, which measure or check a device, take "
                      "a device); gpu: a Vulkan device; cpu: the oracle");
     options.optional("--precision f32|f64", common.precision,
-                     "of the computation; default: as the scene says, else f32, but f64 for explore and field of a "
+                     "of the computation; default: as the scene says, else f32, but f64 for explore, field, score of a "
                      "mesh with parts too thin for f32");
     options.read("-j,--jobs N", limit_jobs,
                  "most threads for each stage (engine, plan of a mesh, compression); default: one for each CPU that "

@@ -160,8 +160,8 @@ public:
     /// not the one whose SHA-256 the scene states.
     PreparedCase prepare(const Case& one, const PolygonFile* given = nullptr);
 
-    /// As prepare(); where the case leaves its precision open and the mesh has parts too thin for single, in double, and
-    /// `note` says why.
+    /// As prepare(); where the case leaves its precision open and the mesh has parts too thin for single, in double,
+    /// and `note` says why.
     PreparedCase prepare_open(Case one, std::string& note, const PolygonFile* given = nullptr);
 
     /// The mesh alone; fills in its file's SHA-256. \throws as above
