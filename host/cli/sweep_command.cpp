@@ -111,8 +111,8 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
     const bool fields = any_case(study, [](const Scene& scene) { return scene.field; });
     const bool paths = any_case(study, [](const Scene& scene) { return scene.paths.has_value(); });
     if (result.evaluated < result.voxels)
-        print_note("left out: {:.3g} % of {:.4g} million voxels, which are {}; summary.csv says what else\n",
-                   100 - 100 * double(result.evaluated) / double(result.voxels), double(result.voxels) / 1e6,
+        print_note("left out: {:.3g} % of {} voxels, which are {}; summary.csv says what else\n",
+                   100 - 100 * double(result.evaluated) / double(result.voxels), result.voxels,
                    any_case(study, [](const Scene& scene) { return scene.surface.kind == SurfaceKind::mesh; })
                        ? "alike or in free space"
                        : "alike along y");

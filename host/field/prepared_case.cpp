@@ -369,14 +369,21 @@ PreparedCase CasePreparation::prepare(const Case& one, const PolygonFile* given)
     return prepared;
 }
 
-PreparedCase CasePreparation::prepare_open(Case one, std::string& note, const PolygonFile* given) {
+std::string too_thin_for_single(const PreparedCase& prepared) {
     constexpr double kThin = 100 * double(reference::Skin<float>::kWidth); /* of the mesh's frame, half its size */
-    PreparedCase prepared = prepare(one, given);
     const auto& mesh = prepared.images.mesh;
-    if (!one.chooses_precision || !mesh || !has_thin_parts(mesh->structure, kThin))
-        return prepared;
-    note = fmt::format("precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32",
+    if (!prepared.one.chooses_precision || !mesh || !has_thin_parts(mesh->structure, kThin))
+        return "";
+    return fmt::format("the mesh has parts or gaps thinner than {:.2g} m, too thin for f32",
                        kThin * mesh->structure.scale);
+}
+
+PreparedCase CasePreparation::prepare_open(Case one, std::string& note, const PolygonFile* given) {
+    PreparedCase prepared = prepare(one, given);
+    const std::string why = too_thin_for_single(prepared);
+    if (why.empty())
+        return prepared;
+    note = "precision: f64, since " + why;
     set_precision(one, Precision::f64);
     return prepare(one, given);
 }

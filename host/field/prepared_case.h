@@ -151,6 +151,10 @@ std::optional<std::string> coarse_warning(Precision precision, double farthest, 
 /// 1: Coulomb's coefficient of a scene with friction, whose vibration file may give it.
 double friction_coefficient(const PreparedCase& prepared);
 
+/// Why a case that leaves its precision open should take double: in words, for a mesh with parts too thin for single,
+/// which leave a proxy no room; else empty.
+std::string too_thin_for_single(const PreparedCase& prepared);
+
 /// Reads images, meshes and models of vibration; cases that follow each other share them, and only the last few stay in
 /// memory.
 class CasePreparation {

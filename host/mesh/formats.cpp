@@ -226,8 +226,8 @@ private:
 
     void check_range() const {
         if (highest_ > static_cast<std::int64_t>(soup_.vertices.size()))
-            lines_.damaged("the facet in line {} has vertex {}, but there are {}", highest_line_, highest_,
-                           soup_.vertices.size());
+            lines_.damaged_at(highest_line_, "this facet has vertex {}, but there are {}", highest_,
+                              soup_.vertices.size());
     }
 
     TextLines lines_;

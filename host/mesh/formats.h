@@ -104,7 +104,11 @@ public:
     /// Throws IoError: `bump.off:12: message`.
     template <typename... Parts>
     [[noreturn]] void damaged(fmt::format_string<Parts...> message, Parts&&... parts) const {
-        throw IoError("{}:{}: {}", file_, number_, fmt::format(message, std::forward<Parts>(parts)...));
+        damaged_at(number_, message, std::forward<Parts>(parts)...);
+    }
+    template <typename... Parts>
+    [[noreturn]] void damaged_at(std::size_t line, fmt::format_string<Parts...> message, Parts&&... parts) const {
+        throw IoError("{}:{}: {}", file_, line, fmt::format(message, std::forward<Parts>(parts)...));
     }
 
 private:

@@ -82,6 +82,9 @@ TEST_F(Explore, TakesDoublePrecisionForAThinMesh) {
                                                 "--engine", "cpu", "--overwrite", "--precision", flag});
         EXPECT_EQ(outcome.error.find("precision: f64"), std::string::npos) << outcome.error;
     }
+    write("thin.toml", scene + "[paths]\ncount = 1\nsteps = 9\ndepth = \"0.5 mm\"\n"); // a sweep keeps its precision
+    const Outcome sweep = expect_success({"sweep", "thin.toml", "--out", "thin-sweep", "--engine", "cpu"});
+    EXPECT_NE(sweep.error.find("too thin for f32: a proxy has no room"), std::string::npos) << sweep.error;
 }
 
 TEST_F(Explore, DoesNotFallBackFromOneEngineToTheOther) {

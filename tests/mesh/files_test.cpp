@@ -101,7 +101,7 @@ TEST_F(MeshFiles, FaultsOfLargeTextsHaveTheirLine) {
     const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
     expect_refused<IoError>("a.obj", obj + "f 1 2 nothing\n", fmt::format(":{}: \"nothing\"", lines(obj) + 1));
     expect_refused<IoError>("b.obj", obj + "f 1 2 1000000\n",
-                            fmt::format("the facet in line {} has vertex 1000000", lines(obj) + 1));
+                            fmt::format(":{}: this facet has vertex 1000000", lines(obj) + 1));
     expect_refused<IoError>("c.ply", ply + "3 0 1 2\n", "goes on behind the elements");
     expect_refused<IoError>("d.ply", ply.substr(0, ply.rfind('\n', ply.size() - 2) + 1), "breaks off");
     const std::string cut = stl.substr(0, stl.rfind("endfacet"));

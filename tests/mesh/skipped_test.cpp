@@ -69,7 +69,7 @@ TEST(Skipped, ObjElementsThatAreNoFacets) {
     expect_read("a.obj", kObjQuad + "fo 1 2 3 4\ncstype bezier\ncurv 0 1 1 2\nsurf 0 1 0 1 1 2 3 4\nend\n", quad(),
                 {"1 free-form curve (curv): skipped (in line 7)", "1 free-form surface (surf): skipped (in line 8)"});
     // Corners of what is skipped are corners of the file all the same.
-    expect_refusal("a.obj", kObjQuad + "f 1 2 3 4\nf 1 9\n", "line 6 has vertex 9");
+    expect_refusal("a.obj", kObjQuad + "f 1 2 3 4\nf 1 9\n", ":6: this facet has vertex 9");
     expect_refusal("a.obj", kObjQuad + "f 1 x\n", "\"x\" is not a corner");
     // Where the file ends within the line, corners may be missing.
     for (const char* cut : {"f", "f 1", "f 1 2", "f 1 2 "})
