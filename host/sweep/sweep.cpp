@@ -244,7 +244,7 @@ SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& m
             const CaseJob job = job_of(*one);
             warnings.insert(job.prepared.warnings.begin(), job.prepared.warnings.end());
             if (const std::string why = one->scene.paths ? too_thin_for_single(job.prepared) : ""; !why.empty())
-                warnings.insert(why + ": a proxy has no room there; --precision f64, which explore takes by itself");
+                warnings.insert(why + ": a proxy has no room there; use --precision f64, as explore does by itself");
             if (options.fresh || !is_done(job, options, record)) {
                 missing.push_back(one);
                 result.forecast += forecast(job.prepared.one.scene, job.also);

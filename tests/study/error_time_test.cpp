@@ -542,6 +542,15 @@ TEST(AsMetTimes, AreOfSingleEvaluationsInTurns) {
     EXPECT_EQ(numbers[20], 19U);
 }
 
+TEST(AsMetTimes, AreTakenInOrdersThatDiffer) {
+    std::vector<std::size_t> first = shuffled(20, 1);
+    EXPECT_EQ(first, shuffled(20, 1));
+    EXPECT_NE(first, shuffled(20, 2));
+    std::ranges::sort(first);
+    for (std::size_t i = 0; i < first.size(); ++i)
+        EXPECT_EQ(first[i], i);
+}
+
 TEST(AsMetTimes, SayNothingWhereTheControlWaits) {
     AsMet control{AsMet::kControl, {0.1e-6, 2e-6, 5e-6}, {}, 1000, 10};
     EXPECT_FALSE(was_busy({control}));

@@ -371,8 +371,8 @@ void add_basin(std::vector<Finding>& findings, const LoopResults& results) {
         {"loop_basin",
          fmt::format("Without any damping {:.3g} N of friction lets a kick die out up to 8 f_c / (pi K T w), w = "
                      "sqrt(K / m): {:.2g} mm on "
-                     "1000 N/m, {:.2g} mm on 5000 N/m; a larger one grows. That is of a flat wall: elsewhere it "
-                     "is a multiple of it (see the interval), and where the force is a sample late up to a third.",
+                     "1000 N/m, {:.2g} mm on 5000 N/m; a larger one grows. That is of a flat wall; other places "
+                     "stand in the interval, and where the force is a sample late it is up to a third of that.",
                      cell.hand.coulomb, basin(1000), basin(5000)),
          "loop-basin", fmt::format("{}, a wall", loops.any->surface),
          hand_text(results.surfaces.front()) + ", no damping",
