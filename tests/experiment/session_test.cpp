@@ -47,11 +47,15 @@ protected:
             with({"experiment", "run", folder / "e.toml", "--subject", "03", "--session", session, "--out", data()},
                  further);
         launch.error = folder / "stderr.txt";
-        std::filesystem::remove(launch.error);
-        process = std::make_unique<Process>(launch);
-        for (int i = 0; i < 1200 && address("operator").empty(); ++i) // a check takes some seconds
-            std::this_thread::sleep_for(std::chrono::milliseconds(25));
-        ASSERT_FALSE(address("operator").empty());
+        for (int i = 0; i < 3; ++i) { // a check in real time can fail where the machine is busy
+            std::filesystem::remove(launch.error);
+            process = std::make_unique<Process>(launch);
+            while (process->running() && address("operator").empty())
+                std::this_thread::sleep_for(std::chrono::milliseconds(25));
+            if (!says(said(), "did not pass its check"))
+                break;
+        }
+        ASSERT_FALSE(address("operator").empty()) << said();
     }
     std::string address(const std::string& page) const {
         const std::string text = said();
