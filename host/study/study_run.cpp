@@ -45,6 +45,30 @@ std::unique_ptr<Engine> shared_engine(std::unique_ptr<Engine> engine) {
     return std::make_unique<SharedEngine>(std::move(engine));
 }
 
+EngineTimes VisitingEngine::run(const EngineWork& work) {
+    return std::visit(
+        [&]<typename Work>(const Work& one) {
+            if constexpr (requires { one.take_metrics; })
+                return engine_.run(one);
+            else {
+                using T = typename Work::Real;
+                layout::FieldInput<T> input = one.input;
+                if (input.law.features.surface != layout::kSurfaceMesh)
+                    return engine_.run(one);
+                const Clock::time_point start = Clock::now();
+                const BlockPlan plan = plan_blocks<T>(input.law.mesh, input.x, input.y, input.z,
+                                                      input.law.features.inside, 0, FreeSpace::visited);
+                const double planning = seconds_since(start);
+                input.plan = plan.view();
+                EngineTimes times = engine_.run(FieldWork<T>{input, one.take});
+                times.plan = planning;
+                times.voxels_evaluated = plan.voxels_evaluated;
+                return times;
+            }
+        },
+        work);
+}
+
 void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work) {
     std::mutex mutex;
     std::exception_ptr failed;

@@ -63,22 +63,24 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
 /// The same engine, for one thread at a time: others wait.
 std::unique_ptr<Engine> shared_engine(std::unique_ptr<Engine> engine);
 
-/// A field by an engine, a mesh's with its blocks of free space skipped, or visited: then the plan of the whole grid is
-/// made first, and counts as the others do.
+/// An engine that visits a mesh's blocks of free space, too: then the plan of the whole grid is made first, and counts
+/// as the others do.
+class VisitingEngine final : public Engine {
+public:
+    explicit VisitingEngine(Engine& engine) : engine_(engine) {}
+    EngineReport report() const override { return engine_.report(); }
+    EngineTimes run(const EngineWork& work) override;
+
+private:
+    Engine& engine_;
+};
+
+/// A field by an engine, a mesh's with its blocks of free space skipped, or visited.
 template <typename T>
-EngineTimes evaluate(Engine& engine, layout::FieldInput<T> input, FreeSpace free,
+EngineTimes evaluate(Engine& engine, const layout::FieldInput<T>& input, FreeSpace free,
                      const std::type_identity_t<std::function<void(const layout::FieldChunk<T>&)>>& take) {
-    if (free == FreeSpace::skipped)
-        return engine.evaluate<T>(input, take);
-    const Clock::time_point start = Clock::now();
-    const BlockPlan plan =
-        plan_blocks<T>(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0, free);
-    const double planning = seconds_since(start);
-    input.plan = plan.view();
-    EngineTimes times = engine.evaluate<T>(input, take);
-    times.plan = planning;
-    times.voxels_evaluated = plan.voxels_evaluated;
-    return times;
+    return free == FreeSpace::skipped ? engine.evaluate<T>(input, take)
+                                      : VisitingEngine(engine).evaluate<T>(input, take);
 }
 
 class StudyRun {

@@ -434,6 +434,7 @@ TEST(PairedRounds, FrontHasWhatIsCheaperForSure) {
     //                           error: 8, 4, 5 (tied with 4), 1, none
     EXPECT_EQ(front_of(times, {0, 1, 2, 3, 4}, {8, 4, 5, 1, NAN}), (std::vector<std::size_t>{3, 1, 0}));
     EXPECT_EQ(front_of(times, {0, 1}, {1, 2}), std::vector<std::size_t>{0}) << "closer and cheaper";
+    EXPECT_EQ(front_of(times, {0, 1}, {1.001, 1}), std::vector<std::size_t>{0}) << "dearer, and hardly closer";
 }
 
 TEST(PairedRounds, SayHowSureAFrontIs) {

@@ -166,6 +166,7 @@ Interval Times::seconds(std::size_t method) const {
 
 std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& methods,
                                   const std::vector<double>& errors) {
+    constexpr double kCloser = 1.01; // times: a smaller gain is none
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < methods.size(); ++i)
         if (std::isfinite(errors[i]))
@@ -174,14 +175,25 @@ std::vector<std::size_t> front_of(const Times& times, const std::vector<std::siz
                              [&](std::size_t i) { return std::pair(errors[i], times.seconds(methods[i]).median); });
     std::vector<std::size_t> front;
     for (const std::size_t i : order)
-        if (std::ranges::all_of(front, [&](std::size_t closer) { return times.is_cheaper(methods[i], closer); }))
-            front.push_back(methods[i]);
-    return front;
+        if (std::ranges::all_of(front,
+                                [&](std::size_t closer) { return times.is_cheaper(methods[i], methods[closer]); }))
+            front.push_back(i);
+    std::ranges::reverse(front);
+    double error = INFINITY;
+    std::vector<std::size_t> result;
+    for (const std::size_t i : front)
+        if (kCloser * errors[i] <= error) {
+            error = errors[i];
+            result.push_back(methods[i]);
+        }
+    std::ranges::reverse(result);
+    return result;
 }
 
 std::vector<double> front_shares(const Times& times, const std::vector<std::size_t>& methods,
                                  const std::vector<std::vector<double>>& errors) {
     constexpr int kSamples = 200;
+    constexpr double kBetter = 1.05; // times, in error or time
     const std::vector<Round>& rounds = times.rounds();
     Random random(8);
     const auto below = [&random](std::size_t count) {
@@ -193,22 +205,24 @@ std::vector<double> front_shares(const Times& times, const std::vector<std::size
         for (std::size_t i = 0; i < rounds.size(); ++i)
             some.push_back(&rounds[below(rounds.size())]);
         const std::size_t draw = below(1 << 20);
-        std::vector<std::tuple<double, double, std::size_t>> found; // error, time, place in `methods`
+        struct Found {
+            double error, time;
+            std::size_t at; /* in `methods` */
+        };
+        std::vector<Found> found;
         for (std::size_t i = 0; i < methods.size(); ++i)
             if (const double error = errors[i][draw % errors[i].size()]; std::isfinite(error)) {
                 std::vector<double> ratios;
                 ratios.reserve(some.size());
                 for (const Round* round : some)
                     ratios.push_back((*round)[methods[i]] / (*round)[times.unit()]);
-                found.emplace_back(error, quantile(std::move(ratios), 0.5), i);
+                found.push_back({error, quantile(std::move(ratios), 0.5), i});
             }
-        std::ranges::sort(found);
-        double least = INFINITY;
-        for (const auto& [error, time, i] : found)
-            if (time < least) {
-                least = time;
-                ++shares[i];
-            }
+        for (const Found& one : found)
+            shares[one.at] += std::ranges::none_of(found, [&](const Found& other) {
+                return (other.error <= one.error && kBetter * other.time <= one.time) ||
+                       (other.time <= one.time && kBetter * other.error <= one.error);
+            });
     }
     for (double& share : shares)
         share /= kSamples;
@@ -314,8 +328,18 @@ StudyData study_error_time(StudyRun& run) {
     const std::size_t unit = unit_of(methods), control = methods.size();
     methods.push_back(control_of(methods[unit]));
     OtherTimes others;
+    VisitingEngine visiting(run.engine());
+    EngineOptions all_cores;
+    all_cores.cpu = true;
+    const std::unique_ptr<Engine> processor = make_engine(all_cores);
+    const bool gpu = run.engine().report().engine == "gpu";
+    std::vector<FieldEngine> by{{gpu ? "kernel" : "CPU on all cores", &run.engine()},
+                                {gpu ? "kernel, every block" : "CPU on all cores, every block", &visiting, true},
+                                {"CPU on one thread", single_thread.get()}};
+    if (gpu && most_threads() > 1)
+        by.push_back({"CPU on all cores", processor.get()});
     for (const Subject& subject : subjects)
-        append(others.fields, field_runs(subject, run.engine(), *single_thread));
+        append(others.fields, field_runs(subject, by));
     for (std::size_t round = 0; round < extents.runs; ++round)
         parts.push_back({"whole fields", [&] { measure(others.fields, run.options().folder); }});
     for (const Subject& subject : subjects)

@@ -78,13 +78,14 @@ private:
     mutable std::map<std::pair<std::size_t, std::size_t>, Interval> ratios_; /* asked for so far */
 };
 
-/// Of methods with errors, by rising error: each that is significantly cheaper than all on the front before it. NaN
-/// errors are left out.
+/// Of methods with errors, by rising error: each that is significantly cheaper than all on the front before it, and
+/// closer than the next by 1 % or more. NaN errors are left out.
 std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& methods,
                                   const std::vector<double>& errors);
 
 /// How sure that is: of each method the share of 200 random samples of the rounds, with errors of a draw each, in which
-/// its median time is below that of every closer one. `errors`: by method, one or one for each draw.
+/// none is as good by error and median time and better in one of them by 5 %. `errors`: by method, one or one for each
+/// draw.
 std::vector<double> front_shares(const Times& times, const std::vector<std::size_t>& methods,
                                  const std::vector<std::vector<double>>& errors);
 
@@ -135,14 +136,22 @@ struct FieldRun {
     const Variant* variant = nullptr;
     std::string surface;
     GridSpec grid;
-    std::string by; /* "kernel", "CPU on all cores", "CPU on one thread" */
+    std::string by; /* FieldEngine::name */
     Precision precision = Precision::f32;
     Engine* engine = nullptr;
     double bytes = 0;              /* of the file */
     std::vector<double> seconds{}; /* a round each */
 };
 
-std::vector<FieldRun> field_runs(const Subject& subject, Engine& engine, Engine& single_thread);
+struct FieldEngine {
+    std::string name; /* "kernel", "kernel, every block", "CPU on all cores", "CPU on one thread" */
+    Engine* engine;
+    bool visits = false; /* blocks of free space, too */
+
+    bool fits(const Variant& variant, const GridSpec& grid, Precision precision) const;
+};
+
+std::vector<FieldRun> field_runs(const Subject& subject, const std::vector<FieldEngine>& engines);
 
 /// Takes each once more, with a file in `folder` that is removed.
 void measure(std::vector<FieldRun>& runs, const std::filesystem::path& folder);

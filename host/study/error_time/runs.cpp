@@ -79,11 +79,21 @@ std::optional<Interval> look_up_error(const Measured& measured, const FieldRun& 
     return found.empty() ? std::nullopt : rms_over_draws(*measured.methods[found[0]].errors, &ForceErrors::typical);
 }
 
+// A finer field takes long where free space is visited.
+constexpr std::uint64_t kMostVisited = 250000; // voxels
+
 const char* word_of(Precision precision) {
     return precision == Precision::f32 ? "f32" : "f64";
 }
 
 } // namespace
+
+bool FieldEngine::fits(const Variant& variant, const GridSpec& grid, Precision precision) const {
+    if (visits)
+        return variant.prepared->images.mesh && precision == Precision::f32 &&
+               grid.size[0] * grid.size[1] * grid.size[2] < kMostVisited;
+    return precision == Precision::f32 || engine->report().f64;
+}
 
 double rms(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>* less) {
     double squares = 0;
@@ -102,18 +112,15 @@ double median_error(const std::vector<glm::dvec3>& found, const std::vector<glm:
     return quantile(errors, 0.5) / rms(truth);
 }
 
-std::vector<FieldRun> field_runs(const Subject& subject, Engine& engine, Engine& single_thread) {
-    const EngineReport report = engine.report();
-    const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores";
+std::vector<FieldRun> field_runs(const Subject& subject, const std::vector<FieldEngine>& engines) {
     std::vector<FieldRun> runs;
     if (const Variant* variant = subject.main_variant())
         for (const double spacing : subject.spacings) {
             const GridSpec grid = volume_grid(subject.low, subject.high, spacing, glm::dvec3(0));
-            for (const Precision precision : kPrecisions) {
-                if (precision == Precision::f32 || report.f64)
-                    runs.push_back({variant, subject.name, grid, by, precision, &engine});
-                runs.push_back({variant, subject.name, grid, "CPU on one thread", precision, &single_thread});
-            }
+            for (const FieldEngine& by : engines)
+                for (const Precision precision : kPrecisions)
+                    if (by.fits(*variant, grid, precision))
+                        runs.push_back({variant, subject.name, grid, by.name, precision, by.engine});
         }
     return runs;
 }

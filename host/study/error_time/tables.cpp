@@ -114,7 +114,7 @@ const ErrorColumns& method_columns() {
          [](const R& r) { return r.method.errors ? Cell(r.method.errors->precision.largest) : Cell(); }},
         {"shown_local_1", "1", "local_p95_1 where less than 1 % is missed, at least 1e-7",
          of_errors([](const ForceErrors& e) { return shown(e.bounded_local()); })},
-        {"on_front", "", "its law and method, if it is on the front of live use or of volumes",
+        {"on_front", "", "its law and method, if it is surely on the front of live use or of volumes",
          [](const R& r) { return r.on_front.empty() ? Cell() : Cell(r.on_front); }},
     };
     return columns;
@@ -149,6 +149,7 @@ struct Criterion {
 constexpr Criterion kDirection{"direction, RMS", &ForceErrors::bounded_direction},
     kLocal{"local force, 95 % of places", &ForceErrors::bounded_local};
 constexpr Use kUses[] = {Use::live, Use::volume};
+constexpr double kSure = 0.8; // 1: of front_shares; with less a method's place on the front is in doubt
 
 std::vector<std::size_t> methods_with(const Measured& measured, const Subject& subject, Use use) {
     return measured.find([&](const Method& method) { return method.subject == &subject && method.use == use; });
@@ -161,6 +162,8 @@ struct FrontRow {
     std::size_t method;
     double error;
     double stays; /* 1: share of front_shares */
+
+    bool is_sure() const { return stays >= kSure; }
 };
 
 std::vector<FrontRow> fronts(const Measured& measured) {
@@ -210,9 +213,11 @@ Table front_table(const Measured& measured, const std::vector<FrontRow>& rows) {
                         {"time_high_ns", "ns", "as in ways", time(&Interval::high)},
                         {"error", "deg or 1", "the criterion's, at least 1e-7", &R::error},
                         {"stays", "1",
-                         "share of 200 random samples of the rounds and draws in which it is cheaper than all closer "
-                         "ones: near 1 another run has it on its front, too",
-                         &R::stays}},
+                         "share of 200 random samples of the rounds and draws in which none is as good in both and "
+                         "better in one by 5 %: near 1 another run has it, or its like, on its front, too",
+                         &R::stays},
+                        {"sure", "", "yes: stays in 80 % or more; figures name these",
+                         [](const R& r) { return r.is_sure() ? "yes" : "no"; }}},
                        rows);
 }
 
@@ -396,7 +401,9 @@ Figure error_over_time(const Subject& subject, bool own) {
                     "shape the method. Left is cheaper, down is closer to "
                     "{}. The error is the 95th percentile over the places, over the force there. Whiskers are 95 % "
                     "intervals of paired rounds. The lines join the methods that are significantly cheaper than all "
-                    "closer ones. Methods that miss the force at more than 1 % of the places are left out.",
+                    "closer ones; those with names are on the front in 80 % of repetitions or more. Methods that miss "
+                    "the force at more than 1 % of "
+                    "the places are left out.",
                     subject.against),
         FigureKind::scatter, "ways", {{"surface", subject.name}}, {"time_ns", "time of an evaluation / ns", true},
         {"shown_local_1", "error over the force there, 95 % of places", true}, "shading", "on_front",
@@ -443,17 +450,21 @@ Figure convergence(const Subject& subject, const std::string& family) {
 
 std::vector<Table> tables_of(const Measured& measured) {
     const std::vector<FrontRow> front = fronts(measured);
-    std::set<std::size_t> on_front;
+    std::set<std::size_t> on_front, sure;
     std::vector<const Method*> front_methods;
     for (const FrontRow& row : front)
-        if (&row.criterion == &kLocal && on_front.insert(row.method).second)
-            front_methods.push_back(&measured.methods[row.method]);
+        if (&row.criterion == &kLocal) {
+            if (row.is_sure())
+                sure.insert(row.method);
+            if (on_front.insert(row.method).second)
+                front_methods.push_back(&measured.methods[row.method]);
+        }
     std::vector<ErrorRow> methods, kinds;
     for (std::size_t i = 0; i < measured.methods.size(); ++i) {
         const Method& method = measured.methods[i];
         methods.push_back({method, method.errors ? &method.errors->shared : nullptr, measured.times.seconds(i),
                            measured.times.ratio(i, measured.times.unit()),
-                           on_front.contains(i) ? method.name.substr(method.subject->name.size() + 2) : ""});
+                           sure.contains(i) ? method.name.substr(method.subject->name.size() + 2) : ""});
         for (const Kind kind : kKinds)
             if (method.errors && method.errors->of(kind).places > 0)
                 kinds.push_back({.method = method, .errors = &method.errors->of(kind), .kind = kind});
