@@ -252,7 +252,7 @@ void describe(Options& options, ExploreArguments& arguments) {
                      "scene file (TOML) with [paths], unless --paths is given; needs no [grid]");
     options.optional("--paths FILE", arguments.paths,
                      "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, y, "
-                     "z (s, m); others are not read, and times of a path increase");
+                     "z (s, m), of a single path t, x, y, z; others are not read, and times of a path increase");
     options.required("--out FILE", arguments.out,
                      "OUT.exr (a row a path), OUT.csv (a line a sample) or OUT.npy (arrays alone, one a file: "
                      "OUT.force.npy and others); OUT.paths.csv next to it has a line a path");

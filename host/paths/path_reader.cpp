@@ -197,13 +197,22 @@ void PathReader::read_header() {
         for (std::size_t cell = 0; cell < width_; ++cell)
             if (csv_.text(cell) == kNames[column])
                 found.push_back(cell);
-        if (found.empty())
+        if (found.empty() && (column != kPath || is_path_meant()))
             refuse_header();
         if (found.size() > 1)
             fail(csv_.source(), csv_.where(found[1]),
                  fmt::format("the header has two columns \"{}\"; give the other one another name", kNames[column]));
-        cells_[column] = found.front();
+        cells_[column] = found.empty() ? kNone : found.front();
     }
+}
+
+// Whether a column has nearly the name "path".
+bool PathReader::is_path_meant() const {
+    for (std::size_t cell = 0; cell < width_; ++cell)
+        if (csv_.text(cell).size() > 1 &&
+            !nearest(std::string(csv_.text(cell)), std::vector<std::string>{kNames[kPath]}).empty())
+            return true;
+    return false;
 }
 
 void PathReader::refuse_header() const {
@@ -222,7 +231,8 @@ void PathReader::refuse_header() const {
                     hint = fmt::format("; {} there is meant to be \"{}\"?", shown(name), wanted);
     std::string header = fmt::format("{}", fmt::join(there, ","));
     fail(csv_.source(), csv_.where(0),
-         fmt::format("the header lacks {} \"{}\": got {}{}; expected path,t,x,y,z in any order (s, m)",
+         fmt::format("the header lacks {} \"{}\": got {}{}; expected path,t,x,y,z in any order (s, m), of a single "
+                     "path t,x,y,z",
                      missing.size() > 1 ? "columns" : "column", fmt::join(missing, "\", \""), shown(header), hint));
 }
 
@@ -281,6 +291,8 @@ double PathReader::coordinate(Column column) const {
 
 // Also as a floating point number, since that is how some programs write every column.
 std::uint64_t PathReader::path_id() const {
+    if (cells_[kPath] == kNone)
+        return 0;
     const std::string_view text = csv_.text(cells_[kPath]);
     std::uint64_t id = 0;
     if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);

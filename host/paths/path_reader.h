@@ -86,7 +86,8 @@ struct PathSample {
     std::uint32_t line; // of the file, for errors
 };
 
-/// Columns may stand in any order, and others among them are not read. Every number must be finite.
+/// Columns may stand in any order, and others among them are not read; without one of paths' numbers all samples are
+/// of path 0. Every number must be finite.
 class PathReader {
 public:
     /// Reads the header. `largest_coordinate`, m: positions beyond it are refused.
@@ -102,8 +103,10 @@ public:
 
 private:
     enum Column : std::size_t { kPath, kTime, kX, kY, kZ, kColumns };
+    static constexpr std::size_t kNone = std::size_t(-1);
 
     void read_header();
+    bool is_path_meant() const;
     void refuse_header() const;
     void check_width() const;
     double number(Column column) const;
@@ -113,7 +116,7 @@ private:
 
     CsvReader csv_;
     double largest_coordinate_;                 /* m */
-    std::array<std::size_t, kColumns> cells_{}; // where in a row each column stands
+    std::array<std::size_t, kColumns> cells_{}; // where in a row each column stands; kNone: a file of one path
     std::size_t width_ = 0;                     // cells of a row
     bool any_ = false;
 };

@@ -403,7 +403,8 @@ void add_paths(std::vector<Key>& keys) {
                                    "circle, in a spiral, up and down, at random (band limited), from point to point "
                                    "(minimum jerk: Flash & Hogan 1985), or as recorded in a file");
     paths.add(ValueKind::file, "file", "", [](Scene& s, const Value& v) { store_file(*s.paths, v); },
-              "recorded paths as CSV with a header and columns path, t, x, y, z (s, m), times of a path increasing; "
+              "recorded paths as CSV with a header and columns path, t, x, y, z (s, m), times of a path increasing; a "
+              "single path needs no column path; "
               "relative to this TOML file or absolute",
               {.forms = kRecorded, .example = "\"paths.csv\""});
     paths.digest(kRecorded);

@@ -75,12 +75,21 @@ TEST_F(PathFile, NeedsAHeaderAndASample) {
     expect("path,t,x,y,z\n", ": ", {"no sample below the header"});
     expect("path,t,x,y,z", ": ", {"no sample below the header"});
     expect("path,t,x,y\n0,0,0,0\n", ":1:1: ", {"lacks column \"z\"", "\"path,t,x,y\""});
+    expect("t,x,y\n0,0,0\n", ":1:1: ", {"lacks columns \"path\", \"z\"", "of a single path t,x,y,z"});
     expect("0,0,0,0,0\n", ":1:1: ", {"lacks columns \"path\", \"t\", \"x\", \"y\", \"z\""});
     expect("path,t,X,y,z\n0,0,0,0,0\n", ":1:1: ", {"lacks column \"x\"", "\"X\" there is meant"});
     expect("pth,t,x,y,z\n0,0,0,0,0\n", ":1:1: ", {"lacks column \"path\"", "\"pth\" there is meant"});
     expect("path;t;x;y;z\n0;0;0;0;0\n", ":1:1: ", {"semicolons"});
     expect("path\tt\tx\ty\tz\n0\t0\t0\t0\t0\n", ":1:1: ", {"tabs"});
     expect("path,t,x,y,x,z\n0,0,0,0,0,0\n", ":1:12: ", {"two columns \"x\""});
+}
+
+TEST_F(PathFile, NeedsNoNumberOfASinglePath) {
+    const auto read = samples("t,x,y,z\n0,1,2,3\n0.001,4,5,6\n", 10);
+    ASSERT_EQ(read.size(), 2u);
+    EXPECT_EQ(read[1].path, 0u);
+    EXPECT_EQ(read[1].time, 0.001);
+    EXPECT_EQ(read[1].probe, glm::dvec3(4, 5, 6));
 }
 
 TEST_F(PathFile, HasAsManyCellsInEveryRow) {
