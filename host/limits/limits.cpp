@@ -187,19 +187,10 @@ void take_lower(std::optional<HoldLimit>& least, const LoopCell& cell, const Res
         least = HoldLimit{*limit, hold, place};
 }
 
-// Of all places, pressed in any direction: from the least of some directions, and of `lowest`, turned to where it is
-// least.
-std::optional<HoldLimit> least_of_any_press(const LoopCell& cell, const std::vector<const RestPlace*>& places,
-                                            const std::optional<HoldLimit>& lowest) {
-    std::optional<HoldLimit> least;
-    for (const RestPlace* place : places)
-        for (const Hold& hold : all_presses(place->force, place->slope))
-            take_lower(least, cell, *place, hold);
-    if (lowest && (!least || lowest->limit < least->limit))
-        least = lowest;
-    if (least && least->hold.along == glm::dvec3(0))
-        return least;
-    for (double step = 8 * kDegree; least && step > 0.1 * kDegree; step /= 2)
+// A press, turned to where its place's limit is least.
+HoldLimit turned_to_least(const HoldLimit& from, const LoopCell& cell) {
+    std::optional<HoldLimit> least = from;
+    for (double step = 8 * kDegree; step > 0.1 * kDegree; step /= 2)
         for (double before = 0; before != least->limit;) {
             before = least->limit;
             const glm::dmat3 frame = axes_of(least->hold);
@@ -211,6 +202,35 @@ std::optional<HoldLimit> least_of_any_press(const LoopCell& cell, const std::vec
                     take_lower(least, cell, RestPlace(least->place), hold, 0.999);
             }
         }
+    return *least;
+}
+
+// Of all places, pressed in any direction: from the least of some directions of each place that has one near the least
+// of all, and of `lowest`, turned to where it is least. Limits have several least ones over the directions.
+std::optional<HoldLimit> least_of_any_press(const LoopCell& cell, const std::vector<const RestPlace*>& places,
+                                            const std::optional<HoldLimit>& lowest) {
+    constexpr double kNear = 1.5; // times the least
+    constexpr std::size_t kMost = 12;
+    std::optional<HoldLimit> least = lowest;
+    std::vector<HoldLimit> begins;
+    if (lowest)
+        begins.push_back(*lowest);
+    for (const RestPlace* place : places) {
+        std::optional<HoldLimit> own;
+        for (const Hold& hold : all_presses(place->force, place->slope))
+            if (!least || grows(cell.hand, cell.rate, hold, place->force_around(), kNear * least->limit, cell.lag))
+                take_lower(own, cell, *place, hold);
+        if (!own)
+            continue;
+        begins.push_back(*own);
+        if (!least || own->limit < least->limit)
+            least = own;
+    }
+    std::erase_if(begins, [](const HoldLimit& one) { return one.hold.along == glm::dvec3(0); });
+    std::ranges::stable_sort(begins, {}, &HoldLimit::limit);
+    for (std::size_t i = 0; i < std::min(begins.size(), kMost); ++i)
+        if (const HoldLimit turned = turned_to_least(begins[i], cell); turned.limit < least->limit)
+            least = turned;
     return least;
 }
 

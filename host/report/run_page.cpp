@@ -36,6 +36,7 @@ struct RunSamples {
     std::vector<RunSample> shown;               /* of a few paths, evenly chosen */
     std::vector<RunSample> all;                 /* of all paths, more thinly */
     std::uint64_t paths_in_file = 0;
+    bool timed = true;     // else a sample has its number along the path in place of its time
     std::size_t every = 1; /* of the file's samples of a path, every which one is shown */
 };
 
@@ -106,6 +107,7 @@ RunSamples samples_of_exr(const std::filesystem::path& file) {
     const auto read = [&](std::uint64_t most_paths, std::size_t most, std::vector<RunSample>& into) {
         const PathSamples found = read_paths(file, most_paths, most / most_paths);
         const double period = path_period(found.scene); /* s */
+        samples.timed = period > 0;
         samples.paths_in_file = found.paths_in_file;
         samples.every = found.every_step;
         for (std::size_t i = 0; i < found.paths * found.steps; ++i) {
@@ -114,7 +116,7 @@ RunSamples samples_of_exr(const std::filesystem::path& file) {
             samples.paths[path] = fmt::format("path {}", path);
             if (std::isfinite(at[0]))
                 into.push_back({path,
-                                double(i % found.steps * found.every_step) * period,
+                                double(i % found.steps * found.every_step) * (samples.timed ? period : 1),
                                 found.origin + glm::dvec3(at[0], at[1], at[2]),
                                 {force[0], force[1], force[2]}});
         }
@@ -141,6 +143,8 @@ struct Shown {
 };
 constexpr Shown kOver[] = {{"time", "time / s", "t_s", "s", [](const RunSample& r) { return r.time; }},
                            {"place", "x / mm", "x_mm", "mm", [](const RunSample& r) { return 1e3 * r.at.x; }}};
+// Of recorded paths in a file that has not their times.
+constexpr Shown kNumber{"sample", "sample", "sample", "1", [](const RunSample& r) { return r.time; }};
 constexpr Shown kValues[] = {{"Force", "force / N", "force_N", "N", force_of},
                              {"Direction", "direction / deg, from z towards x", "direction_deg", "deg", direction_of},
                              {"Position", "z / mm", "z_mm", "mm", [](const RunSample& r) { return 1e3 * r.at.z; }}};
@@ -194,10 +198,11 @@ void add_samples(study::StudyData& data, const std::filesystem::path& file) {
     else if (samples.every > 1)
         data.notes.push_back(
             fmt::format("One of {} samples is shown; {} has all.", samples.every, file.filename().string()));
+    const Shown& first = samples.timed ? kOver[0] : kNumber;
     using R = RunSample;
     std::vector<study::ColumnOf<R>> columns{
         {{"path", "", "as in the file"}, [&](const R& r) { return samples.paths.at(r.path); }},
-        {{"t_s", "s", "since the path began"}, kOver[0].value},
+        {{first.column, first.unit, samples.timed ? "since the path began" : "number along the path"}, first.value},
         {{"x_mm", "mm", "of the probe"}, kOver[1].value},
         {{"y_mm", "mm", "of the probe"}, [](const R& r) { return 1e3 * r.at.y; }},
         {{"z_mm", "mm", "of the probe"}, kValues[2].value},
@@ -205,7 +210,7 @@ void add_samples(study::StudyData& data, const std::filesystem::path& file) {
         {{"direction_deg", "deg", "of the force in the x-z plane, from z towards x; empty without force"},
          kValues[1].value}};
     data.tables.push_back(study::table_of<R>("samples", "Samples", columns, samples.shown));
-    for (const Shown& over : kOver) {
+    for (const Shown& over : {first, kOver[1]}) {
         if (paths >= kLeastOfBand)
             data.tables.push_back(bands_of(samples.all, over));
         for (const Shown& value : kValues) {

@@ -36,7 +36,7 @@ class Viewer {
   // One shape without shading and with, if possible; else two cases that differ in shading alone. Of several pairs that
   // whose directions err most differently.
   firstPair() {
-    const plain = (one) => one.name.replace(/_?shading-[^_]*/, ""), bare = (one) => /shading-none/.test(one.name);
+    const plain = (one) => one.name.replace(/_?shading-(none|reference|height_map|morgenbesser|barycentric|two_pass|mean_value)/, ""), bare = (one) => /shading-none/.test(one.name);
     const apart = (a, b) => Math.abs((a.error_deg || 0) - (b.error_deg || 0));
     for (const wanted of [(a, b) => bare(a) && !bare(b), () => true]) {
       let best = null, most = -1;

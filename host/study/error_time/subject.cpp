@@ -213,7 +213,7 @@ Subject own_mesh(const PreparedCase& own, const Extents& extents) {
 
 Extents extents_of(bool quick) {
     if (quick)
-        return {{1, 4, 16, 64, 512}, {4, 8, 16, 32}, {0.8e-3, 0.4e-3, 0.2e-3}, 1000, 150, 7, 5, 3, 100, 10};
+        return {{1, 4, 8, 64, 512}, {4, 8, 16, 32}, {0.8e-3, 0.4e-3, 0.2e-3}, 1000, 150, 7, 5, 3, 100, 10};
     const std::vector<unsigned> facets{1, 2, 3, 4, 8, 16, 32, 64, 128, 512, 4096}, cells{4, 8, 16, 32, 64};
     return {facets, cells, {0.8e-3, 0.4e-3, 0.2e-3, 0.1e-3}, 4000, 500, 20, 12, 9, 1000, 50};
 }
