@@ -423,8 +423,8 @@ TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
     EXPECT_EQ(process->wait().code, 0) << said();
     std::size_t answered = 0;
     for (const TrialRow& row : rows()) {
-        if (row.outcome.status == "too early" || row.outcome.status == "no contact")
-            continue; // a press in the first 0.2 s of a trial, which comes again
+        if (std::set<std::string>{"too early", "no contact", "force clamped"}.contains(row.outcome.status))
+            continue; // a press in the first 0.2 s of a trial, or a loop late on a busy machine: the trial comes again
         ++answered;
         EXPECT_EQ(row.answer, "two_poly");
         EXPECT_EQ(row.outcome.answered_by, "button");

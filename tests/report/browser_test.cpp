@@ -80,14 +80,15 @@ TEST_F(Page, FocusIsSeenAndReachesEverything) {
 
 TEST_F(Page, BeginsWithThePairThatDiffersMostWhereAHandTouches) {
     open();
-    const auto first = [&](const std::string& errors) {
-        return browser_->text(
-            "Viewer.prototype.firstPair.call({ cases: [['a', 'none'], ['a', 'reference'], ['b', 'none'], ['b', "
-            "'reference']].map(([name, shading], i) => ({ name: name + '_shading-' + shading, error_deg: " +
-            errors + "[i] })) }).join()");
+    const auto first = [&](const std::string& errors, const std::string& shading = "reference") {
+        return browser_->text("Viewer.prototype.firstPair.call({ cases: [['a', 'none'], ['a', '" + shading +
+                              "'], ['b', 'none'], ['b', '" + shading +
+                              "']].map(([name, shading], i) => ({ name: name + '_shading-' + shading, error_deg: " +
+                              errors + "[i] })) }).join()");
     };
     EXPECT_EQ(first("[1, 0, 5, 0]"), "2,3");
     EXPECT_EQ(first("[5, 0, 1, 0]"), "0,1");
+    EXPECT_EQ(first("[1, 0, 5, 0]", "mean_value"), "2,3");
     EXPECT_EQ(first("[null, null, null, null]"), "0,1") << "of volumes that no sweep measured";
 }
 
