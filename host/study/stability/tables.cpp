@@ -505,8 +505,9 @@ void add_loops(StudyData& data, const LoopResults& results) {
     data.figures = figures_of(results);
     data.notes = {
         fmt::format("The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's "
-                    "force there; its spring acts across the direction of the hold, or on all sides. Holds along which "
-                    "the surface gives way are left out: no probe rests there at any stiffness. The device's "
+                    "force there; its spring acts across the direction of the hold, or on all sides. Presses along "
+                    "which it has less than a fifth of that force, or of a wall's stiffness, are left out: further "
+                    "aside limits fall on to 0. The device's "
                     "largest force is left out.",
                     data.scene.empty() ? "a scene that names none" : "the scene", hand_text(results.surfaces.front())),
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
