@@ -47,9 +47,12 @@ void check_numbers(const std::filesystem::path& path, const std::vector<PathSamp
     for (std::size_t i = 0; i < csv.size(); ++i)
         require(columns.emplace(csv.text(i), i).second || !names.contains(csv.text(i)), "two columns are called {}",
                 csv.text(i));
+    const bool numbered = columns.contains("path"); // of a single path the column may be left out
     for (const PathSample& sample : samples) {
         csv.next();
-        const auto cell = [&](const char* name) { return std::string(csv.text(columns.at(name))); };
+        const auto cell = [&](const char* name) {
+            return std::string(!numbered && std::string_view(name) == "path" ? "0" : csv.text(columns.at(name)));
+        };
         const auto number = [&](const char* name) { return std::strtod(cell(name).c_str(), nullptr); };
         require(std::strtold(cell("path").c_str(), nullptr) == static_cast<long double>(sample.path),
                 "line {}: path {} is taken for {}", sample.line, cell("path"), sample.path);
@@ -179,7 +182,7 @@ std::optional<std::vector<PathSample>> simply_read(const std::string& text) {
                     return {};
             for (const char* name : {"path", "t", "x", "y", "z"})
                 if (!columns.contains(name))
-                    return {};
+                    return {}; // where only "path" is missing, its name may be misspelled
             continue;
         }
         if (cells.size() != width)
