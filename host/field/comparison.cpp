@@ -143,18 +143,18 @@ void DeviationSum::add(const DeviationSum& other) {
 
 DeviationRecord DeviationSum::record() const {
     const auto rms = [](double square, double count) { return count > 0 ? std::sqrt(square / count) : 0; };
-    return {{},
-            static_cast<std::uint64_t>(angles_),
-            rms(angle_square_, angles_),
-            largest_angle_,
-            static_cast<std::uint64_t>(errors_),
-            rms(error_square_, errors_),
-            largest_error_};
+    return {.angles = static_cast<std::uint64_t>(angles_),
+            .rms_angle = rms(angle_square_, angles_),
+            .largest_angle = largest_angle_,
+            .magnitudes = static_cast<std::uint64_t>(errors_),
+            .rms_magnitude_error = rms(error_square_, errors_),
+            .largest_magnitude_error = largest_error_};
 }
 
 DeviationRecord Compared::record() const {
     DeviationRecord record = sum_.record();
     record.from = comparison_.text();
+    record.depth = comparison_.counted_depth();
     return record;
 }
 

@@ -46,6 +46,9 @@ public:
     /// "the bump's own smooth shape (its normal above the probe, depth straight down)": what a force is compared with.
     std::string text() const;
 
+    /// m: contact counts up to here.
+    double counted_depth() const { return counted_depth_; }
+
 private:
     struct Nearest {
         glm::dvec3 normal{}; // 0 in the middle of a sphere or cylinder

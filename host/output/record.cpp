@@ -1,5 +1,7 @@
 #include "host/output/record.h"
 
+#include <type_traits>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -40,6 +42,8 @@ struct JsonReader {
     template <typename T> void operator()(const char* name, T& value) const {
         if constexpr (Whole<T>)
             read_whole(json.at(name), value);
+        else if constexpr (std::is_floating_point_v<T>)
+            value = json.at(name).is_null() ? NAN : json.at(name).get<T>(); // JSON has no other word for it
         else
             json.at(name).get_to(value);
     }
@@ -70,13 +74,21 @@ template <typename Field, typename Deviation> void list_deviation(const Field& f
     field("largest_magnitude_error_N", deviation.largest_magnitude_error);
 }
 
+template <typename Field, typename Number> void list_drawn(const Field& field, Number& number) {
+    field("value", number.value);
+    field("low", number.low);
+    field("high", number.high);
+}
+
 template <typename Field, typename Touch> void list_touch(const Field& field, Touch& touch) {
     field("against", touch.against);
     field("places", touch.places);
+    field("draws", touch.draws);
     field("deepest_m", touch.deepest);
-    field("direction_rms_deg", touch.direction_rms);
-    field("force_error_median", touch.median_error);
-    field("force_error_p95", touch.p95_error);
+    list_drawn(field.part("direction_rms_deg"), touch.direction);
+    list_drawn(field.part("force_error_median"), touch.median_error);
+    list_drawn(field.part("force_error_p95"), touch.p95_error);
+    list_drawn(field.part("missed_share"), touch.missed);
 }
 
 template <typename Field, typename Paths> void list_paths(const Field& field, Paths& paths) {
@@ -131,7 +143,7 @@ template <typename Field, typename Engine> void list_engine(const Field& field, 
 }
 
 Json deviation_json(const DeviationRecord& deviation) {
-    Json json{{"from", deviation.from}};
+    Json json{{"from", deviation.from}, {"depth_m", deviation.depth}};
     list_deviation(JsonWriter{json}, deviation);
     return json;
 }
@@ -155,10 +167,8 @@ Json to_json(const CaseRecord& record) {
     json["oracle"]["relative_error"] = record.error.relative();
     if (record.deviation)
         json["compare"] = deviation_json(*record.deviation);
-    if (record.touch) {
+    if (record.touch)
         list_touch(JsonWriter{json["touch"]}, *record.touch);
-        json["touch"]["missed_share"] = record.touch->missed_share;
-    }
     json["seconds"]["modelled_saving"] = record.saved();
     if (record.paths)
         json["paths"] = paths_json(*record.paths);
@@ -185,12 +195,11 @@ CaseRecord from_json(const Json& json) {
             return;
         list_deviation(JsonReader{from.at("compare")}, deviation.emplace());
         deviation->from = from.at("compare").value("from", deviation->from); // older records do not say
+        deviation->depth = from.at("compare").value("depth_m", deviation->depth);
     };
     read_deviation(json, record.deviation);
-    if (json.contains("touch")) {
+    if (json.contains("touch") && json.at("touch").contains("draws")) // without them it is an older record's
         list_touch(JsonReader{json.at("touch")}, record.touch.emplace());
-        record.touch->missed_share = json.at("touch").value("missed_share", 0.0); // older records have none
-    }
     if (json.contains("paths")) {
         list_paths(JsonReader{json.at("paths")}, record.paths.emplace());
         read_deviation(json.at("paths"), record.paths->deviation);
@@ -210,12 +219,15 @@ nlohmann::ordered_json paths_json(const PathRecord& paths) {
 
 std::string deviation_text(const DeviationRecord& deviation) {
     if (deviation.magnitudes == 0)
-        return "compared with the shape of [compare]: contact is nowhere as little deep as compare.depth says\n";
-    return fmt::format("compared with {}, where contact is at most compare.depth deep: direction "
+        return fmt::format("compared with the shape of [compare]: contact is nowhere as little as {:.3g} mm deep "
+                           "(compare.depth)\n",
+                           1e3 * deviation.depth);
+    return fmt::format("compared with {}, where contact is at most {:.3g} mm deep (compare.depth): direction "
                        "{:.3g} deg (RMS), {:.3g} at most, at {} places; magnitude {:.3g} N (RMS), {:.3g} at most, at "
                        "{}, including where the shape alone has contact\n",
-                       deviation.from, deviation.rms_angle, deviation.largest_angle, deviation.angles,
-                       deviation.rms_magnitude_error, deviation.largest_magnitude_error, deviation.magnitudes);
+                       deviation.from, 1e3 * deviation.depth, deviation.rms_angle, deviation.largest_angle,
+                       deviation.angles, deviation.rms_magnitude_error, deviation.largest_magnitude_error,
+                       deviation.magnitudes);
 }
 
 std::string error_text(const CaseRecord& record) {

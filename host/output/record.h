@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -74,6 +75,7 @@ struct PathError {
 /// deep: root mean squares and largest sizes.
 struct DeviationRecord {
     std::string from = "the shape of [compare]";                 /* and which normal and depth of it are meant */
+    double depth = 0.002;                                        /* m: of contact, at most */
     std::uint64_t angles = 0;                                    /* samples with a force */
     double rms_angle = 0, largest_angle = 0;                     /* deg: between force and normal */
     std::uint64_t magnitudes = 0;                                /* samples in contact with surface or shape */
@@ -83,14 +85,21 @@ struct DeviationRecord {
 /// As a line for people.
 std::string deviation_text(const DeviationRecord& deviation);
 
+/// A number of all drawn places, and the least and the largest of the draws; not a number without any.
+struct DrawnNumber {
+    double value = NAN, low = NAN, high = NAN;
+};
+
 /// How far the forces of a case are from those of the shape that its surface stands for, where a hand touches it.
 struct TouchRecord {
-    std::string against;                    /* "the smooth shape", or the law that comes closest to it */
-    std::uint64_t places = 0;               /* under points anywhere on the surface, depths log-uniform */
-    double deepest = 0;                     /* m */
-    double direction_rms = 0;               /* deg */
-    double median_error = 0, p95_error = 0; /* 1: |F - F_true| / |F_true|, 1 where a force is missing */
-    double missed_share = 0;                /* 1: of the places, those without the force that should be there */
+    std::string against;      /* "the smooth shape", or the law that comes closest to it */
+    std::uint64_t places = 0; /* of all draws: under points anywhere on the surface, depths log-uniform */
+    std::uint64_t draws = 1;
+    double deepest = 0;       /* m */
+    DrawnNumber direction;    /* deg, root mean square; none where no place has a force */
+    DrawnNumber median_error; /* 1: |F - F_true| / |F_true|, 1 where a force is missing */
+    DrawnNumber p95_error;    /* 1: the same */
+    DrawnNumber missed;       /* 1: of the places, those without the force that should be there */
 };
 
 // What is known of paths that were taken through an engine.

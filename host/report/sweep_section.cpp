@@ -48,11 +48,19 @@ template <typename Count> std::uint64_t sum_of(const Rows& cases, const Count& c
     return sum;
 }
 
-// The number that a parameter begins with: of "600 mil" 600.
-std::optional<double> leading_number(const std::string& text) {
+// The number that a parameter begins with, and its unit: of "600 mil" 600 and " mil".
+struct Measure {
+    double number = 0;
+    std::string unit;
+};
+std::optional<Measure> measure_of(const std::string& text) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc() ? std::optional(value) : std::nullopt;
+    return error == std::errc() ? std::optional(Measure{value, {end, text.data() + text.size()}}) : std::nullopt;
+}
+std::optional<double> leading_number(const std::string& text) {
+    const auto measure = measure_of(text);
+    return measure ? std::optional(measure->number) : std::nullopt;
 }
 
 std::string parameter(const CaseRecord& record, const std::string& key) {
@@ -66,53 +74,70 @@ struct Plotted {
     std::string series, panel{};
 };
 
-// What errors are drawn over: `axis`, a number that the sweep varies, the facets first; without one the cases. Where
-// shading varies, too, another number has a panel each; the other parameters are series.
+// What errors are drawn over: a number that the sweep varies, the facets first, with points that lines join; else bars,
+// over words that vary, as the files of meshes, else over the cases. Where shading varies, too, another number has a
+// panel each; the other parameters are series.
 struct Axes {
-    std::string axis, panel;
+    std::string axis, panel; /* parameters; empty: the cases, no panels */
+    bool numbers = false;
     std::vector<Plotted> rows;
     study::FigureAxis x;
 };
 
-// Of the numbers that vary the one with the most values, but for `taken`; empty: none.
-std::string most_varied(const Rows& cases, const std::string& taken) {
-    std::map<std::string, std::set<double>> numbers;
-    for (const CaseRecord* record : cases)
-        for (const auto& [key, text] : record->parameters)
-            if (const auto value = leading_number(text); value && key != taken)
-                numbers[key].insert(*value);
-    std::string axis;
-    std::size_t most = 1;
-    for (const auto& [key, values] : numbers)
-        if (values.size() > most) {
-            most = values.size();
-            axis = key;
-        }
-    return taken.empty() && numbers["facets"].size() > 1 ? "facets" : axis;
-}
+using Values = std::map<std::string, std::set<std::string>>; /* of each parameter */
 
-std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, const std::string& panel) {
-    std::map<std::string, std::set<std::string>> values;
+Values values_of(const Rows& cases) {
+    Values values;
     for (const CaseRecord* record : cases)
         for (const auto& [key, value] : record->parameters)
             values[key].insert(value);
+    return values;
+}
+
+// Of the parameters that vary the one with the most values, of those that `fits`; empty: none.
+template <typename Fits> std::string most_varied(const Values& values, const Fits& fits) {
+    std::string axis;
+    std::size_t most = 1;
+    for (const auto& [key, texts] : values)
+        if (texts.size() > most && fits(key, texts)) {
+            most = texts.size();
+            axis = key;
+        }
+    return axis;
+}
+
+bool are_numbers(const std::set<std::string>& texts) {
+    return std::ranges::all_of(texts, [](const std::string& text) { return leading_number(text).has_value(); });
+}
+
+// Whether all are numbers of one unit, whose places on an axis are theirs.
+bool have_one_unit(const std::set<std::string>& texts) {
+    const auto first = measure_of(*texts.begin());
+    return std::ranges::all_of(texts, [&](const std::string& text) {
+        const auto measure = measure_of(text);
+        return measure && measure->unit == first->unit;
+    });
+}
+
+std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, bool numbers, const std::string& panel) {
+    const Values values = values_of(cases);
     std::vector<Plotted> rows;
     for (const CaseRecord* record : cases) {
         Plotted row{record, record->name, {}};
         if (!axis.empty()) {
-            const auto x = leading_number(parameter(*record, axis));
-            if (!x)
+            const std::string text = parameter(*record, axis);
+            if (text.empty())
                 continue;
-            row.x = *x;
+            row.x = numbers ? study::Cell(*leading_number(text)) : study::Cell(text);
         }
         for (const auto& [key, value] : record->parameters)
             if (key == panel)
                 row.panel = key + " " + value;
-            else if (key != axis && values[key].size() > 1)
+            else if (key != axis && values.at(key).size() > 1)
                 row.series += (row.series.empty() ? "" : ", ") + (key == "shading" ? value : key + " " + value);
         rows.push_back(std::move(row));
     }
-    if (axis.empty())
+    if (!numbers)
         return rows;
     std::vector<std::string> order; // in which series come
     for (const Plotted& row : rows)
@@ -132,12 +157,21 @@ std::string unit_of(const Rows& cases, const std::string& axis) {
 }
 
 Axes axes_of(const Rows& cases) {
-    const std::string axis = most_varied(cases, "");
-    const std::string& shading = parameter(*cases.front(), "shading");
-    const bool shaded = std::ranges::any_of(cases, [&](R one) { return parameter(*one, "shading") != shading; });
-    const std::string panel = axis.empty() || !shaded ? "" : most_varied(cases, axis);
-    Axes axes{axis, panel, plotted_of(cases, axis, panel), {"case", "case"}};
-    if (!axis.empty()) {
+    const Values values = values_of(cases);
+    const auto varies = [&](const char* key) { return values.contains(key) && values.at(key).size() > 1; };
+    const auto is_axis = [](const std::string&, const auto& texts) { return have_one_unit(texts); };
+    std::string axis = varies("facets") ? "facets" : most_varied(values, is_axis);
+    const bool numbers = !axis.empty();
+    if (!numbers)
+        axis = most_varied(values, [](const std::string& key, const auto&) { return key != "shading"; });
+    if (axis.empty() && varies("shading"))
+        axis = "shading";
+    const auto is_panel = [&](const std::string& key, const auto& texts) { return key != axis && are_numbers(texts); };
+    const std::string panel = numbers && varies("shading") ? most_varied(values, is_panel) : "";
+    Axes axes{axis, panel, numbers, plotted_of(cases, axis, numbers, panel), {"case", "case"}};
+    if (!axis.empty())
+        axes.x = {axis, axis};
+    if (numbers) {
         const auto number = [](const Plotted& row) { return std::get<double>(row.x); };
         const auto [first, last] = std::ranges::minmax_element(axes.rows, {}, number);
         const double least = number(*first), most = number(*last);
@@ -150,6 +184,7 @@ Axes axes_of(const Rows& cases) {
 struct DrawnError {
     const char *figure, *title;
     study::FigureAxis y;
+    std::string low{}, high{}; /* columns; empty: none */
 };
 
 // A table with the errors of each case, and figures of it.
@@ -158,45 +193,58 @@ void add_errors(study::StudyData& data, const Axes& axes, const char* table, con
                 const std::vector<DrawnError>& figures) {
     std::vector<study::ColumnOf<Plotted>> columns{{{"case", "", ""}, [](const Plotted& r) { return r.record->name; }}};
     if (!axes.axis.empty())
-        columns.push_back({{axes.axis, "1", ""}, &Plotted::x});
+        columns.push_back({{axes.axis, axes.numbers ? "1" : "", ""}, &Plotted::x});
     if (!axes.panel.empty())
         columns.push_back({{axes.panel, "", ""}, &Plotted::panel});
     columns.push_back({{"series", "", "the other parameters"}, &Plotted::series});
     study::append(columns, std::move(errors));
     data.tables.push_back(study::table_of<Plotted>(table, title, columns, axes.rows));
     constexpr std::size_t kMostBars = 60;
-    if (axes.axis.empty() && (axes.rows.size() < 2 || axes.rows.size() > kMostBars))
+    if (!axes.numbers && (axes.rows.size() < 2 || axes.rows.size() > kMostBars))
         return;
+    const bool series =
+        std::ranges::any_of(axes.rows, [](const Plotted& row) { return !row.series.empty(); }) && !axes.axis.empty();
     for (const DrawnError& one : figures)
-        data.figures.push_back(study::make_figure(
-            one.figure, fmt::format("{} over {}", one.title, axes.x.column), caption,
-            axes.axis.empty() ? study::FigureKind::bars : study::FigureKind::scatter, table, {}, axes.x, one.y,
-            axes.axis.empty() ? "" : "series", "", {.joined = !axes.axis.empty(), .panels = axes.panel}));
+        data.figures.push_back(
+            study::make_figure(one.figure, fmt::format("{} over {}", one.title, axes.x.column), caption,
+                               axes.numbers ? study::FigureKind::scatter : study::FigureKind::bars, table, {}, axes.x,
+                               one.y, series ? "series" : "", "",
+                               {.low = one.low, .high = one.high, .joined = axes.numbers, .panels = axes.panel}));
 }
 
-// The least and the largest of some numbers, of one alone that.
-std::string range_text(std::vector<double> values, double factor) {
+// The least and the largest of some numbers and of their draws; of one alone it and the range of its draws.
+std::string range_text(std::vector<DrawnNumber> values, double factor, const char* unit) {
+    std::erase_if(values, [](const DrawnNumber& one) { return std::isnan(one.value); }); // no place has a force
+    if (values.empty())
+        return "nowhere defined";
     constexpr double kNothing = 1e-5; // deg, 1 or N: rounding
-    const auto [least, most] = std::ranges::minmax(values);
     const auto text = [&](double value) { return number_text(value < kNothing ? 0 : factor * value, 2); };
-    const std::string low = text(least), high = text(most);
-    return low == high ? low : low + " to " + high;
+    const std::string low = text(std::ranges::min(values, {}, &DrawnNumber::low).low),
+                      high = text(std::ranges::max(values, {}, &DrawnNumber::high).high);
+    return low == high          ? fmt::format("{} {}", low, unit)
+           : values.size() == 1 ? fmt::format("{} ({} to {}) {}", text(values[0].value), low, high, unit)
+                                : fmt::format("{} to {} {}", low, high, unit);
+}
+
+// Of all samples of a grid, which are not drawn.
+DrawnNumber exact(double value) {
+    return {value, value, value};
 }
 
 // The range of a number over the cases: "2 to 12 deg without shading and 0 deg with it" where both are among them.
 template <typename Number>
 std::string by_shading(const Rows& cases, const Number& number, double factor, const char* unit) {
-    std::vector<double> all, plain, shaded;
+    std::vector<DrawnNumber> all, plain, shaded;
     for (const CaseRecord* record : cases) {
-        const double value = number(*record);
+        const DrawnNumber value = number(*record);
         all.push_back(value);
         if (const std::string shading = parameter(*record, "shading"); !shading.empty())
             (shading == "none" ? plain : shaded).push_back(value);
     }
     if (plain.empty() || shaded.empty())
-        return fmt::format("{} {}", range_text(all, factor), unit);
-    return fmt::format("{} {} without shading and {} {} with it", range_text(plain, factor), unit,
-                       range_text(shaded, factor), unit);
+        return range_text(all, factor, unit);
+    return fmt::format("{} without shading and {} with it", range_text(plain, factor, unit),
+                       range_text(shaded, factor, unit));
 }
 
 // The texts that `of` gives the cases, each once, in their order.
@@ -218,17 +266,27 @@ std::string touch_finding(const Sweep& sweep) {
     const Rows cases = with_touch(sweep);
     if (cases.empty())
         return "";
-    const auto missed_share = [](R one) { return one->touch->missed_share; };
-    const double missed = missed_share(*std::ranges::max_element(cases, {}, missed_share));
+    const CaseRecord& worst = **std::ranges::max_element(cases, {}, [](R one) { return one->touch->missed.value; });
+    const double missed = worst.touch->missed.value;
     return fmt::format(
         "Where a hand touches, the force's direction is {} (RMS) from that of {}; the whole force errs by {} "
-        "(median{}).",
+        "(median; ranges are over {}{} draws of places).{}",
         by_shading(
-            cases, [](const CaseRecord& one) { return one.touch->direction_rms; }, 1, "deg"),
+            cases, [](const CaseRecord& one) { return one.touch->direction; }, 1, "deg"),
         touched_truth(cases),
         by_shading(
             cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"),
-        missed < 0.01 ? "" : fmt::format("; up to {} % of the places have no force", number_text(100 * missed, 2)));
+        cases.size() > 1 ? "cases and " : "", worst.touch->draws,
+        missed < 0.01 ? ""
+                      : fmt::format(" Of {}, {} % of the places have no force.", worst.name,
+                                    number_text(100 * missed, missed < 0.99 ? 2 : 3)));
+}
+
+// How deep contact is at most that counts.
+std::string depths_text(const Rows& cases) {
+    return fmt::format(
+        "{}",
+        fmt::join(distinct(cases, [](R one) { return number_text(1e3 * one->deviation->depth, 3) + " mm"; }), " or "));
 }
 
 // What the cases are compared with: shapes, and where on them depth is read, whose numbers are not to be mixed.
@@ -244,12 +302,13 @@ std::string compare_finding(const Sweep& sweep) {
         std::erase_if(cases, [&](R one) { return one->deviation->from != shape; });
         text += fmt::format(
             "{}Compared with {}, the force's direction differs by {}, its magnitude by {} (RMS, contact at most "
-            "compare.depth deep).",
+            "{} deep).",
             text.empty() ? "" : " ", shape,
             by_shading(
-                cases, [](const CaseRecord& one) { return one.deviation->rms_angle; }, 1, "deg"),
+                cases, [](const CaseRecord& one) { return exact(one.deviation->rms_angle); }, 1, "deg"),
             by_shading(
-                cases, [](const CaseRecord& one) { return one.deviation->rms_magnitude_error; }, 1, "N"));
+                cases, [](const CaseRecord& one) { return exact(one.deviation->rms_magnitude_error); }, 1, "N"),
+            depths_text(cases));
     }
     return text;
 }
@@ -276,8 +335,8 @@ void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
                  [](Row r) { return r.record->deviation->rms_magnitude_error; }},
                 {{"largest_magnitude_N", "N", ""}, [](Row r) { return r.record->deviation->largest_magnitude_error; }},
                 {{"samples", "1", "with a force"}, [](Row r) { return r.record->deviation->angles; }}},
-               fmt::format("Compared with {}, at the samples whose contact is at most compare.depth deep.",
-                           fmt::join(shapes, ", or ")),
+               fmt::format("Compared with {}, at the samples whose contact is at most {} deep.",
+                           fmt::join(shapes, ", or "), depths_text(cases)),
                {{"compare-angle", "Angle to the shape's normal", {"angle_deg", "RMS angle / deg"}},
                 {"compare-magnitude", "Error of the magnitude", {"magnitude_N", "RMS error of |F| / N"}}});
 }
@@ -291,18 +350,33 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
     add_errors(
         data, axes_of(cases), "touch", "Errors where a hand touches",
         {{{"direction_deg", "deg", "angle to the force that should be there, root mean square"},
-          [](Row r) { return r.record->touch->direction_rms; }},
+          [](Row r) { return r.record->touch->direction.value; }},
+         {{"direction_low_deg", "deg", "the least of the draws of places"},
+          [](Row r) { return r.record->touch->direction.low; }},
+         {{"direction_high_deg", "deg", "the largest of them"}, [](Row r) { return r.record->touch->direction.high; }},
          {{"force_percent", "%", "|F - F_true| / |F_true|, median"},
-          [](Row r) { return 100 * r.record->touch->median_error; }},
-         {{"force_p95_percent", "%", "the same, 95th percentile"},
-          [](Row r) { return 100 * r.record->touch->p95_error; }},
+          [](Row r) { return 100 * r.record->touch->median_error.value; }},
+         {{"force_low_percent", "%", "the least of the draws of places"},
+          [](Row r) { return 100 * r.record->touch->median_error.low; }},
+         {{"force_high_percent", "%", "the largest of them"},
+          [](Row r) { return 100 * r.record->touch->median_error.high; }},
+         {{"force_p95_percent", "%", "95th percentile"}, [](Row r) { return 100 * r.record->touch->p95_error.value; }},
          {{"missed_percent", "%", "of the places, those without the force that should be there"},
-          [](Row r) { return 100 * r.record->touch->missed_share; }}},
-        fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform.",
+          [](Row r) { return 100 * r.record->touch->missed.value; }}},
+        fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform; "
+                    "spreads are those of {} draws of places.",
                     touched_truth(cases), cases.front()->touch->places, 10 * (*least)->touch->deepest,
-                    1e3 * (*most)->touch->deepest),
-        {{"touch-direction", "Error of the force's direction", {"direction_deg", "RMS error of the direction / deg"}},
-         {"touch-force", "Error of the force", {"force_percent", "median error of the force / % of the force there"}}});
+                    1e3 * (*most)->touch->deepest, cases.front()->touch->draws),
+        {{"touch-direction",
+          "Error of the force's direction",
+          {"direction_deg", "RMS error of the direction / deg"},
+          "direction_low_deg",
+          "direction_high_deg"},
+         {"touch-force",
+          "Error of the force",
+          {"force_percent", "median error of the force / % of the force there"},
+          "force_low_percent",
+          "force_high_percent"}});
 }
 
 namespace {

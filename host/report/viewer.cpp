@@ -115,6 +115,7 @@ struct Wanted {
     std::string paths{};    /* the same for the file of its paths; may be empty */
     Json error_deg{};       /* RMS error of the direction; null: not known */
     std::string from{};     /* what [compare] compares with; may be empty */
+    double depth_mm = 0;    /* of contact, up to which it does */
 };
 
 struct Packed {
@@ -142,14 +143,14 @@ bool is_file(const std::filesystem::path& path) {
 Json error_of(const CaseRecord& record) {
     if (record.deviation && record.deviation->angles > 0)
         return record.deviation->rms_angle;
-    return record.touch ? Json(record.touch->direction_rms) : Json();
+    return record.touch ? Json(record.touch->direction.value) : Json(); // null without a force anywhere
 }
 
 void add_volume(std::vector<Wanted>& all, const std::filesystem::path& root, const std::string& name,
-                const std::string& path, const Json& error = {}, const std::string& from = "") {
+                const std::string& path, const Json& error = {}, const DeviationRecord& compared = {.from = ""}) {
     const std::string paths = path.substr(0, path.size() - 4) + ".paths.exr";
     if (is_file(root / path))
-        all.push_back({name, path, is_file(root / paths) ? paths : "", error, from});
+        all.push_back({name, path, is_file(root / paths) ? paths : "", error, compared.from, 1e3 * compared.depth});
 }
 
 std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Contents& contents) {
@@ -158,7 +159,7 @@ std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Cont
         for (const CaseRecord& record : sweep.cases)
             if (record.voxels > 0 && !volume_name(record).empty())
                 add_volume(all, root, below(sweep.folder, record.name), below(sweep.folder, volume_name(record)),
-                           error_of(record), record.deviation ? record.deviation->from : "");
+                           error_of(record), record.deviation.value_or(DeviationRecord{.from = ""}));
     for (const StudyPart& part : contents.studies)
         for (const FileRecord& file : part.data.volumes)
             if (is_plain_name(file.name) && file.name.ends_with(".exr"))
@@ -179,6 +180,16 @@ void keep_counted(SampledVolume& volume) {
         if ((force > 0 ? force : std::abs(static_cast<double>(volume.error[i]))) > most)
             volume.angle[i] = volume.error[i] = NAN;
     }
+}
+
+// N: at most where a hand touches, and where errors of [compare] count; null of a scene of another version.
+Json touched_force(const SampledVolume& volume) {
+    constexpr double kTouched = 2e-3; // m
+    const std::optional<Case> one = stated_scene(volume.scene);
+    if (!one)
+        return nullptr;
+    const Scene& scene = one->scene;
+    return scene.force.stiffness * (scene.compare ? std::min(kTouched, scene.compare->depth) : kTouched);
 }
 
 Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, std::uint64_t most) {
@@ -204,10 +215,13 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
                     {"alike_in_y", volume.alike_in_y},
                     {"scale_N", scale},
                     {"loop", loop_data(volume.scene)},
+                    {"touched_N", touched_force(volume)},
                     {"error_deg", wanted.error_deg}};
     if (!volume.angle.empty())
-        packed.about["compared"] = {
-            {"angle", add("angle", volume.angle, 1)}, {"error", add("error", volume.error, 1)}, {"from", wanted.from}};
+        packed.about["compared"] = {{"angle", add("angle", volume.angle, 1)},
+                                    {"error", add("error", volume.error, 1)},
+                                    {"from", wanted.from},
+                                    {"depth_mm", wanted.depth_mm}};
     return packed;
 }
 

@@ -229,7 +229,7 @@ private:
         check_map("texture", texture.map);
     }
 
-    void check_compare(const CompareSpec& compare) const {
+    void check_compare(const CompareSpec& compare) {
         const auto name = kCompareKinds[static_cast<std::size_t>(compare.kind)];
         const auto require = [&](bool given, std::string_view key, std::string_view example) {
             if (!given)
@@ -245,6 +245,10 @@ private:
             require(!compare.file.file.empty(), "file", "file = \"fine.obj\"");
         if (compare.radius)
             check_length("compare.surface.radius", *compare.radius);
+        if (bump && compare.kind == CompareKind::cylinder && compare.radius && !compare.centre)
+            warn(place({"compare.surface.radius"}),
+                 "a cylinder with a radius has its axis through the origin unless centre says otherwise; the bump's "
+                 "own, through its edges, is surface = {{ kind = \"cylinder\" }} without a radius");
     }
 
     void check_grid() {

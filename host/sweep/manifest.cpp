@@ -110,6 +110,17 @@ void add_deviation(const std::optional<DeviationRecord>& deviation, CsvText& csv
             csv.add("");
 }
 
+void add_touch(const CaseRecord& record, CsvText& csv) {
+    const TouchRecord touch = record.touch.value_or(TouchRecord());
+    for (const double number :
+         {touch.direction.value, touch.direction.low, touch.direction.high, touch.median_error.value,
+          touch.median_error.low, touch.median_error.high, touch.missed.value})
+        if (std::isnan(number))
+            csv.add("");
+        else
+            csv.add(number);
+}
+
 void add_paths(const CaseRecord& record, CsvText& csv) {
     if (!record.paths) {
         for ([[maybe_unused]] const char* column : kPathColumns)
@@ -137,9 +148,11 @@ std::string summary(const Study& study, const std::vector<std::optional<CaseReco
     csv.add("case");
     for (const std::string& key : keys)
         csv.add(key);
-    for (const char* column : {"precision", "voxels", "voxels_evaluated", "left_out", "largest_force_N",
-                               "oracle_voxels", "oracle_differing", "oracle_largest_error_N", "oracle_relative_error",
-                               "touch_direction_deg", "touch_force_error", "exr_bytes", "exr_sha256"})
+    for (const char* column :
+         {"precision", "voxels", "voxels_evaluated", "left_out", "largest_force_N", "oracle_voxels", "oracle_differing",
+          "oracle_largest_error_N", "oracle_relative_error", "touch_direction_deg", "touch_direction_low_deg",
+          "touch_direction_high_deg", "touch_force_error", "touch_force_error_low", "touch_force_error_high",
+          "touch_missed", "evaluations_saved", "exr_bytes", "exr_sha256"})
         csv.add(column);
     const auto any = [&](auto has) { return std::ranges::any_of(study.cases, has, &Case::scene); };
     const bool paths = any([](const Scene& scene) { return scene.paths.has_value(); });
@@ -169,10 +182,8 @@ std::string summary(const Study& study, const std::vector<std::optional<CaseReco
         csv.add(fmt::format("{}", fmt::join(record.omitted, "; "))).add(record.largest_force);
         csv.add(record.error.compared).add(record.error.differing).add(record.error.largest);
         csv.add(record.error.relative());
-        if (record.touch)
-            csv.add(record.touch->direction_rms).add(record.touch->median_error);
-        else
-            csv.add("").add("");
+        add_touch(record, csv);
+        csv.add(record.voxels ? 1 - double(record.evaluated) / double(record.voxels) : 0.0);
         csv.add(record.files.front().bytes).add(record.files.front().sha256);
         if (compared)
             add_deviation(record.deviation, csv);

@@ -102,8 +102,8 @@ ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm
 }
 
 std::optional<TouchRecord> touched_error(const PreparedCase& prepared) {
-    constexpr std::size_t kPlaces = 200;
-    if (shadings_of(prepared).size() == 1) // which nothing else is closer than
+    constexpr std::size_t kDraws = 8, kPlaces = 125; // of each draw
+    if (shadings_of(prepared).size() == 1)           // which nothing else is closer than
         return std::nullopt;
     try {
         TouchedShape shape = scene_shape(prepared);
@@ -113,19 +113,36 @@ std::optional<TouchRecord> touched_error(const PreparedCase& prepared) {
             shape.low.x = std::max(shape.low.x, -half);
             shape.high.x = std::min(shape.high.x, half);
         }
-        const std::vector<TouchPlace> places = touched_places(shape, prepared, kPlaces);
         ContactForce law(prepared, shape.scale);
         std::vector<glm::dvec3> forces, true_ones;
-        for (const TouchPlace& place : places) {
-            forces.push_back(law(place));
-            true_ones.push_back(shape.force(place));
+        std::vector<ForceErrors> draws;
+        for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+            const std::size_t begin = forces.size();
+            for (const TouchPlace& place : touched_places(shape, prepared, kPlaces, seed)) {
+                forces.push_back(law(place));
+                true_ones.push_back(shape.force(place));
+            }
+            draws.push_back(force_errors(std::span(forces).subspan(begin), std::span(true_ones).subspan(begin), 1));
         }
-        const ForceErrors errors = force_errors(forces, true_ones, 1);
-        if (std::isnan(errors.direction.rms) || std::isnan(errors.local.median))
+        const ForceErrors all = force_errors(forces, true_ones, 1);
+        if (std::isnan(all.local.median))
             return std::nullopt;
-        return TouchRecord{
-            against,          places.size(),        shape.scale.deepest, errors.direction.rms, errors.local.median,
-            errors.local.p95, errors.missed_share()};
+        const auto drawn = [&](const auto& number) {
+            DrawnNumber one{.value = number(all)};
+            for (const ForceErrors& draw : draws) {
+                one.low = std::fmin(one.low, number(draw));
+                one.high = std::fmax(one.high, number(draw));
+            }
+            return one;
+        };
+        return TouchRecord{.against = against,
+                           .places = forces.size(),
+                           .draws = kDraws,
+                           .deepest = shape.scale.deepest,
+                           .direction = drawn([](const ForceErrors& one) { return one.direction.rms; }),
+                           .median_error = drawn([](const ForceErrors& one) { return one.local.median; }),
+                           .p95_error = drawn([](const ForceErrors& one) { return one.local.p95; }),
+                           .missed = drawn([](const ForceErrors& one) { return one.missed_share(); })};
     } catch (const UsageError&) { // nothing to touch, or beyond the numbers
         return std::nullopt;
     }

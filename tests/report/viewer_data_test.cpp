@@ -134,18 +134,24 @@ TEST(Verdict, SetsSchemesSideBySide) {
     StudyPart part;
     study::StudyData& data = part.data;
     data.study = "error-time";
-    data.tables.push_back(study::table_of<Way>("ways", "",
-                                               {{"surface", "", "", &Way::surface},
-                                                {"family", "", "", &Way::family},
-                                                {"precision", "", "", [](const Way&) { return "f64"; }},
-                                                {"shading", "", "", &Way::shading},
-                                                {"elements", "1", "", &Way::elements},
-                                                {"direction_rms_deg", "deg", "", &Way::direction},
-                                                {"typical_rms_1", "1", "", &Way::rms},
-                                                {"one_sided", "1", "", &Way::one_sided},
-                                                {"size_median_1", "1", "", &Way::median},
-                                                {"size_p95_1", "1", "", &Way::p95}},
-                                               ways));
+    std::string busy = "no";
+    const auto busy_word = [&](const Way&) { return busy; };
+    const auto ways_table = [&] {
+        return study::table_of<Way>("ways", "",
+                                    {{"surface", "", "", &Way::surface},
+                                     {"family", "", "", &Way::family},
+                                     {"busy", "", "", busy_word},
+                                     {"precision", "", "", [](const Way&) { return "f64"; }},
+                                     {"shading", "", "", &Way::shading},
+                                     {"elements", "1", "", &Way::elements},
+                                     {"direction_rms_deg", "deg", "", &Way::direction},
+                                     {"typical_rms_1", "1", "", &Way::rms},
+                                     {"one_sided", "1", "", &Way::one_sided},
+                                     {"size_median_1", "1", "", &Way::median},
+                                     {"size_p95_1", "1", "", &Way::p95}},
+                                    ways);
+    };
+    data.tables.push_back(ways_table());
     struct Limit {
         const char* hand;
         double depth, usual, any;
@@ -187,6 +193,10 @@ TEST(Verdict, SetsSchemesSideBySide) {
         EXPECT_TRUE(says(slower, cell)) << cell;
     EXPECT_FALSE(says(slower, "mesh, two_pass"));
     EXPECT_TRUE(says(with_times(1), "no difference [0.98, 1.02]"));
+    busy = "yes";
+    part.data.tables[0] = ways_table();
+    EXPECT_TRUE(says(with_times(1.5), "not known: the machine was busy"));
+    EXPECT_FALSE(says(with_times(1.5), "times as long"));
     EXPECT_EQ(verdict_section({{}, {part}, {}}), "") << "without its rounds";
     EXPECT_EQ(verdict_section({}), "");
 }
@@ -221,12 +231,19 @@ TEST(SweepFindings, FollowTheData) {
     expect("evaluated", "Only 1\u00a0010 of 2\u00a0000 voxels");
     sweep.cases[0].parameters = {{"facets", "2"}, {"shading", "none"}};
     sweep.cases[1].parameters = {{"facets", "2"}, {"shading", "reference"}};
-    sweep.cases[0].touch = {"the smooth shape", 200, 2e-3, 7.9, 0.47, 1};
-    sweep.cases[1].touch = {"the smooth shape", 200, 2e-3, 1e-15, 0.049, 1};
-    expect("touch", "7.9 deg without shading and 0 deg with it (RMS) from that of the smooth shape");
-    expect("touch", "the whole force errs by 47 % without shading and 4.9 % with it (median).");
-    sweep.cases[0].touch->missed_share = 0.25;
-    expect("touch", "(median; up to 25 % of the places have no force)");
+    const auto touch = [](DrawnNumber direction, DrawnNumber force) {
+        return TouchRecord{"the smooth shape", 1000, 8, 2e-3, direction, force, {1, 1, 1}, {0, 0, 0}};
+    };
+    sweep.cases[0].touch = touch({7.9, 7.2, 8.1}, {0.47, 0.44, 0.5});
+    sweep.cases[1].touch = touch({1e-15, 1e-16, 1e-14}, {0.049, 0.047, 0.052});
+    expect("touch", "7.9 (7.2 to 8.1) deg without shading and 0 deg with it (RMS) from that of the smooth shape");
+    expect("touch", "errs by 47 (44 to 50) % without shading and 4.9 (4.7 to 5.2) % with it (median; ranges are over "
+                    "cases and 8 draws of places).");
+    sweep.cases[0].touch->missed.value = 0.25;
+    expect("touch", "Of a, 25 % of the places have no force.");
+    sweep.cases[0].touch->direction = {};
+    expect("touch", "direction is nowhere defined without shading and 0 deg with it");
+    sweep.cases[0].touch->direction = {7.9, 7.2, 8.1};
     for (CaseRecord& one : sweep.cases)
         one.deviation = {
             .from = "the sphere", .angles = 10, .rms_angle = 3, .magnitudes = 10, .rms_magnitude_error = 0.5};
@@ -236,6 +253,19 @@ TEST(SweepFindings, FollowTheData) {
     add_touch_figures(sweep, data);
     ASSERT_EQ(data.figures.size(), 2u);
     EXPECT_EQ(data.figures[0].kind, study::FigureKind::bars) << "no number varies";
+    EXPECT_EQ(data.figures[0].x.column, "shading");
+    sweep.cases[0].parameters.push_back({"file", "3spheres.obj"});
+    sweep.cases[1].parameters.push_back({"file", "4spheres.obj"});
+    data = {};
+    add_touch_figures(sweep, data);
+    EXPECT_EQ(data.figures[0].kind, study::FigureKind::scatter) << "3 and 4 are numbers of one unit";
+    sweep.cases[1].parameters.back().second = "cow.obj";
+    data = {};
+    add_touch_figures(sweep, data);
+    EXPECT_EQ(data.figures[0].kind, study::FigureKind::bars);
+    EXPECT_EQ(data.figures[0].x.column, "file");
+    for (CaseRecord& one : sweep.cases)
+        one.parameters.pop_back();
     data = {};
     sweep.cases[1].parameters[0].second = "3";
     add_touch_figures(sweep, data);

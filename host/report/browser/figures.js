@@ -37,6 +37,7 @@ function rowText(study, table, row, wanted) {
     .join("\n");
 }
 
+// A linear axis spans a ten-thousandth of its largest number at least, so that ticks of six digits differ.
 function scaleOf(axis, values, range) {
   let [low, high] = d3.extent(values);
   if (low === undefined)
@@ -45,6 +46,9 @@ function scaleOf(axis, values, range) {
     const pad = Math.max((high / low) ** 0.04, 1.1);
     return d3.scaleLog().domain([low / pad, high * pad]).range(range);
   }
+  const least = 1e-4 * Math.max(Math.abs(low), Math.abs(high)), middle = (low + high) / 2;
+  if (high > low && high - low < least)
+    [low, high] = [middle - least / 2, middle + least / 2];
   const pad = (high - low) * 0.05 || Math.abs(high) * 0.1 || 1;
   return d3.scaleLinear().domain([low >= 0 ? Math.max(0, low - pad) : low - pad, high + pad]).nice().range(range);
 }

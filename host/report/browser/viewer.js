@@ -250,7 +250,7 @@ class Viewer {
   // What a picture without colours means.
   drawNotes(index) {
     const { quantity } = this.state, force = quantity === "direction" ? "No force lies in this slice." : "No force in this slice.";
-    const blank = (one) => !this.showsErrors ? force : one.compared ? "No contact of at most compare.depth in this slice." : "The scene of this case has no [compare].";
+    const blank = (one) => !this.showsErrors ? force : one.compared ? "No contact of at most " + numberText(one.about.compared.depth_mm, 3) + " mm in this slice." : "The scene of this case has no [compare].";
     const same = quantity === "direction" ? "Nowhere in this slice do both cases have a force."
       : this.showsErrors ? "No difference of both errors in this slice." : "No difference " + (quantity === "magnitude" ? "" : "along " + quantity + " ") + "in this slice.";
     for (const [name, words] of [["a", blank(this.a)], ["b", blank(this.b)], ["d", this.whyApart(index) || same]])
@@ -271,11 +271,13 @@ class Viewer {
     const rows = ["A", "B"].map((name, i) => row(name, forces[i], forces[i] && [direction(forces[i], this.plane), out(forces[i])], errors[i]));
     const last = row("B − A", both && less(forces[1], forces[0]), both && [angleBetween(...forces), null],
       errors[0].map((error, i) => error === null || errors[1][i] === null ? null : errors[1][i] - error));
+    last.children[1].title = "length of the difference of both vectors";
     last.children[6].title = "angle between the two forces";
     byId("read-rows").replaceChildren(...rows, last);
     const missing = ["A", "B"].filter((_, i) => !forces[i]), axisApart = missing.length ? apart(this.a, this.b) : undefined;
     const froms = [...new Set([this.a, this.b].filter((one) => one.compared).map((one) => one.about.compared.from))];
-    byId("compared-note").textContent = froms.length ? "Errors are against " + froms.join("; ") + ", of contacts at most compare.depth deep; the files have the deeper ones, too." : "";
+    const depths = [...new Set([this.a, this.b].filter((one) => one.compared).map((one) => numberText(one.about.compared.depth_mm, 3)))];
+    byId("compared-note").textContent = froms.length ? "Errors are against " + froms.join("; ") + ", of contacts at most " + depths.join(" or ") + " mm deep; the files have the deeper ones, too." : "";
     say("read-note", axisApart !== undefined ? this.whyApart() : missing.length ? missing.join(" and ") + " has no values here." : "");
   }
 

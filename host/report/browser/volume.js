@@ -2,7 +2,7 @@
 
 const AXES = ["x", "y", "z"], COMPARED = ["angle", "error"];
 
-// Of the largest force, where a hand touches.
+// Of the largest force, where a hand touches, in a volume that does not state it.
 const SHALLOW = 0.2;
 
 // Value of each half.
@@ -101,7 +101,7 @@ class Volume {
   typical(other) {
     const middle = [0, 1, 2].map((a) => this.position(a, Math.floor((this.size[a] - 1) / 2)));
     const [nx, ny] = this.about.size, at = (i) => [i % nx, Math.floor(i / nx) % ny, Math.floor(i / nx / ny)].map((index, a) => this.position(a, index));
-    for (const most of [SHALLOW * this.largest, Infinity]) {
+    for (const most of [this.about.touched_N ?? SHALLOW * this.largest, Infinity]) {
       let found = null, widest = -Infinity;
       for (let i = 0; i < this.components[0].length; ++i) {
         const force = this.components.map((values) => values[i]), size = Math.hypot(...force);
