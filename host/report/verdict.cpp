@@ -74,14 +74,9 @@ study::Interval time_ratio(const Table& rounds, std::size_t way, std::size_t oth
     return study::bootstrap_median(ratios);
 }
 
-// Whether the machine was too busy for times to be compared: by the control, the unit of time once more.
-bool was_busy(const Table& ways, const Table& rounds) {
-    for (std::size_t row = 0; row < ways.rows.size(); ++row)
-        if (ways.word(row, "family") == "control")
-            for (std::size_t unit = 0; unit < row; ++unit)
-                if (ways.word(row, "way") == ways.word(unit, "way") + ", again")
-                    return study::was_busy(time_ratio(rounds, row, unit));
-    return false;
+// Whether the machine was too busy for times to be compared.
+bool was_busy(const Table& ways) {
+    return !ways.rows.empty() && ways.word(0, "busy") == "yes";
 }
 
 // N: K times depth at the least limit of the deepest places; empty: not studied.
@@ -139,7 +134,7 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
         std::string time = "1";
         if (plain.contains(kElements) && plain.at(kElements) != row) {
             const study::Interval ratio = time_ratio(rounds, row, plain.at(kElements));
-            time = was_busy(ways, rounds) ? "not known: the machine was busy"
+            time = was_busy(ways) ? "not known: the machine was busy"
                    : study::is_significant(ratio)
                        ? study::ratio_text(ratio)
                        : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(ratio) ? "open" : "no difference",
@@ -174,7 +169,7 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
     std::string text = fmt::format(
         "{} unshaded err by {} deg and {} % of the force", fmt::format(fmt::runtime(of), enough->first),
         shown(ways.needed(enough->second, "direction_rms_deg")), percent(ways.needed(enough->second, "typical_rms_1")));
-    if (was_busy(ways, rounds))
+    if (was_busy(ways))
         return text;
     const study::Interval ratio = time_ratio(rounds, enough->second, shaded.at(kElements));
     return text + fmt::format(", and take {} as {} shaded",

@@ -223,7 +223,7 @@ double quantile(std::vector<double> values, double share);
 // A study's data as files: study.json holds everything, TABLE.csv each table, FIGURE.svg each figure.
 
 /// Of the layout of study.json; another is refused on reading.
-inline constexpr int kDataFormat = 5;
+inline constexpr int kDataFormat = 6;
 
 std::string data_json(const StudyData& data);
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -88,6 +89,20 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
     });
     if (failed)
         std::rethrow_exception(failed);
+}
+
+double crowding_of_cores() {
+    constexpr double kWork = 0.02; // s: longer than a scheduler's turn
+    const Clock::time_point start = Clock::now();
+    {
+        std::vector<std::jthread> threads;
+        for (unsigned i = 0; i < most_threads(); ++i)
+            threads.emplace_back([] {
+                while (thread_seconds() < kWork) { // since it began
+                }
+            });
+    }
+    return seconds_since(start) / kWork;
 }
 
 glm::dvec3 finite_force(const RendererAnswer& answer) {

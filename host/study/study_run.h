@@ -60,6 +60,10 @@ struct Part {
 /// have begun have ended.
 void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work);
 
+/// How long work on every core at once takes over the processor time of a thread's part: 1 where no other program
+/// wants the cores.
+double crowding_of_cores();
+
 /// The same engine, for one thread at a time: others wait.
 std::unique_ptr<Engine> shared_engine(std::unique_ptr<Engine> engine);
 

@@ -1,7 +1,9 @@
 // Error against time: places that a hand touches, errors there, volumes, and what paired rounds say for sure.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
+#include <thread>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -11,6 +13,7 @@
 #include "host/clock.h"
 #include "host/study/error_time/error_time.h"
 #include "host/study/error_time/volumes.h"
+#include "host/threads.h"
 #include "host/touch/force_at.h"
 #include "host/touch/force_errors.h"
 #include "tests/io/folder.h"
@@ -535,12 +538,31 @@ TEST(AsMetTimes, AreOfSingleEvaluationsInTurns) {
     EXPECT_GT(seconds_since(start), 3 * 20 / kLoopRate - 2e-3) << "three take turns, a tick each";
     ASSERT_EQ(met.size(), 3U);
     EXPECT_EQ(met[0].method, AsMet::kControl);
-    EXPECT_NEAR(met[1].loop.median, 1e-6, 1e-12);
+    EXPECT_NEAR(met[1].loop.median.median, 1e-6, 1e-12);
+    EXPECT_NEAR(met[1].loop.median.high, 1e-6, 1e-12);
     EXPECT_NEAR(met[1].loop.worst, 9e-6, 1e-12);
     EXPECT_NEAR(met[1].cold.worst, 1e-6, 1e-12) << "number 7 is not among them";
-    EXPECT_NEAR(met[2].loop.median, 5e-6, 1e-12);
+    EXPECT_NEAR(met[2].loop.median.median, 5e-6, 1e-12);
     EXPECT_EQ(numbers.size(), 1U + 20 + 3);
     EXPECT_EQ(numbers[20], 19U);
+}
+
+TEST(Crowding, IsSeenWhereOtherWorkWantsTheCores) {
+    std::atomic<bool> done = false;
+    std::vector<std::jthread> others;
+    for (unsigned i = 0; i < 2 * most_threads(); ++i)
+        others.emplace_back([&] {
+            while (!done) {
+            }
+        });
+    std::vector<double> crowding;
+    for (int i = 0; i < 5; ++i)
+        crowding.push_back(crowding_of_cores());
+    done = true;
+    EXPECT_GT(quantile(crowding, 0.5), 1.25);
+    const Times times({}, 0);
+    EXPECT_TRUE((Measured{{}, {}, times}.steady()));
+    EXPECT_FALSE((Measured{{}, {}, times, {1, 1, 1}, bootstrap_median(crowding)}.steady()));
 }
 
 TEST(AsMetTimes, AreTakenInOrdersThatDiffer) {
@@ -553,11 +575,11 @@ TEST(AsMetTimes, AreTakenInOrdersThatDiffer) {
 }
 
 TEST(AsMetTimes, SayNothingWhereTheControlWaits) {
-    AsMet control{AsMet::kControl, {0.1e-6, 2e-6, 5e-6}, {}, 1000, 10};
+    AsMet control{AsMet::kControl, {{0.1e-6, 0.1e-6, 0.1e-6}, 2e-6, 4e-6, 5e-6}, {}, 1000, 10};
     EXPECT_FALSE(was_busy({control}));
     control.loop.p99 = 2e-5;
     EXPECT_TRUE(was_busy({control}));
-    control.loop = {2e-6, 3e-6, 4e-6};
+    control.loop = {{2e-6, 2e-6, 2e-6}, 3e-6, 4e-6, 4e-6};
     EXPECT_TRUE(was_busy({control}));
 }
 

@@ -307,6 +307,7 @@ StudyData study_error_time(StudyRun& run) {
     const Engines engines{run.engine(), *single_thread};
     KnownPlaces known;
     std::vector<Round> rounds;
+    std::vector<double> crowding; // by round
     std::vector<Part> parts;
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants) {
@@ -351,20 +352,25 @@ StudyData study_error_time(StudyRun& run) {
                                  }});
     parts.push_back({"compiling", [&] { measure_round(methods, 0); }}); // and making volumes: not within a round
     for (std::size_t round = 1; round <= extents.rounds; ++round)
-        parts.push_back({"times", [&, round] { rounds.push_back(measure_round(methods, round)); }});
+        parts.push_back({"times", [&, round] {
+                             crowding.push_back(crowding_of_cores());
+                             rounds.push_back(measure_round(methods, round));
+                         }});
     parts.push_back({"forces waited for", [&] {
                          others.met = measure_as_met(methods, met_methods(methods), extents.ticks, extents.colds);
                      }});
     run.run(parts);
     const Times times(std::move(rounds), unit);
-    const Measured measured{subjects, methods, times, times.ratio(control, unit)};
+    const Measured measured{subjects, methods, times, times.ratio(control, unit), bootstrap_median(crowding)};
     StudyData data = run.data();
     append(data.notes, notes_of(subjects, methods[unit], run.engine().report(), data.cores));
     if (!measured.steady())
         data.notes.push_back(
-            fmt::format("\"{}\" took {:.2g} to {:.2g} times as long as itself, so busy was the machine: "
-                        "findings compare no times; run the study again.",
-                        methods[unit].name, measured.control.low, measured.control.high));
+            fmt::format("The machine was busy: \"{}\" took {:.2g} to {:.2g} times as long as itself, and work on all "
+                        "cores {:.2g} to {:.2g} times its processor time. Findings compare no times; run the study "
+                        "again.",
+                        methods[unit].name, measured.control.low, measured.control.high, measured.crowding.low,
+                        measured.crowding.high));
     data.tables = tables_of(measured);
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);

@@ -100,10 +100,11 @@ struct Measured {
     const std::vector<Subject>& subjects;
     const std::vector<Method>& methods;
     const Times& times;
-    Interval control{1, 1, 1}; /* the unit's time over its own in the same round */
+    Interval control{1, 1, 1};  /* the unit's time over its own in the same round */
+    Interval crowding{1, 1, 1}; /* of all cores, over the rounds */
 
     /// Whether times say anything.
-    bool steady() const { return !was_busy(control); }
+    bool steady() const { return !was_busy(control) && !was_busy(crowding); }
 
     /// The methods with errors for which a condition holds.
     template <typename Condition> std::vector<std::size_t> find(const Condition& condition) const {
@@ -181,7 +182,8 @@ std::vector<LoopRun> loop_runs(const std::string& surface, const Variant& varian
 
 /// s: of single evaluations.
 struct Waits {
-    double median = 0, p99 = 0, worst = 0;
+    Interval median{};
+    double p99 = 0, p999 = 0, worst = 0;
 };
 Waits waits_of(const std::vector<double>& seconds);
 

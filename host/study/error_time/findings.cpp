@@ -122,6 +122,7 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     if (std::isnan(without.direction.rms) || std::isnan(with.direction.rms))
         return;
     const Interval cost = measured.times.ratio(shaded[0], plain[0]);
+    const std::optional<double> cells = measured.methods[shaded[0]].variant->elements;
     const auto degrees = [&](std::size_t i) {
         const MethodErrors& errors = *measured.methods[i].errors;
         const auto spread = rms_over_draws(errors, &ForceErrors::direction);
@@ -136,11 +137,13 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     const std::size_t draws = measured.methods[shaded[0]].errors->by_draw.size();
     findings.push_back(
         {"shading",
-         fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) changes the direction's RMS "
-                     "error from {} to {} deg; the median error of its size is {} of the force there unshaded and {} "
-                     "shaded{}.",
-                     degrees(plain[0]), degrees(shaded[0]), size(plain[0]), size(shaded[0]),
-                     measured.steady() ? "; a god-object's update " + times_as_long(cost, "unshaded") : ""),
+         fmt::format(
+             "Barycentric shading of a mesh{} (on triangles mean_value is the same) changes the direction's "
+             "RMS error from {} to {} deg; the median error of its size is {} of the force there unshaded and {} "
+             "shaded{}.",
+             cells ? fmt::format(" of {0:.0f} x {0:.0f} cells", *cells) : "", degrees(plain[0]), degrees(shaded[0]),
+             size(plain[0]), size(shaded[0]),
+             measured.steady() ? "; a god-object's update " + times_as_long(cost, "unshaded") : ""),
          "error-time-" + subject.name, law_name(measured.methods[shaded[0]]), touched_depths(subject),
          fmt::format("{}; in round brackets the least and largest of {} draws, each of {} places and a tessellation",
                      kBootstrap, draws, with.places)});
@@ -178,9 +181,8 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
 void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     double largest = 0;
     std::size_t places = 0;
-    std::vector<std::string> significant;
     std::string worst;
-    std::size_t others = 0;
+    std::size_t less = 0, thorough = 0;
     const std::vector<std::size_t> single =
         measured.find([](const Method& method) { return method.family == "direct" && method.precision == "f32"; });
     for (const std::size_t i : single) {
@@ -196,19 +198,16 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
         const Interval cost = measured.times.ratio(i, measured.find([&](const Method& other) {
             return other.variant == method.variant && other.family == "direct" && other.precision == "f64";
         })[0]);
-        if (is_significant(cost))
-            significant.push_back(fmt::format("{} ({})", ratio_text(cost), law_name(method)));
-        else
-            ++others;
+        ++thorough;
+        less += cost.high < 1;
     }
-    if (significant.empty() && others == 0)
+    if (thorough == 0)
         return;
-    std::string times = !measured.steady() ? "times are not compared: the machine was busy"
-                        : significant.empty()
-                            ? "no difference in time is significant"
-                            : fmt::format("it takes {} of the time of double", fmt::join(significant, ", "));
-    if (measured.steady() && !significant.empty() && others > 0)
-        times += fmt::format("; {} of the laws {} not significantly different", others, others == 1 ? "is" : "are");
+    const std::string times =
+        measured.steady() ? fmt::format("it takes significantly less time with {} of the {} laws that are also read "
+                                        "from volumes, by a share that differs from run to run",
+                                        less, thorough)
+                          : "times are not compared: the machine was busy";
     findings.push_back(
         {"precision",
          fmt::format(

@@ -202,7 +202,7 @@ double warm_seconds(const Measured& measured, const AsMet& one) {
 } // namespace
 
 Waits waits_of(const std::vector<double>& seconds) {
-    return {quantile(seconds, 0.5), quantile(seconds, 0.99), quantile(seconds, 1)};
+    return {bootstrap_median(seconds), quantile(seconds, 0.99), quantile(seconds, 0.999), quantile(seconds, 1)};
 }
 
 std::vector<std::size_t> met_methods(const std::vector<Method>& methods) {
@@ -259,7 +259,7 @@ std::vector<AsMet> measure_as_met(const std::vector<Method>& methods, const std:
 
 bool was_busy(const std::vector<AsMet>& met) {
     return std::ranges::any_of(met, [](const AsMet& one) {
-        return one.method == AsMet::kControl && (one.loop.median > 1e-6 || one.loop.p99 > 1e-5);
+        return one.method == AsMet::kControl && (one.loop.median.median > 1e-6 || one.loop.p99 > 1e-5);
     });
 }
 
@@ -395,17 +395,25 @@ Table met_table(const Measured& measured, const std::vector<AsMet>& met) {
     const auto nano = [](Waits R::*waits, double Waits::*seconds) {
         return [waits, seconds](const R& r) { return 1e9 * (r.*waits.*seconds); };
     };
+    const auto median = [](Waits R::*waits, double Interval::*end) {
+        return [waits, end](const R& r) { return 1e9 * ((r.*waits).median.*end); };
+    };
     return table_of<R>(
         "as_met", "A force where a hand waits for it, one evaluation at a time",
         {{"way", "", "nothing: the clock read around nothing, the least that can be measured",
           [&](const R& r) { return name_of(measured, r); }},
          {"warm_ns", "ns", "an evaluation in a loop over many places",
           [&](const R& r) { return 1e9 * warm_seconds(measured, r); }},
-         {"loop_p50_ns", "ns", "at 1 kHz, asleep between samples: the median", nano(&R::loop, &Waits::median)},
+         {"loop_p50_ns", "ns", "at 1 kHz, asleep between samples: the median", median(&R::loop, &Interval::median)},
+         {"loop_p50_low_ns", "ns", "low end of its 95 % interval in this run; others differ by more",
+          median(&R::loop, &Interval::low)},
+         {"loop_p50_high_ns", "ns", "high end", median(&R::loop, &Interval::high)},
          {"loop_p99_ns", "ns", "the same, once in a hundred", nano(&R::loop, &Waits::p99)},
+         {"loop_p999_ns", "ns", "the same, once in a thousand: of a thousand samples between the two worst",
+          nano(&R::loop, &Waits::p999)},
          {"loop_worst_ns", "ns", "the same, the worst", nano(&R::loop, &Waits::worst)},
          {"ticks", "1", "samples of that loop", [](const R& r) { return r.ticks; }},
-         {"cold_p50_ns", "ns", "with caches full of other memory: the median", nano(&R::cold, &Waits::median)},
+         {"cold_p50_ns", "ns", "with caches full of other memory: the median", median(&R::cold, &Interval::median)},
          {"cold_worst_ns", "ns", "the same, the worst", nano(&R::cold, &Waits::worst)},
          {"busy", "", "yes: the control itself waits too long for these times to say anything",
           [busy = was_busy(met)](const R&) { return busy ? "yes" : "no"; }}},
@@ -415,23 +423,21 @@ Table met_table(const Measured& measured, const std::vector<AsMet>& met) {
 std::vector<Finding> met_findings(const Measured& measured, const std::vector<AsMet>& met) {
     if (was_busy(met))
         return {};
-    const double clock = met.front().loop.median; // s: of the clock alone
-    std::vector<double> ratios;                   // 1: times as long as warm
-    for (const AsMet& one : met) {
-        if (one.method == AsMet::kControl)
-            continue;
-        ratios.push_back(std::max(one.loop.median - clock, 0.0) / warm_seconds(measured, one));
-    }
-    if (ratios.empty())
+    const double clock = met.front().loop.median.median; // s: of the clock alone
+    std::size_t methods = 0, longer = 0;
+    for (const AsMet& one : met)
+        if (one.method != AsMet::kControl) {
+            ++methods;
+            longer += one.loop.median.low - clock > measured.times.seconds(one.method).high;
+        }
+    if (methods == 0)
         return {};
-    const auto [least, most] = std::ranges::minmax(ratios);
     return {{"as_met",
-             fmt::format("Waited for at 1 kHz, with sleeps between, a force takes {:.2g} to {:.2g} times as long as in "
-                         "a warm loop (medians of {} methods): the times of the fronts are those of "
-                         "fields and batches, and their order need not be that in a loop.",
-                         least, most, ratios.size()),
-             "", fmt::format("{} methods", ratios.size()),
-             "one evaluation a millisecond, on a thread that sleeps between",
+             fmt::format("Waited for at 1 kHz, with sleeps between, a force takes significantly longer than in a warm "
+                         "loop with {} of {} methods; how much longer differs from run to run. The times of the fronts "
+                         "are those of fields and batches, and their order need not be that in a loop.",
+                         longer, methods),
+             "", fmt::format("{} methods", methods), "one evaluation a millisecond, on a thread that sleeps between",
              fmt::format("{} samples and {} with empty caches of each method", met.front().ticks, met.front().colds)}};
 }
 

@@ -19,6 +19,7 @@ struct ErrorRow {
     Interval seconds{}, unit_ratio{};
     std::string on_front{}; /* name, if a front has it */
     Kind kind{};
+    bool busy = false; /* the machine */
 };
 using ErrorColumns = std::vector<ColumnOf<ErrorRow>>;
 
@@ -85,6 +86,8 @@ const ErrorColumns& method_columns() {
          [](const R& r) { return r.unit_ratio.median; }},
         {"ratio_low", "1", "low end of its 95 % interval", [](const R& r) { return r.unit_ratio.low; }},
         {"ratio_high", "1", "high end", [](const R& r) { return r.unit_ratio.high; }},
+        {"busy", "", "yes: the controls say that the machine was too busy for times to be compared",
+         [](const R& r) { return r.busy ? "yes" : "no"; }},
         {"places", "1", "that all laws of the surface share, or that a grid has there",
          of_errors(&ForceErrors::places)},
         {"one_sided", "1",
@@ -464,7 +467,8 @@ std::vector<Table> tables_of(const Measured& measured) {
         const Method& method = measured.methods[i];
         methods.push_back({method, method.errors ? &method.errors->shared : nullptr, measured.times.seconds(i),
                            measured.times.ratio(i, measured.times.unit()),
-                           sure.contains(i) ? method.name.substr(method.subject->name.size() + 2) : ""});
+                           sure.contains(i) ? method.name.substr(method.subject->name.size() + 2) : "", Kind{},
+                           !measured.steady()});
         for (const Kind kind : kKinds)
             if (method.errors && method.errors->of(kind).places > 0)
                 kinds.push_back({.method = method, .errors = &method.errors->of(kind), .kind = kind});
