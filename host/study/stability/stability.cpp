@@ -64,6 +64,34 @@ std::vector<LeastLimit> limits_by_edges(const LoopSurface& surface, const std::v
     return all;
 }
 
+// Every 4 deg from straight down towards the least of any press and on, until the loop grows at any stiffness or the
+// press leads away from the surface.
+std::vector<PressLimit> limits_by_press(const LoopSurface& surface, const std::vector<LeastLimit>& limits) {
+    const HoldLimit* least = nullptr;
+    const LoopCell* cell = nullptr;
+    for (const LeastLimit& one : limits)
+        if (one.own && one.any_press && (!least || one.any_press->limit < least->limit)) {
+            least = &*one.any_press;
+            cell = &one.cell;
+        }
+    if (!least)
+        return {};
+    const glm::dvec3 aside(least->hold.along.x, least->hold.along.y, 0);
+    const glm::dvec3 side = glm::length(aside) > 0 ? glm::normalize(aside) : glm::dvec3(1, 0, 0);
+    std::vector<PressLimit> rows;
+    for (double turn = 0; turn <= 180; turn += 4) {
+        const glm::dvec3 along = std::cos(turn * kDegree) * glm::dvec3(0, 0, 1) + std::sin(turn * kDegree) * side;
+        const bool counts = supports(along, least->place.force, least->place.slope);
+        const auto limit =
+            linear_limit(cell->hand, cell->rate, pressed_along(along), least->place.force_around(), cell->lag);
+        if (limit)
+            rows.push_back({surface.name, turn, *limit, counts, least->place});
+        if (!counts && (!(limit.value_or(1) > 0) || !(glm::dot(along, least->place.force) > 0)))
+            break;
+    }
+    return rows;
+}
+
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
@@ -83,6 +111,7 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
                 one.any_press->simulated = simulated_limit(surface, turned);
             }
         }
+    append(results.presses, limits_by_press(surface, results.limits));
     if (surface.is_mesh())
         append(results.by_edges, limits_by_edges(surface, places, settings.front()));
     if (surface.limits_alone)
@@ -207,6 +236,7 @@ StudyData study_stability(StudyRun& run) {
                              append(loops.swings, std::move(own.swings));
                              append(loops.couplings, std::move(own.couplings));
                              append(loops.profile, std::move(own.profile));
+                             append(loops.presses, std::move(own.presses));
                          }
                          add_maps(run.engine(), quick, loops);
                      }});

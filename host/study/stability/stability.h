@@ -205,6 +205,15 @@ std::vector<CouplingRow> couplings_on(const LoopSurface& surface, const std::vec
 /// of a mesh the limits alone.
 std::vector<LoopSurface> own_surfaces();
 
+/// The limit at the place of a surface's least limit of any press, of a hand that presses in another direction.
+struct PressLimit {
+    std::string surface;
+    double turn = 0;     /* deg: from straight down, towards the press of the least limit */
+    double limit = 0;    /* N/m */
+    bool counts = false; // whether the surface supports it
+    RestPlace place;
+};
+
 struct LoopResults {
     std::vector<LoopSurface> surfaces;
     std::vector<LeastLimit> limits;
@@ -217,6 +226,7 @@ struct LoopResults {
     std::vector<CurvePoint> curves;
     std::string diagram_kind; /* of the place of the diagram over damping */
     std::vector<ProfilePoint> profile;
+    std::vector<PressLimit> presses;
 };
 
 /// A limit, or a kick, by the linearised loop or a closed form, and stepped.

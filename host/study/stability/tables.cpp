@@ -315,6 +315,28 @@ Table curve_table(const LoopResults& results) {
         results.curves);
 }
 
+// Of the surfaces of the verdict, or of a scene.
+bool is_drawn(const LoopResults& results, const std::string& surface) {
+    constexpr const char* kDrawn[] = {"plane", "bump of 8 facets", "shaded bump of 8 facets", "mesh",
+                                      "barycentric mesh"};
+    return results.surfaces.size() == 1 || std::ranges::count(kDrawn, surface) > 0;
+}
+
+Table press_table(const LoopResults& results) {
+    using R = PressLimit;
+    return table_of<R>(
+        "loop_presses", "Limits by the direction of the press, where that of any press is least",
+        {{"surface", "", "pressed by the hand", &R::surface},
+         {"press_deg", "deg", "of the press, from straight down towards the one of the least limit", &R::turn},
+         {"limit_N_per_m", "N/m", "of the linearised loop; 0: it grows at any stiffness", &R::limit},
+         {"counts", "", "yes: the surface supports the press with a fifth of its force and of a wall's stiffness",
+          [](const R& r) { return r.counts ? "yes" : "no"; }},
+         {"kind", "", "of the place", [](const R& r) { return name_of(r.place.kind); }},
+         {"x_mm", "mm", "its x", [](const R& r) { return 1e3 * r.place.at.x; }},
+         {"drawn", "", "in the figure", [&](const R& r) { return is_drawn(results, r.surface) ? "yes" : "no"; }}},
+        results.presses);
+}
+
 Table profile_table(const LoopResults& results) {
     using R = ProfilePoint;
     return table_of<R>("loop_profile", "The shape integrated from the force's directions, through the box's middle",
@@ -403,6 +425,14 @@ std::vector<Figure> figures_of(const LoopResults& results) {
                     "label")};
     for (const LoopSurface& surface : results.surfaces)
         figures.back().curves.push_back({"loop_profile", {{"surface", surface.name}}, "x_mm", "z_mm", surface.name});
+    if (!results.presses.empty())
+        figures.push_back(make_figure(
+            "loop-presses", "Largest stable stiffness by the direction of the press, at each surface's weakest place",
+            fmt::format("With a {}. A press counts for a limit where the surface supports it with a fifth of its force "
+                        "and of a wall's stiffness; further aside the limit falls on to 0.",
+                        hand_text(first)),
+            FigureKind::scatter, "loop_presses", {{"drawn", "yes"}}, {"press_deg", "press, from straight down / deg"},
+            {"limit_N_per_m", "largest stable stiffness / (N/m)"}, "surface", "", {.shape = "counts", .joined = true}));
     if (!results.swings.empty())
         figures.push_back(make_figure(
             "loop-edges", "Swing of a probe that rests on a jump of the direction",
@@ -497,9 +527,9 @@ std::string disagreement_note(const LoopResults& results) {
 } // namespace
 
 void add_loops(StudyData& data, const LoopResults& results) {
-    data.tables = {kind_table(results),         limit_table(results), atlas_table(results),   basin_table(results),
-                   disagreement_table(results), swing_table(results), worst_table(results),   profile_table(results),
-                   state_table(results),        curve_table(results), coupling_table(results)};
+    data.tables = {kind_table(results),         limit_table(results), atlas_table(results),    basin_table(results),
+                   disagreement_table(results), swing_table(results), worst_table(results),    profile_table(results),
+                   state_table(results),        curve_table(results), coupling_table(results), press_table(results)};
     if (!results.by_edges.empty())
         data.tables.push_back(edge_limit_table(results));
     data.figures = figures_of(results);
