@@ -82,12 +82,12 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
         text += "\n" + experiment::experiment_schema();
     if (!to_file) {
         print_data(text);
-        return 0;
+    } else {
+        if (!may_write({arguments.out}, common))
+            return 0;
+        write_file_atomically(arguments.out, text);
+        note(common, "wrote {}; its first lines say what to do with it\n", arguments.out);
     }
-    if (!may_write({arguments.out}, common))
-        return 0;
-    write_file_atomically(arguments.out, text);
-    note(common, "wrote {}; its first lines say what to do with it\n", arguments.out);
     if (across > 0)
         note(common, "unit = \"{0}\" is a guess: the mesh is {1:.3g} across, and {1:.3g} {0} is what a hand can hold\n",
              unit, across);

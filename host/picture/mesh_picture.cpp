@@ -268,8 +268,10 @@ Picture draw_turns(const Look& look, const std::vector<std::string>& notes, cons
         canvas.image(left, upper, side, side, pane.pixels());
         canvas.outline({left + 0.5, upper + 0.5, side - 1.0, side - 1.0}, {kGridInk, 1, {}, false});
         const double most = shadings[i].turns.empty() ? 0 : *std::ranges::max_element(shadings[i].turns);
+        const bool grows = shadings[i].shading == "two_pass"; // the others keep the size
         canvas.text(fmt::format("{}: {}", shadings[i].shading,
-                                most > 0 ? fmt::format("up to {:.3g}°", most) : "the facets' own directions"),
+                                most > 0 ? fmt::format("up to {:.3g}°{}", most, grows ? ", size times 1/cos of it" : "")
+                                         : "the facets' own directions"),
                     {double(left), upper - 12.0}, {kSmallTextSize}, kQuietInk);
         if (i == 0)
             draw_axes_of(canvas, point, {left + 58.0, upper + side - 58.0});

@@ -53,6 +53,8 @@ class SameBits(InFolder):
         for one in (scene.field(["depth"]), scene.contact([[0, 0, -1e-3]])):
             self.assertNotIn("\n", repr(one))
             self.assertIn("force (", repr(one))
+        self.assertEqual(repr(scene), "<forceshade.Scene: bump, shading none, K = 1 N/mm; toml has all of it>")
+        self.assertIn("bump", repr(forceshade.GodObject(scene)))
         with self.assertRaisesRegex(forceshade.SceneError, "list of names"):
             scene.field("depth")
 

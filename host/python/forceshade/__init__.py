@@ -17,6 +17,7 @@ import json
 import os
 import re
 import time
+import tomllib
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field as _field
@@ -237,7 +238,10 @@ class Scene:
         return self._native.toml
 
     def __repr__(self) -> str:
-        return f"<forceshade.Scene\n{self.toml}>"
+        keys = tomllib.loads(self.toml)
+        surface, force = keys["surface"], keys["force"]
+        return (f"<forceshade.Scene: {surface['kind']}, shading {force['shading']}, K = {force['stiffness']}; "
+                "toml has all of it>")
 
     def field(self, channels: Sequence[str] = (), *, engine: str = "cpu", gpu: str = "", threads: int = 0) -> Field:
         """The force at every sample of the scene's grid.
@@ -303,6 +307,9 @@ class GodObject:
     def __init__(self, scene: Scene) -> None:
         self._native = _native.GodObject(scene._native)
         self._scene = scene
+
+    def __repr__(self) -> str:
+        return f"<forceshade.GodObject on {self._scene!r}>"
 
     def step(self, point: ArrayLike) -> Contact:
         """The contact of the probe at its next place (3,), m."""

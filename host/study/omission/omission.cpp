@@ -281,6 +281,13 @@ void add_omissions(StudyData& data, const std::vector<BaseScene>& scenes, const 
         bars("kernel", "What features cost that are left out: the kernel",
              "The same for the kernel alone, without the host's work for a feature.",
              "kernel time with it / without it")};
+    std::erase_if(data.figures, [&](const Figure& figure) { // without a bar
+        const Table& features = data.tables.front();
+        for (std::size_t row = 0; row < features.rows.size(); ++row)
+            if (features.word(row, figure.name + "_costs") == "yes")
+                return false;
+        return true;
+    });
     add_findings(data.findings, rows);
     for (const Row& row : rows)
         if (const Interval control = row.whole_ratio(); row.comparison.feature == kControl && was_busy(control))
