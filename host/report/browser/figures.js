@@ -37,7 +37,7 @@ function rowText(study, table, row, wanted) {
     .join("\n");
 }
 
-// A linear axis spans a ten-thousandth of its largest number at least, so that ticks of six digits differ.
+// A linear axis spans a thousandth of its largest number at least, so that ticks differ in few digits.
 function scaleOf(axis, values, range) {
   let [low, high] = d3.extent(values);
   if (low === undefined)
@@ -46,7 +46,7 @@ function scaleOf(axis, values, range) {
     const pad = Math.max((high / low) ** 0.04, 1.1);
     return d3.scaleLog().domain([low / pad, high * pad]).range(range);
   }
-  const least = 1e-4 * Math.max(Math.abs(low), Math.abs(high)), middle = (low + high) / 2;
+  const least = 1e-3 * Math.max(Math.abs(low), Math.abs(high)), middle = (low + high) / 2;
   if (high > low && high - low < least)
     [low, high] = [middle - least / 2, middle + least / 2];
   const pad = (high - low) * 0.05 || Math.abs(high) * 0.1 || 1;
@@ -56,8 +56,8 @@ function scaleOf(axis, values, range) {
 // Ticks with a number: of a logarithmic axis the powers of ten, and 2 and 5 times these where the range is short.
 function ticksOf(scale, axis, most, values = []) {
   if (!axis.logarithmic) {
-    const all = scale.ticks(Math.max(2, Math.floor(most))), whole = values.length > 0 && values.every(Number.isInteger);
-    return whole ? all.filter(Number.isInteger) : all; // nothing lies between what is counted
+    const all = scale.ticks(Math.max(2, Math.floor(most))), whole = values.every(Number.isInteger) ? all.filter(Number.isInteger) : [];
+    return whole.length > 1 ? whole : all; // nothing lies between what is counted
   }
   const [low, high] = scale.domain(), decades = Math.log10(high / low), all = [];
   const every = Math.max(1, Math.ceil(decades / most));
@@ -104,7 +104,9 @@ class FigureFrame {
       const at = x(value) + (x.bandwidth ? x.bandwidth() / 2 : 0);
       if (!x.bandwidth)
         grid.append("line").attr("class", "grid").attr("x1", at).attr("x2", at).attr("y1", PLOT.top).attr("y2", bottom);
-      grid.append("text").attr("class", "tick").attr("x", at).attr("y", bottom + 16).attr("text-anchor", "middle").text(text(value));
+      const words = text(value), half = 3.8 * String(words).length; // px: none is cut at the right border
+      grid.append("text").attr("class", "tick").attr("x", Math.min(at, this.width - half)).attr("y", bottom + 16)
+        .attr("text-anchor", "middle").text(words);
     }
     for (const value of yTicks) {
       const at = y(value) + (y.bandwidth ? y.bandwidth() / 2 : 0);
