@@ -86,16 +86,8 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
 
 // The nearest one, or one that is shorter or longer: --output for --out, --prec for --precision.
 std::string meant_option(const std::string& name, const std::vector<std::string>& known) {
-    const auto bare = [](const std::string& one) {
-        return one.substr(std::min(one.find_first_not_of('-'), one.size()));
-    };
-    std::vector<std::string> words; // the dashes would make short names alike
-    for (const std::string& one : known)
-        words.push_back(bare(one));
-    if (const std::string_view near = nearest(bare(name), words); !near.empty())
-        return known[static_cast<std::size_t>(std::ranges::find(words, near) - words.begin())];
-    if (name.size() < 4)
-        return "";
+    if (const std::string_view near = nearest(name, known); !near.empty() || name.size() < 4)
+        return near == "--help" && edit_distance(name, near) > 1 ? "" : std::string(near); // as --weld is from it
     const auto found = std::ranges::find_if(known, [&](const std::string& one) {
         return one.starts_with(name) || (one.size() > 4 && name.starts_with(one));
     });
