@@ -170,7 +170,7 @@ struct LoopRun {
     double seconds = 0;        /* that a second of a stroke takes, median of the rounds */
 };
 
-/// Hz: 64 times the rate of most devices. Its own median error is a quarter of that of the next rate shown, and its RMS
+/// Hz: 64 times the rate of most devices. Its own median error is a third of that of the next rate shown, and its RMS
 /// error half of it, since a stroke that crosses a rim a little later errs by the whole turn meanwhile. A finer rate
 /// gains nothing: strokes advance by whole 2^-32 of a round a step (`phase_of_turns`), which rounds their speed by
 /// up to 1e-5 there and 1e-4 at 1 MHz.
