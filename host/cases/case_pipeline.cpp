@@ -155,7 +155,7 @@ void FieldOutput::add_turns(CaseRecord& record) const {
     for (const auto& [shading, name] : shadings_of(prepared))
         if (shading != Shading::barycentric) // on triangles mean_value is the same
             shadings.push_back(mesh_turns(prepared, shading)), shadings.back().shading = name;
-    const std::string depth = numbers::quantity_text(pressed_depth(prepared.one.scene), "m");
+    const std::string depth = numbers::quantity_text(pressed_depth(prepared), "m");
     output_.draw(".turns",
                  picture::draw_turns(
                      output_.look(picture::title_of(prepared.one, false) + ": by how much shading turns the force"),
@@ -193,7 +193,6 @@ bool concerns_one_case(const std::exception_ptr& error) {
 void add_paths(PathRecord paths, CaseRecord& record) {
     record.files.insert(record.files.end(), paths.files.begin(), paths.files.end());
     paths.files.clear();
-    paths.warnings.clear();
     record.paths = std::move(paths);
 }
 

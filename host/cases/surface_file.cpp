@@ -136,7 +136,7 @@ public:
     explicit FacetPress(const PreparedCase& prepared)
         : mesh_(prepared.images.mesh->mesh),
           tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing)), law_(tables_.law()),
-          distance_(static_cast<T>(pressed_depth(prepared.one.scene) / prepared.images.mesh->structure.scale)) {}
+          distance_(static_cast<T>(pressed_depth(prepared) / prepared.images.mesh->structure.scale)) {}
 
     reference::Vector<T> normal(std::uint32_t facet) const {
         return reference::vector_at(law_.mesh.facet_normals, facet);
@@ -162,7 +162,7 @@ private:
 
 template <typename T> VolumeResult write_mesh(const std::filesystem::path& path, const PreparedCase& prepared) {
     const PolygonSoup& polygons = prepared.images.mesh->mesh.polygons;
-    const double pressed = pressed_depth(prepared.one.scene);
+    const double pressed = pressed_depth(prepared);
     const std::uint64_t corners = polygons.corners.size();
     SurfaceFile<T> file(path, prepared, corners, polygons.facets(), corners, pressed);
     const FacetPress<T> press(prepared);
@@ -275,7 +275,7 @@ template <typename T> VolumeResult write_section(const std::filesystem::path& pa
     const auto strips = static_cast<std::uint64_t>(
         std::ranges::count_if(stations, [](const Station<T>& station) { return !station.last; }));
     const std::uint64_t parts = parts_along_y(scene);
-    const double pressed = pressed_depth(scene);
+    const double pressed = pressed_depth(prepared);
     const Range range = range_of(scene.grid, 1);
     SurfaceFile<T> file(path, prepared, stations.size() * (parts + 1), strips * parts, 4 * strips * parts, pressed);
     for (std::uint64_t row = 0; row <= parts; ++row) {

@@ -88,8 +88,13 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
         write_file_atomically(arguments.out, text);
         note(common, "wrote {}; its first lines say what to do with it\n", arguments.out);
     }
-    if (across > 0)
+    const double metres = across * (unit == "m" ? 1 : unit == "cm" ? 1e-2 : unit == "mm" ? 1e-3 : 1e-6);
+    if (metres >= 1e-3 && metres <= 10)
         note(common, "unit = \"{0}\" is a guess: the mesh is {1:.3g} across, and {1:.3g} {0} is what a hand can hold\n",
+             unit, across);
+    else if (across > 0)
+        note(common,
+             "unit = \"{}\" is a guess: the mesh is {:.3g} across, which no unit makes as large as a hand holds\n",
              unit, across);
     return 0;
 }

@@ -116,6 +116,12 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
                    any_case(study, [](const Scene& scene) { return scene.surface.kind == SurfaceKind::mesh; })
                        ? "alike or in free space"
                        : "alike along y");
+    for (const std::string& warning : result.warnings)
+        print_note("warning: {}\n", warning);
+    if (!result.untouched.empty())
+        print_note("warning: {} of {} without any force, since no voxel of their grids is in contact: {}{}\n",
+                   result.untouched.size(), plural(result.chosen, "case"), *result.untouched.begin(),
+                   result.untouched.size() > 1 ? ", ..." : "");
     if (fields)
         print_note("largest error against the oracle in double precision: {:.2g} of the largest force\n",
                    result.largest_relative_error);

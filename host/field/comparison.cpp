@@ -63,7 +63,7 @@ ShapeComparison::ShapeComparison(const PreparedCase& prepared)
 
 std::string ShapeComparison::text() const {
     if (half_width_)
-        return fmt::format("the bump's own smooth shape (its normal above the probe, depth {})",
+        return fmt::format("the bump's own smooth shape (its normal above the probe, depth {}, over the bump)",
                            reading_ == DepthReading::normal ? "along that normal" : "straight down");
     return fmt::format("the {} of [compare] (its normal and depth at the place nearest to the probe)",
                        kCompareKinds[static_cast<std::size_t>(kind_)]);
@@ -110,11 +110,13 @@ ShapeComparison::Nearest ShapeComparison::nearest_on_mesh(const glm::dvec3& plac
 
 Deviation ShapeComparison::at(const glm::dvec3& place, const glm::dvec3& force, layout::uint& hint) const noexcept {
     const double magnitude = std::sqrt(reference::dot(force, force));
+    constexpr double kRounding = 1 + 1e-5; // single precision's, so that it decides of no sample at the very depth
     const Nearest found = nearest(place, hint);
     if (!(magnitude > 0 || found.depth > 0))
         return {kNoNumber, kNoNumber, false};
+    const bool on_shape = !half_width_ || std::abs(place.x) < *half_width_; // the plane around a bump is no error's
     return {angle_between(force, found.normal), magnitude - stiffness_ * std::max(0.0, found.depth),
-            (magnitude > 0 ? magnitude / stiffness_ : found.depth) <= counted_depth_};
+            on_shape && (magnitude > 0 ? magnitude / stiffness_ : found.depth) <= kRounding * counted_depth_};
 }
 
 void DeviationSum::add(const Deviation& one, double count) {

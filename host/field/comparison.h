@@ -28,7 +28,8 @@ inline std::uint32_t written_channels(const Scene& scene) {
 struct Deviation {
     double angle;           /* deg: between the force and that normal; NaN where one of them is missing */
     double magnitude_error; /* N: |F| - K depth; NaN out of contact with both */
-    bool counts;            /* contact at most compare.depth deep; or, without contact, the shape would have it */
+    bool counts;            /* contact at most compare.depth deep; or, without contact, the shape would have it; of a
+                               bump's own shape not over the plane around it */
 };
 
 /// Whether the shape differs from one y to another.
@@ -43,7 +44,8 @@ public:
     /// At a place, m, where the force is `force`, N. `hint`: the triangle nearest to the last place, 0 at first.
     Deviation at(const glm::dvec3& place, const glm::dvec3& force, layout::uint& hint) const noexcept;
 
-    /// "the bump's own smooth shape (its normal above the probe, depth straight down)": what a force is compared with.
+    /// "the bump's own smooth shape (its normal above the probe, depth straight down, over the bump)": what a force is
+    /// compared with.
     std::string text() const;
 
     /// m: contact counts up to here.

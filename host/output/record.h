@@ -90,9 +90,12 @@ struct DrawnNumber {
     double value = NAN, low = NAN, high = NAN;
 };
 
+/// The reference of errors where it is known; only then is less error closer to the truth.
+inline constexpr const char* kSmoothShape = "the smooth shape";
+
 /// How far the forces of a case are from those of the shape that its surface stands for, where a hand touches it.
 struct TouchRecord {
-    std::string against;      /* "the smooth shape", or the law that comes closest to it */
+    std::string against;      /* kSmoothShape, or the law that comes closest to it */
     std::uint64_t places = 0; /* of all draws: under points anywhere on the surface, depths log-uniform */
     std::uint64_t draws = 1;
     double deepest = 0;       /* m */

@@ -282,14 +282,14 @@ private:
     }
 
     // `values`: of a map's columns or rows. Nothing lies between what is counted: then no more ticks than whole
-    // numbers.
+    // numbers, if these are several.
     Axis make_axis_of(const ChartAxis& axis, const std::vector<double>& values, const Range& range, bool counted,
                       double pixels, bool vertical) const {
-        const double whole = std::max(2.0, std::floor(range.high) - std::ceil(range.low) + 1);
+        const double whole = std::floor(range.high) - std::ceil(range.low) + 1;
         return fit_axis(pixels, vertical, [&](std::size_t most) {
             if (map())
                 return Cells::axis(axis, values, most);
-            if (counted && whole < static_cast<double>(most))
+            if (counted && whole >= 2 && whole < static_cast<double>(most))
                 most = static_cast<std::size_t>(whole);
             return axis.make ? axis.make(most) : number_axis(axis.label, range, most);
         });

@@ -20,11 +20,11 @@ struct Bounds {
         low = std::min(low, value);
         high = std::max(high, value);
     }
-    // With a border, and never empty; `least` of border at no width.
-    Range widened(double least) const {
+    // With a border, and never empty; `least` of border at no width, and that share of the size always.
+    Range widened(double least, double share = 1e-9) const {
         if (!(low <= high))
             return {-least, least};
-        const double border = std::max(0.05 * (high - low), 1e-9 * std::max(std::fabs(low), std::fabs(high)));
+        const double border = std::max(0.05 * (high - low), share * std::max(std::fabs(low), std::fabs(high)));
         return border > 0 ? Range{low - border, high + border} : Range{low - least, high + least};
     }
 };
@@ -144,7 +144,7 @@ Picture draw_stroke(const Look& look, const std::vector<std::string>& notes, std
                                                     : "unshaded",
                                            line, {{series_colour(shaded ? 0 : 1), shaded ? 2.4 : 1.8, {}, true}}));
         }
-        const Range y = bounds.widened(panel.least);
+        const Range y = bounds.widened(panel.least, 1e-3); // so that ticks have few digits
         chart.x.range = across;
         chart.x.make = [across](std::size_t most) { return quantity_axis("x", "m", across.low, across.high, most); };
         chart.y.range = y;

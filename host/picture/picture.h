@@ -196,8 +196,8 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionS
 /// The same over the grid.
 picture::SurfaceLines surface_lines(const PreparedCase& prepared, double y /* m */);
 
-/// m: 1 mm; on a bump narrower than 20 mm a twentieth of its width.
-double pressed_depth(const Scene& scene);
+/// m: 1 mm; on a bump narrower than 20 mm a twentieth of its width, on a thinner mesh of its shortest side.
+double pressed_depth(const PreparedCase& prepared);
 
 /// A stroke over the grid at one y, m, with the probe at one depth straight below the surface, where it has one; N, in
 /// double precision and without a history.

@@ -221,16 +221,27 @@ double height_at(const std::vector<picture::LinePoint>& line, double x) {
 
 } // namespace
 
-double pressed_depth(const Scene& scene) {
+double pressed_depth(const PreparedCase& prepared) {
     constexpr double kPressed = 1e-3; // m
-    const bool round = scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump;
-    return round ? std::min(kPressed, scene.surface.width / 20) : kPressed;
+    constexpr double kFlat = 1e-6;    // of the longest side: a sheet, which is pressed like a plane
+    const SurfaceSpec& surface = prepared.one.scene.surface;
+    double across = INFINITY; /* m */
+    if (surface.kind == SurfaceKind::bump || surface.kind == SurfaceKind::cylinder_bump)
+        across = surface.width;
+    if (prepared.images.mesh) {
+        const MeshBox box = bounding_box(prepared.images.mesh->mesh.polygons);
+        const glm::dvec3 sides = box.high - box.low;
+        for (const double side : {sides.x, sides.y, sides.z})
+            if (side > kFlat * std::max({sides.x, sides.y, sides.z}))
+                across = std::min(across, side);
+    }
+    return std::min(kPressed, across / 20);
 }
 
 SceneStroke stroke_of(const PreparedCase& prepared, double y) {
     constexpr std::size_t kSamples = 1001;
     const GridSpec& grid = prepared.one.scene.grid;
-    SceneStroke stroke{{}, pressed_depth(prepared.one.scene)};
+    SceneStroke stroke{{}, pressed_depth(prepared)};
     const double from = grid.origin[0] - grid.spacing[0] / 2;
     const double length = grid.spacing[0] * static_cast<double>(grid.size[0]);
     const std::vector<picture::LinePoint> line = surface_lines(prepared, {from, from + length, y}).nominal;

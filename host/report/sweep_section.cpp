@@ -258,7 +258,20 @@ std::vector<std::string> distinct(const Rows& cases, std::string (*of)(R)) {
 
 // What the touched cases' forces are held against.
 std::string touched_truth(const Rows& cases) {
-    return fmt::format("{}", fmt::join(distinct(cases, [](R one) { return one->touch->against; }), " or "));
+    return fmt::format("{}", fmt::join(distinct(cases,
+                                                [](R one) {
+                                                    return one->touch->against +
+                                                           (one->touch->against == kSmoothShape
+                                                                ? " (its normal above the probe, which shading takes)"
+                                                                : "");
+                                                }),
+                                       " or "));
+}
+
+// How deep the touched places are.
+std::string touched_depths(const Rows& cases) {
+    const auto [least, most] = std::ranges::minmax_element(cases, {}, [](R one) { return one->touch->deepest; });
+    return fmt::format("{:.3g} to {:.3g} mm", 10 * (*least)->touch->deepest, 1e3 * (*most)->touch->deepest);
 }
 
 // Errors where a hand touches, in a sentence; empty without such errors.
@@ -269,8 +282,9 @@ std::string touch_finding(const Sweep& sweep) {
     const CaseRecord& worst = **std::ranges::max_element(cases, {}, [](R one) { return one->touch->missed.value; });
     const double missed = worst.touch->missed.value;
     return fmt::format(
-        "Where a hand touches, the force's direction is {} (RMS) from that of {}; the whole force errs by {} "
+        "Where a hand touches, {} deep, the force's direction is {} (RMS) from that of {}; the whole force errs by {} "
         "(median; ranges are over {}{} draws of places).{}",
+        touched_depths(cases),
         by_shading(
             cases, [](const CaseRecord& one) { return one.touch->direction; }, 1, "deg"),
         touched_truth(cases),
@@ -346,7 +360,6 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
     if (cases.empty())
         return;
     using Row = const Plotted&;
-    const auto [least, most] = std::ranges::minmax_element(cases, {}, [](R one) { return one->touch->deepest; });
     add_errors(
         data, axes_of(cases), "touch", "Errors where a hand touches",
         {{{"direction_deg", "deg", "angle to the force that should be there, root mean square"},
@@ -363,10 +376,10 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
          {{"force_p95_percent", "%", "95th percentile"}, [](Row r) { return 100 * r.record->touch->p95_error.value; }},
          {{"missed_percent", "%", "of the places, those without the force that should be there"},
           [](Row r) { return 100 * r.record->touch->missed.value; }}},
-        fmt::format("Against {}, at {} places anywhere on the surface, {:.3g} to {:.3g} mm below it, log-uniform; "
-                    "spreads are those of {} draws of places.",
-                    touched_truth(cases), cases.front()->touch->places, 10 * (*least)->touch->deepest,
-                    1e3 * (*most)->touch->deepest, cases.front()->touch->draws),
+        fmt::format(
+            "Against {}, at {} places anywhere on the surface, {} below it, log-uniform; spreads are those of {} "
+            "draws of places.",
+            touched_truth(cases), cases.front()->touch->places, touched_depths(cases), cases.front()->touch->draws),
         {{"touch-direction",
           "Error of the force's direction",
           {"direction_deg", "RMS error of the direction / deg"},

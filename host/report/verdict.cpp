@@ -114,7 +114,7 @@ std::string percent(double share) {
 struct Heading {
     const char *words, *unit;
 };
-constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS"},
+constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS (of draws)"},
                                  {"error of the size, median", "% of the force there"},
                                  {"the same, 95th percentile", "% of the force there"},
                                  {"only the smooth shape or the facets have a force", "% of the places"},
@@ -131,6 +131,9 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
         if (!rows.contains(kElements))
             continue;
         const std::size_t row = rows.at(kElements);
+        const std::string low = shown(ways.number(row, "direction_low_deg")),
+                          high = shown(ways.number(row, "direction_high_deg"));
+        const std::string draws = low == high ? "" : fmt::format(" ({} to {})", low, high);
         std::string time = "1";
         if (plain.contains(kElements) && plain.at(kElements) != row) {
             const study::Interval ratio = time_ratio(rounds, row, plain.at(kElements));
@@ -140,7 +143,7 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
                        : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(ratio) ? "open" : "no difference",
                                      ratio.low, ratio.high);
         }
-        const std::string cells[] = {shown(ways.needed(row, "direction_rms_deg")),
+        const std::string cells[] = {fmt::format("{}{}", shown(ways.needed(row, "direction_rms_deg")), draws),
                                      percent(ways.needed(row, "size_median_1")),
                                      percent(ways.needed(row, "size_p95_1")),
                                      percent(ways.needed(row, "one_sided")),
@@ -341,11 +344,16 @@ std::string verdict_section(const Contents& contents) {
            "<table>\n<thead><tr><th scope=\"col\">shading</th><th scope=\"col\">take it if</th>" + headings +
            "</tr></thead>\n<tbody>\n" + rows +
            "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 N/m: "
-           "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it; "
-           "facets lie below it, so that a light touch misses them: the errors of direction and size leave such places "
+           "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it: "
+           "of "
+           "the bump with 2 mm of the plane on either side, whose normal is the one above the probe, as shading takes "
+           "it; of the mesh for |x| &lt; 9 mm, whose normal is the nearest. In round brackets stand the least and the "
+           "largest of draws of places, grids and meshes. Facets lie below it, so that a light touch misses them: the "
+           "errors of direction and size leave such places "
            "out, in the last error the whole force is missing there. Times are "
            "of single evaluations, on the mesh of a god-object's updates. A force is stable if small displacements die "
-           "out, with the hand below, pressing in any direction that the surface supports, at every place 2 mm deep "
+           "out, with the hand below, pressing in any direction that the surface supports with a fifth of its "
+           "force and of a wall's stiffness, beyond which it falls on to 0, at every place 2 mm deep "
            "where the direction does not jump. Energies are of the static force, also on the mesh, along strokes out "
            "and back at another depth.</p>\n" +
            device + "</section>\n";

@@ -91,8 +91,12 @@ void count(SweepResult& result, const CaseRecord& record) {
     result.evaluated += record.evaluated;
     result.largest_relative_error = std::max(result.largest_relative_error, record.error.relative());
     result.differing += record.error.differing;
-    if (record.paths)
+    if (record.voxels > 0 && record.largest_force == 0)
+        result.untouched.insert(record.name);
+    if (record.paths) {
         result.differing_samples += record.paths->error.differing;
+        result.warnings.insert(record.paths->warnings.begin(), record.paths->warnings.end());
+    }
     if (const std::string wrong = error_text(record); !wrong.empty()) {
         result.failures.push_back(wrong);
         result.exit_code = std::max(result.exit_code, static_cast<int>(ExitCode::failed));

@@ -157,6 +157,8 @@ struct SweepResult {
     std::size_t chosen = 0, computed = 0, kept = 0;
     Forecast forecast;                       /* of the missing cases */
     std::vector<std::string> failures;       /* "CASE: why" */
+    std::set<std::string> warnings;          /* of paths of computed cases */
+    std::set<std::string> untouched;         /* chosen cases without any force in their grid */
     int exit_code = 0;                       /* of the failures; 0 without */
     std::uint64_t differing = 0;             /* voxels of the chosen cases whose bits are not the oracle's */
     std::uint64_t differing_samples = 0;     /* of their paths */

@@ -58,7 +58,8 @@ std::string set_true_force(TouchedShape& shape, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
     shape.smooth = scene.surface.kind == SurfaceKind::bump && !scene.texture;
     shape.force = shape.smooth ? cylinder_force(scene) : best_truth(prepared, shape.scale);
-    return shape.smooth ? kSmoothShape : fmt::format("double precision of {}", shadings_of(prepared).back().second);
+    return shape.smooth ? kSmoothShape
+                        : fmt::format("{} shading in double precision", shadings_of(prepared).back().second);
 }
 
 Summary summary_of(std::vector<double> values) {

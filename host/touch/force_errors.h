@@ -34,9 +34,6 @@ struct SmoothCylinder {
 /// Its force K (U(x) - z) along its normal, the depth read as the scene reads it.
 ForceAt cylinder_force(const Scene& scene);
 
-/// The reference of errors where it is known; only then is less error closer to the truth.
-constexpr const char* kSmoothShape = "the smooth shape";
-
 /// Gives a shape the force that it should have: of a bump without a texture the cylinder's; else that of the closest
 /// shading in double precision, of a mesh the god-object's, which stays on its side. Returns whose it is: kSmoothShape,
 /// or one of the laws.

@@ -137,19 +137,22 @@ TEST(Verdict, SetsSchemesSideBySide) {
     std::string busy = "no";
     const auto busy_word = [&](const Way&) { return busy; };
     const auto ways_table = [&] {
-        return study::table_of<Way>("ways", "",
-                                    {{"surface", "", "", &Way::surface},
-                                     {"family", "", "", &Way::family},
-                                     {"busy", "", "", busy_word},
-                                     {"precision", "", "", [](const Way&) { return "f64"; }},
-                                     {"shading", "", "", &Way::shading},
-                                     {"elements", "1", "", &Way::elements},
-                                     {"direction_rms_deg", "deg", "", &Way::direction},
-                                     {"typical_rms_1", "1", "", &Way::rms},
-                                     {"one_sided", "1", "", &Way::one_sided},
-                                     {"size_median_1", "1", "", &Way::median},
-                                     {"size_p95_1", "1", "", &Way::p95}},
-                                    ways);
+        return study::table_of<Way>(
+            "ways", "",
+            {{"surface", "", "", &Way::surface},
+             {"family", "", "", &Way::family},
+             {"busy", "", "", busy_word},
+             {"precision", "", "", [](const Way&) { return "f64"; }},
+             {"shading", "", "", &Way::shading},
+             {"elements", "1", "", &Way::elements},
+             {"direction_rms_deg", "deg", "", &Way::direction},
+             {"direction_low_deg", "deg", "", [](const Way& way) { return 0.8 * way.direction; }},
+             {"direction_high_deg", "deg", "", [](const Way& way) { return 1.2 * way.direction; }},
+             {"typical_rms_1", "1", "", &Way::rms},
+             {"one_sided", "1", "", &Way::one_sided},
+             {"size_median_1", "1", "", &Way::median},
+             {"size_p95_1", "1", "", &Way::p95}},
+            ways);
     };
     data.tables.push_back(ways_table());
     struct Limit {
@@ -184,12 +187,12 @@ TEST(Verdict, SetsSchemesSideBySide) {
         return verdict_section(contents);
     };
     const std::string slower = with_times(1.5);
-    for (const char* cell :
-         {"deg RMS\">0.2</td>", "RMS force\">11</td>", "places\">25</td>", "interval]\">1.50 [1.47, 1.53]</td>",
-          "deep\">1.5</td>", "size goes from 8.4 to 7.6 % of the force there in the median and stays at 83 % in the",
-          "from 4.2 to 0.2 deg", "only one has a force goes from 26 to 25 %",
-          "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the force, and take 2.00 [1.96, 2.04] "
-          "times as long as 8 x 8 cells shaded"})
+    for (const char* cell : {"deg RMS (of draws)\">0.2 (0.16 to 0.24)</td>", "RMS force\">11</td>", "places\">25</td>",
+                             "interval]\">1.50 [1.47, 1.53]</td>", "deep\">1.5</td>",
+                             "size goes from 8.4 to 7.6 % of the force there in the median and stays at 83 % in the",
+                             "from 4.2 to 0.2 deg", "only one has a force goes from 26 to 25 %",
+                             "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the force, and take 2.00 [1.96, 2.04] "
+                             "times as long as 8 x 8 cells shaded"})
         EXPECT_TRUE(says(slower, cell)) << cell;
     EXPECT_FALSE(says(slower, "mesh, two_pass"));
     EXPECT_TRUE(says(with_times(1), "no difference [0.98, 1.02]"));
@@ -236,7 +239,8 @@ TEST(SweepFindings, FollowTheData) {
     };
     sweep.cases[0].touch = touch({7.9, 7.2, 8.1}, {0.47, 0.44, 0.5});
     sweep.cases[1].touch = touch({1e-15, 1e-16, 1e-14}, {0.049, 0.047, 0.052});
-    expect("touch", "7.9 (7.2 to 8.1) deg without shading and 0 deg with it (RMS) from that of the smooth shape");
+    expect("touch", "7.9 (7.2 to 8.1) deg without shading and 0 deg with it (RMS) from that of the smooth shape (its "
+                    "normal above the probe");
     expect("touch", "errs by 47 (44 to 50) % without shading and 4.9 (4.7 to 5.2) % with it (median; ranges are over "
                     "cases and 8 draws of places).");
     sweep.cases[0].touch->missed.value = 0.25;

@@ -635,7 +635,8 @@ TEST_F(SceneErrorTime, NamesNothingTheCheapestWithoutATruth) {
         EXPECT_FALSE(says(finding.text + finding.interval, "inf"));
     }
     for (const auto& row : data.table("ways").rows)
-        EXPECT_EQ(std::get<std::string>(row[data.table("ways").index("against")]), "double precision of height_map");
+        EXPECT_EQ(std::get<std::string>(row[data.table("ways").index("against")]),
+                  "height_map shading in double precision");
 }
 
 TEST_F(SceneErrorTime, NeedsASurfaceInItsGrid) {

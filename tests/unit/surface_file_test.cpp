@@ -402,11 +402,14 @@ TEST_F(SurfaceFile, OfAMeshIsForecastFromItsFile) {
     EXPECT_GE(surface.raw_bytes, guess / 10);
 }
 
-TEST_F(SurfaceFile, OfANarrowBumpIsPressedLess) {
-    Scene scene = bump(60 * kMil, 1);
-    EXPECT_EQ(pressed_depth(scene), 1e-3);
-    scene.surface.width = 1e-4;
-    EXPECT_EQ(pressed_depth(scene), 5e-6);
+TEST_F(SurfaceFile, OfANarrowBumpOrAThinMeshIsPressedLess) {
+    PreparedCase prepared;
+    prepared.one.scene = bump(60 * kMil, 1);
+    EXPECT_EQ(pressed_depth(prepared), 1e-3);
+    prepared.one.scene.surface.width = 1e-4;
+    EXPECT_EQ(pressed_depth(prepared), 5e-6);
+    folder_.write("plate.off", "OFF\n4 4 0\n-1 -1 0\n1 -1 0\n0 1 0\n0 0 0.06\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+    EXPECT_NEAR(pressed_depth(prepare(mesh("plate.off", ""))), 3e-5, 1e-12) << "0.6 mm thick";
 }
 
 } // namespace

@@ -246,7 +246,8 @@ class Device {
         rows.push(["on " + name + " it comes to rest below; " + where(usual), usual.limit]);
       if (turned && turned.limit < 0.99 * usual.limit)
         rows.push(["on " + name + ", pressed in any direction, below; " + where(turned), turned.limit]);
-      surface = usual && (!surface || usual.limit < surface.limit) ? usual : surface;
+      const least = turned && turned.limit < 0.99 * usual.limit ? turned : usual;
+      surface = least && (!surface || least.limit < surface.limit) ? least : surface;
     }
     if (!this.weak.length)
       rows.push(["the grip's spring holds a probe on that shaded cylinder below", held]);
@@ -256,7 +257,7 @@ class Device {
     cells.classed("n", (_, i) => i > 0).text((text) => text);
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
       : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. " + (surface
-        ? "On " + surface.case + " it " + (stiffness < surface.limit ? "comes to rest: below " : "does not: it does so below ") + numberText(surface.limit, 4) + " N/m."
+        ? "On " + surface.case + ", " + (surface.usual ? "held " : "pressed ") + surface.held + ", it " + (stiffness < surface.limit ? "comes to rest: below " : "does not: it does so below ") + numberText(surface.limit, 4) + " N/m."
         : this.weak.length ? "On the surfaces of these cases no lower limit was found."
           : "On the shaded cylinder the grip " + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m."));
     this.mark();

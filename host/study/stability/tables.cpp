@@ -317,8 +317,8 @@ Table curve_table(const LoopResults& results) {
 
 // Of the surfaces of the verdict, or of a scene.
 bool is_drawn(const LoopResults& results, const std::string& surface) {
-    constexpr const char* kDrawn[] = {"plane", "bump of 8 facets", "shaded bump of 8 facets", "mesh",
-                                      "barycentric mesh"};
+    constexpr const char* kDrawn[] = {"plane", "shaded bump",     "bump of 8 facets", "shaded bump of 8 facets",
+                                      "mesh",  "barycentric mesh"};
     return results.surfaces.size() == 1 || std::ranges::count(kDrawn, surface) > 0;
 }
 
@@ -329,8 +329,8 @@ Table press_table(const LoopResults& results) {
         {{"surface", "", "pressed by the hand", &R::surface},
          {"press_deg", "deg", "of the press, from straight down towards the one of the least limit", &R::turn},
          {"limit_N_per_m", "N/m", "of the linearised loop; 0: it grows at any stiffness", &R::limit},
-         {"counts", "", "yes: the surface supports the press with a fifth of its force and of a wall's stiffness",
-          [](const R& r) { return r.counts ? "yes" : "no"; }},
+         {"counts", "", "supported: the surface supports the press with a fifth of its force and of a wall's stiffness",
+          [](const R& r) { return r.counts ? "supported" : "hardly supported"; }},
          {"kind", "", "of the place", [](const R& r) { return name_of(r.place.kind); }},
          {"x_mm", "mm", "its x", [](const R& r) { return 1e3 * r.place.at.x; }},
          {"drawn", "", "in the figure", [&](const R& r) { return is_drawn(results, r.surface) ? "yes" : "no"; }}},
