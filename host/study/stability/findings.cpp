@@ -157,7 +157,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back(
         {"loop_edges",
          fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: at {} the probe keeps "
-                     "oscillating, {:.0f} um peak to peak, {:.2g} mm deep at the worst of eight feet.",
+                     "oscillating, {:.3g} um peak to peak, {:.2g} mm deep at the worst of eight feet.",
                      rest == 0 ? (all == 1 ? "the loop is not stable"
                                            : fmt::format("loops are stable on none of {} surfaces", all))
                                : fmt::format("{} of {} loops are not stable", all - rest, all),
