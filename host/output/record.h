@@ -161,7 +161,7 @@ struct CaseRecord {
     OracleError error;                        /* against the oracle */
     std::optional<DeviationRecord> deviation; /* with [compare] */
     std::optional<TouchRecord> touch;         /* of a field whose box has a surface */
-    std::optional<PathRecord> paths;          /* without files, which stand above, and warnings */
+    std::optional<PathRecord> paths;          /* without files, which stand above; its warnings are in no file */
     EngineTimes engine_times;
     VolumeTimings volume_times;
 

@@ -126,9 +126,9 @@ std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, bool
         Plotted row{record, record->name, {}};
         if (!axis.empty()) {
             const std::string text = parameter(*record, axis);
-            if (text.empty())
-                continue;
-            row.x = numbers ? study::Cell(*leading_number(text)) : study::Cell(text);
+            if (numbers && text.empty())
+                continue; // as a smooth bump, which has no facets
+            row.x = numbers ? study::Cell(*leading_number(text)) : study::Cell(text.empty() ? "–" : text);
         }
         for (const auto& [key, value] : record->parameters)
             if (key == panel)

@@ -343,19 +343,17 @@ std::string verdict_section(const Contents& contents) {
     return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n" + text + surfaces_drawing() +
            "<table>\n<thead><tr><th scope=\"col\">shading</th><th scope=\"col\">take it if</th>" + headings +
            "</tr></thead>\n<tbody>\n" + rows +
-           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 N/m: "
-           "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it: "
-           "of "
-           "the bump with 2 mm of the plane on either side, whose normal is the one above the probe, as shading takes "
-           "it; of the mesh for |x| &lt; 9 mm, whose normal is the nearest. In round brackets stand the least and the "
-           "largest of draws of places, grids and meshes. Facets lie below it, so that a light touch misses them: the "
-           "errors of direction and size leave such places "
-           "out, in the last error the whole force is missing there. Times are "
-           "of single evaluations, on the mesh of a god-object's updates. A force is stable if small displacements die "
-           "out, with the hand below, pressing in any direction that the surface supports with a fifth of its "
-           "force and of a wall's stiffness, beyond which it falls on to 0, at every place 2 mm deep "
-           "where the direction does not jump. Energies are of the static force, also on the mesh, along strokes out "
-           "and back at another depth.</p>\n" +
+           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 "
+           "N/m: of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm "
+           "under it: of the bump with 2 mm of the plane on either side, whose normal is the one above the probe, as "
+           "shading takes it; of the mesh for |x| &lt; 9 mm, whose normal is the nearest. In round brackets stand "
+           "the least and the largest of draws of places, grids and meshes. Facets lie below it, so that a light "
+           "touch misses them: the errors of direction and size leave such places out, in the last error the whole "
+           "force is missing there. Times are of single evaluations, on the mesh of a god-object's updates. A force "
+           "is stable if small displacements die out, with the hand below, pressing in any direction that the "
+           "surface supports with a fifth of its force and of a wall's stiffness, beyond which it falls on to 0, at "
+           "every place 2 mm deep where the direction does not jump. Energies are of the static force, also on the "
+           "mesh, along strokes out and back at another depth.</p>\n" +
            device + "</section>\n";
 }
 

@@ -177,10 +177,11 @@ TEST_F(Space, DeviceSaysWhetherAWallIsStable) {
         << "the scene's stiffness";
     EXPECT_TRUE(says(browser_->text(verdict), "is passive"));
     slide("device-spring", 1);
-    EXPECT_TRUE(says(browser_->text(verdict), "On bump_shading-reference it comes to rest"));
+    EXPECT_TRUE(says(browser_->text(verdict), "On bump_shading-reference, pressed "));
+    EXPECT_TRUE(says(browser_->text(verdict), "from straight down, it comes to rest: below ")) << "of any press";
     slide("device-stiffness", 1);
     EXPECT_TRUE(says(browser_->text(verdict), "does not come to rest"));
-    EXPECT_TRUE(says(browser_->text(verdict), "On bump_shading-reference it does not"));
+    EXPECT_TRUE(says(browser_->text(verdict), "from straight down, it does not: it does so below "));
     const std::string limits = browser_->text("document.getElementById('device-limits').textContent");
     slide("device-delay", 0.4);
     EXPECT_NE(browser_->text("document.getElementById('device-limits').textContent"), limits);

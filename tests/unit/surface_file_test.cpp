@@ -250,6 +250,58 @@ TEST(Comparison, OfABumpWithItsOwnSmoothShapeReadsDepthAsTheSceneDoes) {
     }
 }
 
+// On the plane around it there is no error to be made; and the depth itself counts, however its force was rounded.
+TEST(Comparison, OfABumpWithItsOwnSmoothShapeCountsOverTheBump) {
+    const PreparedCase prepared = CasePreparation().prepare(
+        parse_scene("[surface]\nfacets = 2\n[compare]\nsurface = {kind = \"cylinder\"}\n", "scene"));
+    const ShapeComparison comparison(prepared);
+    const auto counts = [&](double x, double depth) {
+        layout::uint hint = 0;
+        const double force = prepared.one.scene.force.stiffness * depth;
+        return comparison.at({x, 0, -1e-3}, {0, 0, force}, hint).counts;
+    };
+    EXPECT_TRUE(counts(0.0126, 1e-3));
+    EXPECT_FALSE(counts(0.0128, 1e-3));
+    EXPECT_TRUE(counts(0, 2e-3 * (1 + 1e-7)));
+    EXPECT_FALSE(counts(0, 2.001e-3));
+}
+
+// Two facets of the paper's most curved bump, by other code: touched places under points anywhere over it.
+TEST(TouchedError, HasRangesThatHoldTheNumbersOfAllPlaces) {
+    const auto error_of = [](const char* shading) {
+        return touched_error(CasePreparation().prepare(parse_scene(
+            fmt::format("[surface]\nradius = \"600 mil\"\nfacets = 2\n[force]\nshading = \"{}\"\n", shading),
+            "scene")));
+    };
+    constexpr double kHalf = 500 * kMil, kRadius = 600 * kMil;
+    const double low = std::sqrt(kRadius * kRadius - kHalf * kHalf), top = kRadius - low; // m: centre, crest
+    double squares = 0, missed = 0, touched = 0;
+    for (int i = 0; i < 400; ++i)
+        for (int j = 0; j < 400; ++j) { // middles of equal parts of x and of the depth's logarithm
+            const double x = kHalf * ((i + 0.5) / 200 - 1), depth = 2e-5 * std::pow(100, (j + 0.5) / 400);
+            const double px = x * (1 - depth / kRadius);
+            const double pz = std::sqrt(kRadius * kRadius - x * x) * (1 - depth / kRadius) - low;
+            if (top * (1 - std::abs(px) / kHalf) <= pz) {
+                ++missed;
+                continue;
+            }
+            const double facet = std::copysign(std::atan2(top, kHalf), px), circle = std::asin(px / kRadius);
+            squares += (facet - circle) * (facet - circle);
+            ++touched;
+        }
+    const double direction = std::sqrt(squares / touched) * 180 / std::numbers::pi;
+    const auto plain = error_of("none"), shaded = error_of("reference");
+    ASSERT_TRUE(plain && shaded);
+    EXPECT_EQ(plain->against, kSmoothShape);
+    EXPECT_EQ(plain->places, 125 * plain->draws);
+    const auto holds = [](const DrawnNumber& one, double number) { return one.low <= number && number <= one.high; };
+    EXPECT_TRUE(holds(plain->direction, direction)) << direction;
+    EXPECT_NEAR(plain->direction.value, direction, 0.05 * direction);
+    EXPECT_TRUE(holds(plain->missed, missed / (missed + touched))) << missed / (missed + touched);
+    EXPECT_LT(shaded->direction.high, 1e-6) << "the normal above the probe is the shaded law's own";
+    EXPECT_EQ(shaded->missed.value, plain->missed.value);
+}
+
 TEST_F(SurfaceFile, OfAMeshHasNoForceWhereNoProbeTouchesIt) {
     // The first facet once more, and one whose corners lie on a line: cells 7 and 8.
     std::string house = kHouse;
