@@ -111,13 +111,15 @@ std::string try_cache() {
     return folder.string();
 }
 
-// The module next to this program, or where python3 finds it.
+// The module next to this program, or where python3 finds it, the user's own or else Debian's.
 std::string try_python() {
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     ::setenv("FORCESHADE_MODULE", (program / "python").c_str(), 1);
     std::FILE* output = ::popen(
-        "PYTHONPATH=\"$FORCESHADE_MODULE${PYTHONPATH:+:$PYTHONPATH}\" python3 -c 'import sys, forceshade; "
-        "print(forceshade.__version__, \"in\", forceshade.__path__[0], \"for Python\", sys.version.split()[0])' 2>&1",
+        "export PYTHONPATH=\"$FORCESHADE_MODULE${PYTHONPATH:+:$PYTHONPATH}\"; for python in python3 /usr/bin/python3; "
+        "do "
+        "$python -c 'import sys, forceshade; print(forceshade.__version__, \"in\", forceshade.__path__[0], \"for\", "
+        "sys.executable, sys.version.split()[0])' 2>&1 && exit; done; exit 1",
         "r");
     if (!output)
         throw std::runtime_error("cannot start python3");

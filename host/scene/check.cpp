@@ -245,6 +245,7 @@ private:
             require(!compare.file.file.empty(), "file", "file = \"fine.obj\"");
         if (compare.radius)
             check_length("compare.surface.radius", *compare.radius);
+        check_length("compare.depth", compare.depth);
         if (bump && compare.kind == CompareKind::cylinder && compare.radius && !compare.centre)
             warn(place({"compare.surface.radius"}),
                  "a cylinder with a radius has its axis through the origin unless centre says otherwise; the bump's "
