@@ -91,7 +91,7 @@ void count(SweepResult& result, const CaseRecord& record) {
     result.evaluated += record.evaluated;
     result.largest_relative_error = std::max(result.largest_relative_error, record.error.relative());
     result.differing += record.error.differing;
-    if (record.voxels > 0 && record.largest_force == 0)
+    if (record.voxels > 0 && record.largest_force == 0 && record.error.largest_force == 0) // else it underflows
         result.untouched.insert(record.name);
     if (record.paths) {
         result.differing_samples += record.paths->error.differing;

@@ -67,15 +67,14 @@ std::vector<LeastLimit> limits_by_edges(const LoopSurface& surface, const std::v
 // Every 4 deg from straight down towards the least of any press and on, until the loop grows at any stiffness or the
 // press leads away from the surface.
 std::vector<PressLimit> limits_by_press(const LoopSurface& surface, const std::vector<LeastLimit>& limits) {
-    const HoldLimit* least = nullptr;
-    const LoopCell* cell = nullptr;
+    const LeastLimit* weakest = nullptr;
     for (const LeastLimit& one : limits)
-        if (one.own && one.any_press && (!least || one.any_press->limit < least->limit)) {
-            least = &*one.any_press;
-            cell = &one.cell;
-        }
-    if (!least)
+        if (one.own && one.any_press && (!weakest || one.any_press->limit < weakest->any_press->limit))
+            weakest = &one;
+    if (!weakest)
         return {};
+    const LoopCell& cell = weakest->cell;
+    const HoldLimit* const least = &*weakest->any_press;
     const glm::dvec3 aside(least->hold.along.x, least->hold.along.y, 0);
     const glm::dvec3 side = glm::length(aside) > 0 ? glm::normalize(aside) : glm::dvec3(1, 0, 0);
     std::vector<PressLimit> rows;
@@ -83,7 +82,7 @@ std::vector<PressLimit> limits_by_press(const LoopSurface& surface, const std::v
         const glm::dvec3 along = std::cos(turn * kDegree) * glm::dvec3(0, 0, 1) + std::sin(turn * kDegree) * side;
         const bool counts = supports(along, least->place.force, least->place.slope);
         const auto limit =
-            linear_limit(cell->hand, cell->rate, pressed_along(along), least->place.force_around(), cell->lag);
+            linear_limit(cell.hand, cell.rate, pressed_along(along), least->place.force_around(), cell.lag);
         if (limit)
             rows.push_back({surface.name, turn, *limit, counts, least->place});
         if (!counts && (!(limit.value_or(1) > 0) || !(glm::dot(along, least->place.force) > 0)))
