@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <set>
 
@@ -274,11 +275,6 @@ std::vector<FileRecord> files_of_former(const std::filesystem::path& folder, con
     return all;
 }
 
-FileRecord written(const std::filesystem::path& folder, const TextFile& file) {
-    write_file_atomically(folder / file.name, file.text);
-    return {file.name, sha256_of(file.text), file.text.size()};
-}
-
 // Removes those of `former` that `data` does not name. Returns the names of those that were changed since, which stay.
 std::vector<std::string> remove_left_over(const std::filesystem::path& folder, const std::vector<FileRecord>& former,
                                           const StudyData& data) {
@@ -319,16 +315,26 @@ std::string table_csv(const Table& table) {
 std::vector<std::string> write_data(const std::filesystem::path& folder, StudyData& data,
                                     const std::vector<TextFile>& pictures) {
     data.files.clear();
+    std::deque<TemporaryFile> files; // published when all are on the disk: a full one is left as it was
+    const auto write = [&](const std::string& name, const std::string& text) {
+        TemporaryFile& file = files.emplace_back(folder / name, false, 1);
+        file.write(text);
+        file.flush_to_disk();
+    };
+    const auto write_recorded = [&](const std::string& name, const std::string& text) {
+        write(name, text);
+        data.files.push_back({name, sha256_of(text), text.size()});
+    };
     for (const Table& table : data.tables)
-        data.files.push_back(written(folder, {table.name + ".csv", table_csv(table)}));
+        write_recorded(table.name + ".csv", table_csv(table));
     for (const TextFile& picture : pictures)
-        data.files.push_back(written(folder, picture));
+        write_recorded(picture.name, picture.text);
+    write(kAccount, data_json(data));
     // While the former account exists, the files of an interrupted run can be found.
-    TemporaryFile account(folder / kAccount);
-    account.write(data_json(data));
-    account.flush_to_disk();
+    for (std::size_t i = 0; i + 1 < files.size(); ++i)
+        files[i].publish();
     std::vector<std::string> changed = remove_left_over(folder, files_of_former(folder, data.study), data);
-    account.publish();
+    files.back().publish();
     return changed;
 }
 
