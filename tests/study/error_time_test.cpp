@@ -115,7 +115,7 @@ TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
 TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     const Subject bump = own_subjects(few()).front();
     const Variant& shaded = variant_named(bump, "64 facets, reference");
-    const TurnedGrid grid(bump.low, bump.high, 0.4e-3, glm::dvec3(0), 0);
+    const TurnedGrid grid(bump.low, bump.high, 0.4e-3, glm::dvec3(0));
     const Volume<float, float, 3> volume(grid.grid, sampled(*shaded.prepared, grid));
     SharedPlaces shared = shared_places(bump, few(), 0);
     const KindPlaces all = places_of(bump, shaded, shared, few(), 0);
@@ -136,7 +136,7 @@ TEST(LookUps, OfDepthsHaveNoForceAboveAMesh) {
     const Subject mesh = own_subjects(few()).back();
     for (const char* shading : {"none", "mean_value"}) {
         const Variant& law = variant_named(mesh, std::string("8 cells, ") + shading);
-        const TurnedGrid grid(mesh.low, mesh.high, 0.4e-3, glm::dvec3(0.3), 0.5);
+        const TurnedGrid grid(mesh.low, mesh.high, 0.4e-3, glm::dvec3(0.3), turn_and_tilt(0.5, 0.08, 1));
         const Volume<float, float, 4> volume(grid.grid, sampled_depths(*law.prepared, grid));
         StaticForce<double> exact(*law.prepared);
         std::size_t near = 0;
@@ -162,7 +162,7 @@ TEST(Bricks, GiveTheForceWhereAHandIs) {
     const CaseLaw<float> law(*shaded.prepared);
     double of_whole = 0, of_adaptive = 0;
     for (const double turn : {0.0, 0.4, 0.8}) {
-        const TurnedGrid grid(bump.low, bump.high, 0.1e-3, glm::dvec3(turn), turn);
+        const TurnedGrid grid(bump.low, bump.high, 0.1e-3, glm::dvec3(turn), turn_and_tilt(turn, turn / 20, 1));
         const std::vector<float> forces = sampled(*shaded.prepared, grid);
         const double bytes = double(sizeof(float) * forces.size());
         const Volume<float, float, 3> whole(grid.grid, forces);

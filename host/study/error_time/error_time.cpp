@@ -272,8 +272,9 @@ std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Me
         notes.push_back(fmt::format(
             "Of \"{}\", places lie under points anywhere on the surface, {:.3g} to {:.3g} mm deep along its normal, "
             "log-uniform. Kinds: rim, if the smooth shape turns by more than 5 deg within {:.3g} mm; else edge, if the "
-            "facets turn by more than 0.5 deg; else boundary, if the depth is below {:.3g} mm, and as many places as "
-            "far above the surface; else flat or, where anything turns, facet.",
+            "facets turn by more than 0.5 deg; else boundary, if the depth is below {:.3g} mm, and as many up to as "
+            "far "
+            "above the surface; else flat or, where anything turns, facet.",
             subject.name, 1e3 * subject.scale.shallowest(), 1e3 * subject.scale.deepest, 1e3 * subject.scale.ring(),
             1e3 * subject.scale.skin()));
     }

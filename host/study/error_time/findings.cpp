@@ -76,11 +76,10 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         return;
     std::string text = fmt::format("A trilinear look-up volume of {:.2g} mm errs by {} of the RMS force (RMS){}",
                                    1e3 * *method.spacing, percents(errors->rms), at_the_rim(*errors));
-    text +=
-        fmt::format("; {:.2g} to {:.2g} mm above the surface, where no force should be, {} of the places have one, of "
-                    "up to {} of the RMS force.",
-                    1e3 * method.subject->scale.shallowest(), 1e3 * method.subject->scale.skin(),
-                    percents(errors->phantom), percent(errors->phantom_largest));
+    text += fmt::format(
+        "; up to {:.2g} mm above the surface, where no force should be, {} of the places have one, of up to {} of "
+        "the RMS force.",
+        1e3 * method.subject->scale.skin(), percents(errors->phantom), percent(errors->phantom_largest));
     const auto same = [&](const std::string& family) {
         std::vector<std::size_t> found = of_family(family);
         std::erase_if(found, [&](std::size_t i) {
@@ -100,7 +99,7 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
          fmt::format(
              "in round brackets the least and largest of {} draws, each of {} places and of the volume's offset "
-             "and turn about the vertical",
+             "and orientation",
              measured.methods[*finest].errors->by_draw.size(), measured.methods[*finest].errors->shared.places)});
 }
 

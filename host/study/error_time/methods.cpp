@@ -28,6 +28,7 @@ constexpr std::size_t kGridPlaces = 2000; // of a grid, at which it is compared 
 constexpr std::size_t kBatch = 65536;     // places of a batch
 constexpr std::size_t kShare = 1024;      // of them that a thread takes at once
 constexpr double kShortest = 1e-3;        // s: of a measurement
+constexpr double kTilt = 2 * kDegree;     // of a volume, at most: more wants much larger ones
 
 template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
 
@@ -255,8 +256,10 @@ public:
     void add_lookups() {
         for (const double spacing : subject_.spacings) {
             const glm::dvec3 offset(random_(0, 1), random_(0, 1), random_(0, 1));
-            const double turn = random_(0, 2 * std::numbers::pi);
-            const TurnedGrid grid(subject_.low, subject_.high, spacing, offset, draw_ > 0 ? turn : 0);
+            const double turn = random_(0, 2 * std::numbers::pi), tilt = random_(0, kTilt),
+                         aside = random_(0, 2 * std::numbers::pi);
+            const TurnedGrid grid(subject_.low, subject_.high, spacing, offset,
+                                  draw_ > 0 ? turn_and_tilt(turn, tilt, aside) : glm::dmat3(1));
             const auto values = lazily([&prepared = *variant_.prepared, grid] {
                 const Clock::time_point start = Clock::now();
                 Sampled forces{sampled(prepared, grid)};

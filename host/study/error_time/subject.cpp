@@ -100,11 +100,15 @@ std::vector<double> spacings_within(const Subject& subject, std::vector<double> 
     return spacings;
 }
 
+std::vector<TouchPlace> drawn_places(const Subject& subject, const Extents& extents, std::size_t draw) {
+    const PreparedCase& finest = *subject.variants.back().prepared;
+    return touched_places(subject, finest, extents.places, subject.seed(Subject::Random::places, draw));
+}
+
 // What follows from the finest law, which comes last.
 void complete(Subject& subject, const Extents& extents) {
-    const PreparedCase& finest = *subject.variants.back().prepared;
-    subject.stiffness = finest.one.scene.force.stiffness;
-    subject.places = touched_places(subject, finest, extents.places, subject.seed(Subject::Random::places, 0));
+    subject.stiffness = subject.variants.back().prepared->one.scene.force.stiffness;
+    subject.places = drawn_places(subject, extents, 0);
 }
 
 // Cells on the unrolled cylinder, from its middle: a grid that ends with the patch, or one that is turned and moved and
@@ -330,9 +334,7 @@ const std::optional<std::pair<TouchPlace, double>>& DrawnPlaces::operator[](std:
 
 SharedPlaces shared_places(const Subject& subject, const Extents& extents, std::size_t draw) {
     SharedPlaces shared;
-    shared.at = draw == 0 ? subject.places
-                          : touched_places(subject, *subject.variants.back().prepared, extents.places,
-                                           subject.seed(Subject::Random::places, draw));
+    shared.at = draw == 0 ? subject.places : drawn_places(subject, extents, draw);
     for (const TouchPlace& place : shared.at)
         shared.turns.push_back(smooth_turn(subject, place));
     return shared;
@@ -362,12 +364,13 @@ KindPlaces places_of(const Subject& subject, const Variant& variant, SharedPlace
                 counts[static_cast<std::size_t>(kind)] < wanted)
                 add(found->first, kind);
     }
-    // As far above the surface as the shallow ones are below it: there should be no force.
+    // As many places up to a skin above the surface: there should be no force.
     for (std::size_t i = 0, end = all.at.size(); i < end; ++i)
         if (all.kinds[i] == Kind::boundary) {
             TouchPlace above = all.at[i];
-            above.at += 2 * above.depth * above.normal;
-            above.depth = -above.depth;
+            const double skin = subject.scale.skin(), shallowest = subject.scale.shallowest();
+            above.depth = -skin * (above.depth - shallowest) / (skin - shallowest);
+            above.at += (all.at[i].depth - above.depth) * above.normal;
             if (!touches(subject.force(above)))
                 add(above, Kind::boundary);
         }

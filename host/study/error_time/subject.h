@@ -199,8 +199,8 @@ void add_renderer(std::vector<Method>& methods, const Subject& subject, const Va
                   RendererProcess& renderer, const std::string& name);
 
 /// All methods of a law of a subject, in a fixed order, from volumes and over grids at random offsets; from draw 1 on
-/// volumes are turned about the vertical as well, and the study's own meshes are tessellated anew. `subject` and the
-/// engines must outlive them.
+/// volumes are turned about the vertical and tilted by up to 2 deg as well, and the study's own meshes are tessellated
+/// anew. `subject` and the engines must outlive them.
 void add_methods(std::vector<Method>& methods, const Subject& subject, const Variant& variant, std::size_t draw,
                  const Engines& engines);
 

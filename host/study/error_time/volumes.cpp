@@ -5,6 +5,7 @@
 #include <queue>
 #include <thread>
 
+#include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
 #include "host/field/case_law.h"
@@ -67,17 +68,24 @@ GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spaci
 }
 
 TurnedGrid::TurnedGrid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset,
-                       double turn)
-    : middle(0.5 * (low + high)), cosine(std::cos(turn)), sine(std::sin(turn)) {
-    const glm::dvec3 half = 0.5 * (high - low);
-    const double x = std::abs(cosine), y = std::abs(sine);
-    const glm::dvec3 reach(x * half.x + y * half.y, y * half.x + x * half.y, half.z);
+                       const glm::dmat3& turn)
+    : middle(0.5 * (low + high)), axes(turn) {
+    const glm::dmat3 sizes(glm::abs(turn[0]), glm::abs(turn[1]), glm::abs(turn[2]));
+    const glm::dvec3 reach = 0.5 * (high - low) * sizes;
     grid = volume_grid(middle - reach, middle + reach, spacing, offset);
+}
+
+glm::dmat3 turn_and_tilt(double turn, double tilt, double aside) {
+    const auto about_z = [](double angle) {
+        return glm::dmat3(std::cos(angle), std::sin(angle), 0, -std::sin(angle), std::cos(angle), 0, 0, 0, 1);
+    };
+    const glm::dmat3 about_x(1, 0, 0, 0, std::cos(tilt), std::sin(tilt), 0, -std::sin(tilt), std::cos(tilt));
+    return about_z(aside) * about_x * about_z(turn - aside);
 }
 
 std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turned) {
     const GridSpec& grid = turned.grid;
-    if (turned.sine == 0) {
+    if (turned.axes == glm::dmat3(1)) {
         PreparedCase there = prepared;
         there.one.scene.output.channels = layout::kChannelForce;
         there.one.scene.grid = grid;
@@ -144,21 +152,25 @@ std::vector<float> sampled_depths(const PreparedCase& prepared, const TurnedGrid
         return mesh_depths(prepared, turned);
     const GridSpec& grid = turned.grid;
     const CaseLaw<double> law(prepared);
-    const double below = grid.origin[2] - 1; // m: far below any surface
-    std::vector<glm::dvec4> columns;         // height above `below`, direction
-    for (std::size_t j = 0; j < grid.size[1]; ++j)
-        for (std::size_t i = 0; i < grid.size[0]; ++i) {
-            const glm::dvec3 place = turned.place_of(i, j, 0);
-            const auto found = law.at({place.x, place.y, below});
-            const glm::dvec3 direction = glm::dvec3(found.force) / reference::length(found.force);
-            columns.emplace_back(found.depth, direction.x, direction.y, direction.z);
-        }
+    const bool upright = turned.axes[2] == glm::dvec3(0, 0, 1);
+    const glm::dvec3 reach = sample_place(grid, grid.size[0], grid.size[1], grid.size[2]) - sample_place(grid, 0, 0, 0);
+    const double below = turned.middle.z - reference::length(reach) - 1; // m: far below any surface
+    std::vector<glm::dvec4> columns;                                     // height above `below`, direction
     std::vector<float> values;
-    for (std::size_t k = 0; k < grid.size[2]; ++k)
-        for (const glm::dvec4& column : columns) {
-            const double depth = column.x - (grid.origin[2] + grid.spacing[2] * double(k) - below);
-            values.insert(values.end(), {float(depth), float(column.y), float(column.z), float(column.w)});
+    for (std::size_t k = 0; k < grid.size[2]; ++k) {
+        if (!upright)
+            columns.clear();
+        for (std::size_t column = 0; column < grid.size[0] * grid.size[1]; ++column) {
+            const glm::dvec3 place = turned.place_of(column % grid.size[0], column / grid.size[0], k);
+            if (column == columns.size()) {
+                const auto found = law.at({place.x, place.y, below});
+                const glm::dvec3 direction = glm::dvec3(found.force) / reference::length(found.force);
+                columns.emplace_back(found.depth, direction.x, direction.y, direction.z);
+            }
+            const glm::dvec4& at = columns[column];
+            values.insert(values.end(), {float(at.x - (place.z - below)), float(at.y), float(at.z), float(at.w)});
         }
+    }
     return values;
 }
 

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/mat3x3.hpp>
 #include <glm/vec4.hpp>
 
 #include "host/reference/elementary.h"
@@ -23,28 +24,26 @@ namespace forceshade::study::error_time {
 /// by `offset` spacings, 0 to 1 each.
 GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset);
 
-/// Such a grid turned about the vertical through the middle of the box, large enough to hold it.
+/// Such a grid turned about the middle of the box, large enough to hold it.
 struct TurnedGrid {
-    /// `turn`, rad: 0 leaves it along the axes of the world.
-    TurnedGrid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset, double turn);
+    /// `turn`: the grid's axes in the world; 1 leaves it along those of the world.
+    TurnedGrid(const glm::dvec3& low, const glm::dvec3& high, double spacing, const glm::dvec3& offset,
+               const glm::dmat3& turn = glm::dmat3(1));
 
-    glm::dvec3 in_grid(const glm::dvec3& place) const {
-        const glm::dvec3 from = place - middle;
-        return middle + glm::dvec3(cosine * from.x + sine * from.y, cosine * from.y - sine * from.x, from.z);
-    }
-    glm::dvec3 in_world(const glm::dvec3& place) const {
-        const glm::dvec3 from = place - middle;
-        return middle + glm::dvec3(cosine * from.x - sine * from.y, cosine * from.y + sine * from.x, from.z);
-    }
+    glm::dvec3 in_grid(const glm::dvec3& place) const { return middle + (place - middle) * axes; }
+    glm::dvec3 in_world(const glm::dvec3& place) const { return middle + axes * (place - middle); }
     /// In the world.
     glm::dvec3 place_of(std::size_t i, std::size_t j, std::size_t k) const {
         return in_world(sample_place(grid, i, j, k));
     }
 
     glm::dvec3 middle; /* m */
-    double cosine, sine;
+    glm::dmat3 axes;
     GridSpec grid; /* in its own axes */
 };
+
+/// A turn about the vertical, rad, then by `tilt`, rad, about a horizontal axis at `aside`, rad, from x.
+glm::dmat3 turn_and_tilt(double turn, double tilt, double aside);
 
 /// The scene's forces at the samples of a grid, N, 3 a sample, along the world's axes, by the oracle on all cores.
 std::vector<float> sampled(const PreparedCase& prepared, const TurnedGrid& turned);
