@@ -26,6 +26,7 @@ class Viewer {
       this.cases.forEach((one, i) => byId(id).add(new Option(one.name, i, i === chosen, i === chosen)));
       byId(id).addEventListener("change", () => this.load().catch((error) => { byId("viewer-status").textContent = error.message; }));
     }
+    byId("case-b").parentElement.hidden = this.cases.length === 1;
     if (!this.cases.some((one) => one.compared))
       document.querySelectorAll(".compared, #quantity option").forEach((one) => (one.className || COMPARED.includes(one.value)) && one.remove());
     byId("axis-" + AXES[this.state.axis]).checked = true;

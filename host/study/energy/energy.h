@@ -152,8 +152,8 @@ std::vector<Part> renderer_parts(const StudyRun& run, const EnergySurface& surfa
 /// Adds tables, a figure, a note and a finding for each but the law alone; nothing without one.
 void add_renderers(StudyData& data, const std::vector<RendererLoops>& found);
 
-/// "0.10 mJ"; rounding errors as a bound.
-std::string milli(double joules);
+/// "0.10 mJ"; rounding errors, a millionth of an effort in J, as a bound.
+std::string milli(double joules, double effort = 1e-3);
 
 struct EnergyResults {
     std::vector<EnergySurface> surfaces;

@@ -289,7 +289,7 @@ void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& res
     const LawRow* most = nullptr;
     for (const LawRow& row : results.laws)
         if (!row.history) {
-            parts.push_back(fmt::format("{} {}", row.law->scheme, milli(row.gain.median)));
+            parts.push_back(fmt::format("{} {}", row.law->scheme, milli(row.gain.median, row.effort)));
             most = !most || row.gain.median > most->gain.median ? &row : most;
         }
     if (!most)
@@ -297,7 +297,7 @@ void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& res
     findings.push_back(
         {"energy_scene",
          fmt::format("Median energy gained per closed stroke over the scene's surface: {}; the effort is {}.",
-                     fmt::join(parts, ", "), milli(most->effort)),
+                     fmt::join(parts, ", "), milli(most->effort, most->effort)),
          any_shaded(results) ? "energy-pairs" : "", "strokes anywhere in the scene's region",
          fmt::format("{:.2g} to {:.2g} mm deep out and back", 1e2 * results.surfaces[0].region.deepest,
                      1e3 * results.surfaces[0].region.deepest),
@@ -333,9 +333,10 @@ void add_history_finding(std::vector<Finding>& findings, const EnergyResults& re
 
 } // namespace
 
-std::string milli(double joules) {
-    constexpr double kRounding = 1e-9; // J
-    return std::abs(joules) < kRounding ? "less than 1e-6 mJ" : fmt::format("{:.2g} mJ", 1e3 * joules);
+std::string milli(double joules, double effort) {
+    const double rounding = 1e-6 * effort;
+    return std::abs(joules) < rounding ? fmt::format("less than {:.1g} mJ", 1e3 * rounding)
+                                       : fmt::format("{:.2g} mJ", 1e3 * joules);
 }
 
 std::vector<LawRow> summarise_by_law(const std::vector<LoopRow>& loops) {
