@@ -34,11 +34,6 @@ struct LastBlock {
     bool is(Bytes block, int at_level) const {
         return !to.empty() && level == at_level && std::ranges::equal(from, block);
     }
-    void keep(Bytes block, int at_level, Bytes result) {
-        from.assign(block.begin(), block.end());
-        to.assign(result.begin(), result.end());
-        level = at_level;
-    }
 };
 
 int give(const LastBlock& last, Bytef* to, uLongf* room) {
@@ -49,11 +44,8 @@ int give(const LastBlock& last, Bytef* to, uLongf* room) {
     return Z_OK;
 }
 
-int unpack(Bytef* to, uLongf* room, Bytes from) {
+int unpack_anew(Bytef* to, uLongf* room, Bytes from) {
     thread_local const std::unique_ptr<libdeflate_decompressor, Free> unpacker(libdeflate_alloc_decompressor());
-    thread_local LastBlock last;
-    if (last.is(from, 0))
-        return give(last, to, room);
     if (!unpacker)
         return Z_MEM_ERROR;
     std::size_t size = 0;
@@ -66,8 +58,17 @@ int unpack(Bytef* to, uLongf* room, Bytes from) {
         return Z_DATA_ERROR;
     }
     *room = size;
-    last.keep(from, 0, {to, size});
     return Z_OK;
+}
+
+int unpack(Bytef* to, uLongf* room, Bytes from) {
+    thread_local LastBlock last;
+    if (last.is(from, 0))
+        return give(last, to, room);
+    const int result = unpack_anew(to, room, from);
+    if (result == Z_OK)
+        last = {{from.begin(), from.end()}, {to, to + *room}, 0};
+    return result;
 }
 
 int pack(Bytef* to, uLongf* room, Bytes from, int level) {
@@ -79,20 +80,21 @@ int pack(Bytef* to, uLongf* room, Bytes from, int level) {
         packer.reset(libdeflate_alloc_compressor(level));
     if (!packer)
         return Z_MEM_ERROR;
-    thread_local std::vector<Bytef> roomy, again; // libdeflate wants a little more room than zlib
-    roomy.resize(libdeflate_zlib_compress_bound(packer.get(), from.size()));
+    last.level = level;
+    last.to.resize(libdeflate_zlib_compress_bound(packer.get(), from.size())); // a little more than zlib's
     const std::size_t size =
-        libdeflate_zlib_compress(packer.get(), from.data(), from.size(), roomy.data(), roomy.size());
-    if (size == 0 || size > *room)
+        libdeflate_zlib_compress(packer.get(), from.data(), from.size(), last.to.data(), last.to.size());
+    last.to.resize(size);
+    last.from.resize(from.size());
+    uLongf found = last.from.size();
+    if (size == 0)
         return Z_BUF_ERROR;
-    std::memcpy(to, roomy.data(), size);
-    again.resize(from.size());
-    uLongf found = again.size();
-    if (unpack(again.data(), &found, {to, size}) != Z_OK || !std::ranges::equal(std::span(again).first(found), from))
+    if (unpack_anew(last.from.data(), &found, last.to) != Z_OK ||
+        !std::ranges::equal(std::span(last.from).first(found), from)) {
+        last.to.clear();
         return Z_DATA_ERROR; // the memory is bad
-    *room = size;
-    last.keep(from, level, {to, size});
-    return Z_OK;
+    }
+    return give(last, to, room);
 }
 
 } // namespace

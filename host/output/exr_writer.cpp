@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <functional>
+#include <future>
 #include <limits>
 #include <mutex>
 #include <new>
@@ -187,10 +188,12 @@ private:
 
 // The rows of one part on their way to OpenEXR.
 struct PartRows {
-    PartRows(const Part& part_, std::size_t bytes) : part(part_), rows(bytes), watch(components_of(part.channel)) {}
+    PartRows(const Part& part_, std::size_t bytes)
+        : part(part_), rows(bytes), handed(bytes), watch(components_of(part.channel)) {}
 
     Part part;
-    std::vector<std::byte> rows; // a group
+    std::vector<std::byte> rows;   // a group
+    std::vector<std::byte> handed; // the group before, which may still be compressed
     PixelWatch watch;
     std::optional<Imf::OutputPart> output;
 };
@@ -198,7 +201,7 @@ struct PartRows {
 using PlaceText = std::function<std::string(const Voxel&)>;
 
 // The rows of an image of several parts, handed to OpenEXR group by group, and read back before the file gets its name.
-// Memory is a group of rows a part. The bytes of the file depend on the sheet and the rows alone.
+// Memory is two groups of rows a part. The bytes of the file depend on the sheet and the rows alone.
 class RowsWriter {
 public:
     // Throws IoError.
@@ -222,9 +225,9 @@ public:
     template <typename T>
     void put(PartRows& rows, std::span<const T> values, std::size_t width, const Voxel& at, std::uint64_t repeat = 1) {
         const std::uint32_t channel = rows.part.channel;
-        rounded_.assign(width * components_of(channel), std::numeric_limits<float>::quiet_NaN());
-        for (std::size_t i = 0; i < values.size(); ++i)
-            rounded_[i] = static_cast<float>(values[i]);
+        rounded_.resize(width * components_of(channel));
+        std::ranges::transform(values, rounded_.begin(), [](T value) { return static_cast<float>(value); });
+        std::ranges::fill(std::span(rounded_).subspan(values.size()), std::numeric_limits<float>::quiet_NaN());
         if (!(channel & kComparedChannels)) // they may be NaN
             rows.watch.add(std::span(rounded_).first(values.size()), at[1], at[2], repeat, at[0]);
         encode_row(rounded_, rows.part.format, target(rows) + at[0] * rows.part.sample_bytes());
@@ -243,9 +246,12 @@ public:
     }
     // The row before stands once more.
     void repeat() {
-        const std::uint64_t previous = (group_count_ + group_rows_ - 1) % group_rows_; // a full group stays in memory
-        for (PartRows& rows : parts_)
-            std::memmove(target(rows), rows.rows.data() + previous * row_bytes(rows), row_bytes(rows));
+        for (PartRows& rows : parts_) {
+            const std::byte* const previous = group_count_ > 0
+                                                  ? target(rows) - row_bytes(rows)
+                                                  : rows.handed.data() + rows.handed.size() - row_bytes(rows);
+            std::memcpy(target(rows), previous, row_bytes(rows));
+        }
         advance();
     }
     // Flushes to disk, reads back and compares, hashes, renames. `place` formats where a watched value stands, as
@@ -259,6 +265,7 @@ private:
     // Where the part's next row goes.
     std::byte* target(PartRows& rows) { return rows.rows.data() + group_count_ * row_bytes(rows); }
     void flush_group();
+    void wait_for_group();
     bool refused() const;
     void throw_if_refused(const PlaceText& place) const;
 
@@ -272,22 +279,35 @@ private:
     std::uint64_t group_count_ = 0; // rows in the group so far
     std::vector<float> rounded_;    // a row, or a part of one
     std::vector<layout::uint> ids_; // of the facets
+    std::future<void> group_;       // the one before, as it is written; ends before what it uses
 };
 
-// An image that will be refused is only watched to its end, so that the message can name its largest value.
+// By a thread of its own while the next group comes, if the file may ask for parallel work. An image that will be
+// refused is only watched to its end, so that the message can name its largest value.
 void RowsWriter::flush_group() {
-    for (PartRows& rows : parts_) {
-        check_interrupt();
-        if (refused() || group_count_ == 0)
-            break;
-        stream_.guard([&] {
-            rows.output->setFrameBuffer(
-                frame_of(rows.part, sheet_.width, group_first_, group_count_, rows.rows.data()));
-            rows.output->writePixels(static_cast<int>(group_count_));
-        });
-    }
+    wait_for_group();
+    check_interrupt();
+    for (PartRows& rows : parts_)
+        std::swap(rows.rows, rows.handed);
+    const auto write = [this, first = group_first_, count = group_count_] {
+        for (PartRows& rows : parts_)
+            stream_.guard([&] {
+                rows.output->setFrameBuffer(frame_of(rows.part, sheet_.width, first, count, rows.handed.data()));
+                rows.output->writePixels(static_cast<int>(count));
+            });
+    };
+    const bool wanted = !refused() && group_count_ > 0;
+    if (wanted && sheet_.threads > 0)
+        group_ = std::async(std::launch::async, write);
+    else if (wanted)
+        write();
     group_first_ += group_count_;
     group_count_ = 0;
+}
+
+void RowsWriter::wait_for_group() {
+    if (group_.valid())
+        group_.get();
 }
 
 bool RowsWriter::refused() const {
@@ -324,6 +344,7 @@ VolumeResult RowsWriter::finish(const PlaceText& place) {
     // cannot be flushed or published any more.
     timed(timings.encode, [&] {
         flush_group();
+        wait_for_group();
         for (PartRows& rows : parts_)
             rows.output.reset();
         output_.reset();

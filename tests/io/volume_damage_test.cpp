@@ -89,7 +89,7 @@ void damage(const std::filesystem::path& path) {
 // What a failing disk does behind the writer's back, before the volume has its name.
 TEST(DamagedVolume, IsNoticedBeforeItGetsItsName) {
     const Folder folder;
-    constexpr std::array<std::uint64_t, 3> kLarge{512, 64, 16}; // so that most is on the disk when the damage is done
+    constexpr std::array<std::uint64_t, 3> kLarge{512, 64, 64}; // so that most is on the disk when the damage is done
     SampleField field(kLarge);
     std::mt19937 random(5);
     for (float& value : field.force) // nothing compresses it
