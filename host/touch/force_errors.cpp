@@ -117,9 +117,11 @@ std::optional<TouchRecord> touched_error(const PreparedCase& prepared) {
         ContactForce law(prepared, shape.scale);
         std::vector<glm::dvec3> forces, true_ones;
         std::vector<ForceErrors> draws;
+        PlaceDraw place_draw(shape, prepared, 0);
         for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
             const std::size_t begin = forces.size();
-            for (const TouchPlace& place : touched_places(shape, prepared, kPlaces, seed)) {
+            place_draw.begin(seed);
+            for (const TouchPlace& place : touched_places(place_draw, kPlaces)) {
                 forces.push_back(law(place));
                 true_ones.push_back(shape.force(place));
             }

@@ -103,6 +103,10 @@ std::optional<TouchPlace> PlaceDraw::drawn_on_mesh() {
 std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count,
                                        std::uint64_t seed) {
     PlaceDraw draw(shape, prepared, seed);
+    return touched_places(draw, count);
+}
+
+std::vector<TouchPlace> touched_places(PlaceDraw& draw, std::size_t count) {
     std::vector<TouchPlace> places;
     for (std::size_t tries = 0; places.size() < count && tries < kTriesAPlace * count; ++tries)
         if (const auto place = draw())

@@ -60,6 +60,8 @@ public:
     PlaceDraw(const TouchedShape& shape, const PreparedCase& prepared, std::uint64_t seed);
     /// Empty without a surface, or if the place would be outside of the box or not in contact.
     std::optional<TouchPlace> operator()();
+    /// Begins again with another seed.
+    void begin(std::uint64_t seed) { draw_ = Random(seed); }
 
 private:
     std::optional<TouchPlace> drawn_on_graph();
@@ -71,7 +73,10 @@ private:
     std::vector<double> areas_; /* up to each triangle */
 };
 
-/// Up to `count` places, the same for the same seed. \throws UsageError without contact in the box.
+/// Up to `count` places. \throws UsageError without contact in the box.
+std::vector<TouchPlace> touched_places(PlaceDraw& draw, std::size_t count);
+
+/// The same for the same seed.
 std::vector<TouchPlace> touched_places(const TouchedShape& shape, const PreparedCase& prepared, std::size_t count,
                                        std::uint64_t seed = 1);
 
