@@ -534,7 +534,10 @@ TEST(AsMetTimes, AreOfSingleEvaluationsInTurns) {
     };
     methods[1].once = [](std::size_t) { return 5e-6; };
     const Clock::time_point start = Clock::now();
-    const std::vector<AsMet> met = measure_as_met(methods, {0, 1}, 20, 3);
+    AsMetTimes times(methods, {0, 1});
+    times.measure(15, 2);
+    times.measure(5, 1);
+    const std::vector<AsMet> met = times.result();
     EXPECT_GT(seconds_since(start), 3 * 20 / kLoopRate - 2e-3) << "three take turns, a tick each";
     ASSERT_EQ(met.size(), 3U);
     EXPECT_EQ(met[0].method, AsMet::kControl);
@@ -543,8 +546,9 @@ TEST(AsMetTimes, AreOfSingleEvaluationsInTurns) {
     EXPECT_NEAR(met[1].loop.worst, 9e-6, 1e-12);
     EXPECT_NEAR(met[1].cold.worst, 1e-6, 1e-12) << "number 7 is not among them";
     EXPECT_NEAR(met[2].loop.median.median, 5e-6, 1e-12);
-    EXPECT_EQ(numbers.size(), 1U + 20 + 3);
-    EXPECT_EQ(numbers[20], 19U);
+    EXPECT_EQ(numbers.size(), 2U + 20 + 3) << "once more each time, to make volumes";
+    EXPECT_EQ(numbers[23], 19U);
+    EXPECT_EQ(numbers[24], 2U);
 }
 
 TEST(Crowding, IsSeenWhereOtherWorkWantsTheCores) {

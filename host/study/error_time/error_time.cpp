@@ -357,10 +357,13 @@ StudyData study_error_time(StudyRun& run) {
                              crowding.push_back(crowding_of_cores());
                              rounds.push_back(measure_round(methods, round));
                          }});
-    parts.push_back({"forces waited for", [&] {
-                         others.met = measure_as_met(methods, met_methods(methods), extents.ticks, extents.colds);
-                     }});
+    constexpr std::size_t kPartsOfWaiting = 10;
+    AsMetTimes as_met(methods, met_methods(methods));
+    for (std::size_t part = 0; part < kPartsOfWaiting; ++part)
+        parts.push_back({"forces waited for",
+                         [&] { as_met.measure(extents.ticks / kPartsOfWaiting, extents.colds / kPartsOfWaiting); }});
     run.run(parts);
+    others.met = as_met.result();
     const Times times(std::move(rounds), unit);
     const Measured measured{subjects, methods, times, times.ratio(control, unit), bootstrap_median(crowding)};
     StudyData data = run.data();

@@ -202,9 +202,26 @@ inline constexpr double kLoopRate = 1000; /* Hz */
 /// Of each thorough, shaded law the direct evaluation, the god-object and each kind of look-up at its finest spacing.
 std::vector<std::size_t> met_methods(const std::vector<Method>& methods);
 
-/// Takes turns, a method a tick, in an order of their own each time; `ticks` and `colds` of each.
-std::vector<AsMet> measure_as_met(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen,
-                                  std::size_t ticks, std::size_t colds);
+/// Methods take turns, one a tick, in an order of their own each time.
+class AsMetTimes {
+public:
+    /// `methods` must outlive it.
+    AsMetTimes(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen);
+    /// `ticks` and `colds` of each, after those so far.
+    void measure(std::size_t ticks, std::size_t colds);
+    /// The control first.
+    std::vector<AsMet> result() const;
+
+private:
+    struct One {
+        std::size_t method;
+        std::vector<double> loop{}, cold{}; /* s */
+    };
+    double once(const One& one, std::size_t number) const;
+
+    const std::vector<Method>& methods_;
+    std::vector<One> met_;
+};
 
 /// Whether the machine was too busy for these times to say anything: a clock read around nothing takes a microsecond in
 /// the median, or a tenth of a millisecond once in a thousand.

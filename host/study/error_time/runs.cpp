@@ -221,39 +221,45 @@ std::vector<std::size_t> met_methods(const std::vector<Method>& methods) {
     return chosen;
 }
 
-std::vector<AsMet> measure_as_met(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen,
-                                  std::size_t ticks, std::size_t colds) {
-    std::vector<AsMet> met{{AsMet::kControl, {}, {}, ticks, colds}};
+AsMetTimes::AsMetTimes(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen)
+    : methods_(methods), met_{{AsMet::kControl}} {
     for (const std::size_t method : chosen)
-        met.push_back({method, {}, {}, ticks, colds});
-    std::vector<std::vector<double>> loop(met.size()), cold(met.size());
-    const auto once = [&](const AsMet& one, std::size_t number) {
-        return one.method == AsMet::kControl ? control() : methods[one.method].once(number);
-    };
-    for (const AsMet& one : met)
+        met_.push_back({method});
+}
+
+double AsMetTimes::once(const One& one, std::size_t number) const {
+    return one.method == AsMet::kControl ? control() : methods_[one.method].once(number);
+}
+
+void AsMetTimes::measure(std::size_t ticks, std::size_t colds) {
+    for (const One& one : met_)
         once(one, 0); // makes volumes
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / kLoopRate));
     Clock::time_point next = Clock::now();
-    for (std::size_t tick = 0; tick < ticks; ++tick) {
+    for (std::size_t end = met_[0].loop.size() + ticks; met_[0].loop.size() < end;) {
         check_interrupt();
-        for (const std::size_t i : shuffled(met.size(), tick)) { // one warms what the next finds
+        const std::size_t tick = met_[0].loop.size();
+        for (const std::size_t i : shuffled(met_.size(), tick)) { // one warms what the next finds
             next += period;
             std::this_thread::sleep_until(next);
-            loop[i].push_back(once(met[i], tick));
+            met_[i].loop.push_back(once(met_[i], tick));
         }
     }
     std::vector<char> memory(kOtherMemory);
-    for (std::size_t number = 0; number < colds; ++number) {
+    for (std::size_t end = met_[0].cold.size() + colds; met_[0].cold.size() < end;) {
         check_interrupt();
-        for (std::size_t i = 0; i < met.size(); ++i) {
+        const std::size_t number = met_[0].cold.size();
+        for (One& one : met_) {
             fill_caches(memory);
-            cold[i].push_back(once(met[i], number));
+            one.cold.push_back(once(one, number));
         }
     }
-    for (std::size_t i = 0; i < met.size(); ++i) {
-        met[i].loop = waits_of(loop[i]);
-        met[i].cold = waits_of(cold[i]);
-    }
+}
+
+std::vector<AsMet> AsMetTimes::result() const {
+    std::vector<AsMet> met;
+    for (const One& one : met_)
+        met.push_back({one.method, waits_of(one.loop), waits_of(one.cold), one.loop.size(), one.cold.size()});
     return met;
 }
 
