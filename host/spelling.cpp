@@ -16,6 +16,11 @@ namespace {
 // Beyond this no word was meant, and the table of distances stays small.
 constexpr std::size_t kLongestWord = 64;
 
+// How far a word may be from the one that was meant.
+std::size_t limit_of(std::string_view word) {
+    return std::max<std::size_t>(1, word.size() / 3);
+}
+
 } // namespace
 
 std::string lower_case(std::string_view text) {
@@ -48,7 +53,7 @@ std::string_view nearest(std::string_view word, std::span<const std::string> can
     if (word.size() > kLongestWord)
         return {};
     const std::string lower = lower_case(word);
-    const std::size_t limit = word.size() < 3 ? 0 : std::max<std::size_t>(1, word.size() / 3);
+    const std::size_t limit = word.size() < 3 ? 0 : limit_of(word);
     std::string_view best;
     std::pair<std::size_t, std::size_t> best_distance{limit, kLongestWord + 1};
     for (const std::string& candidate : candidates) {
@@ -78,9 +83,11 @@ std::string missing_file_advice(const std::filesystem::path& file, const std::fi
         if (entry->path().extension() == file.extension() || !entry->is_directory(error))
             names.push_back(entry->path().filename().string());
     std::ranges::sort(names); // a folder's order is none
-    const std::string_view meant = nearest(file.filename().string(), names);
-    return meant.empty() ? "; check the name, relative to where it is written"
-                         : fmt::format("; did you mean \"{}\"?", (written.parent_path() / meant).string());
+    const std::filesystem::path meant = nearest(file.filename().string(), names);
+    const std::string stem = file.stem().string(); // extensions are alike in most of a folder
+    const bool alike = edit_distance(stem, meant.stem().string()) <= limit_of(stem);
+    return meant.empty() || !alike ? "; check the name, relative to where it is written"
+                                   : fmt::format("; did you mean \"{}\"?", (written.parent_path() / meant).string());
 }
 
 std::size_t character_length(std::string_view text) {

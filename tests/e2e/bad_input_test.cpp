@@ -56,6 +56,7 @@ TEST_F(BadInput, AMisspeltFileGetsTheNearestName) {
     write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"oen.obj\"\n[grid]\nsamples = 8\n");
     expect_failure(4, {"field", "bmup.toml", "--out", "x.exr"}, {"did you mean \"bump.toml\"?"});
     expect_failure(4, {"mesh", "oen.obj"}, {"did you mean \"one.obj\"?"});
+    expect_failure(4, {"mesh", "plane.obj"}, {"check the name"});
     expect_failure(4, {"field", "mesh.toml", "--out", "x.exr"}, {"mesh.toml:3:8: ", "did you mean \"one.obj\"?"});
     expect_failure(4, {"field", "no/bump.toml", "--out", "x.exr"}, {"there is no folder no"});
     write("ball.toml", "[surface]\nkind = \"sphere\"\n");
