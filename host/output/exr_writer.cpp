@@ -298,7 +298,7 @@ void RowsWriter::flush_group() {
     };
     const bool wanted = !refused() && group_count_ > 0;
     if (wanted && sheet_.threads > 0)
-        group_ = std::async(std::launch::async, write);
+        group_ = std::async(write); // later by this thread where no other is to be had
     else if (wanted)
         write();
     group_first_ += group_count_;

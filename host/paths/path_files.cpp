@@ -33,12 +33,12 @@ template <typename T> void add_depths(PathFigures& figures, const layout::PathMe
     if (metrics.contact_samples == 0)
         return;
     const double samples = metrics.contact_samples;
-    const double mean = whole(metrics.depth, metrics.depth_rest) / samples;
+    const double deeper = whole(metrics.depth, metrics.depth_rest) / samples;
     const double square = whole(metrics.depth_square, metrics.depth_square_rest) / samples;
     figures.least_depth = double(metrics.least_depth);
-    figures.mean_depth = mean;
+    figures.mean_depth = double(metrics.first_depth) + deeper;
     figures.largest_depth = double(metrics.largest_depth);
-    figures.depth_deviation = std::sqrt(std::max(square - mean * mean, 0.0));
+    figures.depth_deviation = std::sqrt(std::max(square - deeper * deeper, 0.0));
 }
 
 // All rounds together have done the work up to where the next one began.

@@ -146,8 +146,10 @@ void add_sample(layout::PathMetrics<T>& metrics, const Contact<T>& contact, cons
     const bool first = metrics.contact_samples == 0;
     metrics.least_depth = first || contact.depth < metrics.least_depth ? contact.depth : metrics.least_depth;
     metrics.largest_depth = contact.depth > metrics.largest_depth ? contact.depth : metrics.largest_depth;
-    add_to(metrics.depth, metrics.depth_rest, contact.depth);
-    add_to(metrics.depth_square, metrics.depth_square_rest, contact.depth * contact.depth);
+    metrics.first_depth = first ? contact.depth : metrics.first_depth;
+    const T deeper = contact.depth - metrics.first_depth;
+    add_to(metrics.depth, metrics.depth_rest, deeper);
+    add_to(metrics.depth_square, metrics.depth_square_rest, deeper * deeper);
     ++metrics.contact_samples;
 }
 

@@ -149,7 +149,7 @@ void add_to(inout real total, inout real rest, real value, bool counts) {
 }
 
 PathMetrics no_metrics() {
-    return PathMetrics(ZERO, ZERO, ZERO, ZERO, ZERO, ONE, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO,
+    return PathMetrics(ZERO, ZERO, ZERO, ZERO, ZERO, ONE, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO,
                        ZERO, ZERO, -real(LARGEST), real(LARGEST), ZERO, ZERO, 0u, 0u, kNever, 0u, 0u, 0u);
 }
 
@@ -159,11 +159,13 @@ void add_sample(inout PathMetrics metrics, real depth, bool touches, real3 force
     precise real size = root(square);
     metrics.largest_force = size > metrics.largest_force ? size : metrics.largest_force;
     add_to(metrics.force_square, metrics.force_square_rest, square, true);
-    bool least = metrics.contact_samples == 0u || depth < metrics.least_depth;
-    metrics.least_depth = touches && least ? depth : metrics.least_depth;
+    bool first = metrics.contact_samples == 0u;
+    metrics.least_depth = touches && (first || depth < metrics.least_depth) ? depth : metrics.least_depth;
     metrics.largest_depth = touches && depth > metrics.largest_depth ? depth : metrics.largest_depth;
-    add_to(metrics.depth, metrics.depth_rest, depth, touches);
-    precise real depth_square = depth * depth;
+    metrics.first_depth = touches && first ? depth : metrics.first_depth;
+    precise real deeper = depth - metrics.first_depth;
+    add_to(metrics.depth, metrics.depth_rest, deeper, touches);
+    precise real depth_square = deeper * deeper;
     add_to(metrics.depth_square, metrics.depth_square_rest, depth_square, touches);
     metrics.contact_samples += touches ? 1u : 0u;
 }

@@ -384,7 +384,8 @@ FS_STRUCT PathMetrics {
     real steepest_distance; // m^2: square of the distance it took, no less than the stretch
     real least_depth;       // m: in contact
     real largest_depth;     // m
-    real depth;             // m: sum over the samples in contact
+    real first_depth;       // m: of the first sample in contact
+    real depth;             // m: sum over the samples in contact, from the first's on: small where depths hardly differ
     real depth_rest;        // m
     real depth_square;      // m^2: of the same
     real depth_square_rest; // m^2

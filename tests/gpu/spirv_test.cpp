@@ -92,10 +92,10 @@ template <typename real> std::vector<Expected> hand_members() {
 
 template <typename real> std::vector<Expected> metrics_members() {
     return FS_MEMBERS(layout::PathMetrics<real>, largest_force, force_square, force_square_rest, largest_turn,
-                      steepest_turn, steepest_distance, least_depth, largest_depth, depth, depth_rest, depth_square,
-                      depth_square_rest, work, work_rest, effort, effort_rest, round_begin, round_begin_rest,
-                      largest_round, least_round, early_speed, late_speed, contact_samples, rounds, unstable_step, fell,
-                      unfinished, trail);
+                      steepest_turn, steepest_distance, least_depth, largest_depth, first_depth, depth, depth_rest,
+                      depth_square, depth_square_rest, work, work_rest, effort, effort_rest, round_begin,
+                      round_begin_rest, largest_round, least_round, early_speed, late_speed, contact_samples, rounds,
+                      unstable_step, fell, unfinished, trail);
 }
 
 template <typename real> std::vector<Expected> state_members() {

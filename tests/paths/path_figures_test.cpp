@@ -46,6 +46,25 @@ TEST(PathFigures, TurnsAreAnglesAndSumsKeepTheirRests) {
     EXPECT_TRUE(figures.began_inside);
 }
 
+// A micrometre back and forth 7 mm deep: the difference of two squares of single precision would be 1.2 um for a probe
+// that stands still.
+TEST(PathFigures, OfAProbeThatHardlyMovesKeepItsDeviation) {
+    for (const double swing : {0.0, 1e-6}) {
+        layout::PathMetrics<float> metrics = reference::no_metrics<float>();
+        double sum = 0;
+        for (int i = 0; i < 10000; ++i) {
+            reference::Contact<float> contact{};
+            contact.facet = 0;
+            contact.depth = float(i % 2 == 0 ? 7.3e-3 : 7.3e-3 + swing);
+            sum += double(contact.depth);
+            reference::add_sample(metrics, contact, Vector<float>(0, 0, 7.3F));
+        }
+        const PathFigures figures = figures_of(metrics, {10000, 1000});
+        EXPECT_NEAR(*figures.depth_deviation, swing / 2, 1e-9);
+        EXPECT_NEAR(*figures.mean_depth, sum / 10000, 1e-12);
+    }
+}
+
 TEST(PathFigures, ATurnAboutIs180Degrees) {
     layout::PathMetrics<float> metrics = reference::no_metrics<float>();
     metrics.largest_turn = std::nextafter(4.f, 5.f);
