@@ -385,7 +385,7 @@ FS_STRUCT PathMetrics {
     real least_depth;       // m: in contact
     real largest_depth;     // m
     real first_depth;       // m: of the first sample in contact
-    real depth;             // m: sum over the samples in contact, from the first's on: small where depths hardly differ
+    real depth;             // m: sum of the depths in contact, each less the first: small where they hardly differ
     real depth_rest;        // m
     real depth_square;      // m^2: of the same
     real depth_square_rest; // m^2

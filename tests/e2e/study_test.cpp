@@ -154,6 +154,8 @@ TEST_F(SceneStudy, OnAFullDiskIsAnIoError) {
     EXPECT_EQ(outcome.code, 4) << outcome.error;
     EXPECT_TRUE(says(outcome.error, "No space left on device"));
     EXPECT_EQ(temporaries_in(path("disk/out")), std::vector<std::string>{});
+    const auto left = [&](const char* name) { return std::filesystem::exists(path("disk/out/omission") / name); };
+    EXPECT_EQ(left("features.csv"), left("study.json")) << "all, where only the page did not fit, or none";
     ASSERT_TRUE(disk.change(0, "size=64m"));
     expect_study(on_scene("disk/out"));
     expect_whole("disk/out/omission", "omission");
