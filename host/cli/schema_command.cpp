@@ -15,6 +15,7 @@
 #include "host/mesh/mesh_file.h"
 #include "host/output/files.h"
 #include "host/scene/schema_json.h"
+#include "host/scene/value.h"
 #include "host/score/course.h"
 #include "host/spelling.h"
 
@@ -88,7 +89,7 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
         write_file_atomically(arguments.out, text);
         note(common, "wrote {}; its first lines say what to do with it\n", arguments.out);
     }
-    const double metres = across * (unit == "m" ? 1 : unit == "cm" ? 1e-2 : unit == "mm" ? 1e-3 : 1e-6);
+    const double metres = across * parse_quantity(fmt::format("1 {}", unit), Dimension::length);
     if (metres >= 1e-3 && metres <= 10)
         note(common, "unit = \"{0}\" is a guess: the mesh is {1:.3g} across, and {1:.3g} {0} is what a hand can hold\n",
              unit, across);

@@ -12,7 +12,9 @@
 
 #include <fmt/format.h>
 
+#include "host/error.h"
 #include "host/report/sections.h"
+#include "host/scene/value.h"
 
 namespace forceshade::report {
 namespace {
@@ -61,6 +63,18 @@ std::optional<Measure> measure_of(const std::string& text) {
 std::optional<double> leading_number(const std::string& text) {
     const auto measure = measure_of(text);
     return measure ? std::optional(measure->number) : std::nullopt;
+}
+
+// In SI units, so that numbers of several units have an order; a number without one as it is.
+double si_number(const std::string& text) {
+    for (const Dimension one :
+         {Dimension::length, Dimension::stiffness, Dimension::speed, Dimension::frequency, Dimension::time,
+          Dimension::force, Dimension::mass, Dimension::damping, Dimension::angle, Dimension::force_rate})
+        try {
+            return parse_quantity(text, one);
+        } catch (const UsageError&) { // of another dimension
+        }
+    return leading_number(text).value_or(0);
 }
 
 std::string parameter(const CaseRecord& record, const std::string& key) {
@@ -145,7 +159,7 @@ std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, bool
             order.push_back(row.series);
     std::ranges::stable_sort(rows, {}, [&](const Plotted& row) {
         return std::tuple(std::ranges::find(order, row.series) - order.begin(),
-                          leading_number(parameter(*row.record, panel)).value_or(0), std::get<double>(row.x));
+                          si_number(parameter(*row.record, panel)), std::get<double>(row.x));
     });
     return rows;
 }

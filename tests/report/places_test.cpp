@@ -97,7 +97,7 @@ TEST_F(Places, TheCursorGoesWithCasesOfAnotherY) {
     open();
     EXPECT_EQ(browser_->text(kSlice), "y = 0.4350 mm (1 of 1)") << "the mesh's: the bump is everywhere";
     choose("b", "bump");
-    EXPECT_EQ(browser_->text(kSlice), "any y: neither field depends on it");
+    EXPECT_EQ(browser_->text(kSlice), "any y: no force depends on it");
     EXPECT_TRUE(says(browser_->text(kPlace), "y = 0 mm"));
     choose("a", "mesh");
     choose("b", "other");

@@ -228,7 +228,7 @@ class Viewer {
     slider.max = this.a.size[axis] - 1;
     slider.value = index;
     slider.disabled = byId("slice-back").disabled = byId("slice-on").disabled = this.a.size[axis] < 2;
-    text.value = this.a.alike(axis) && this.b.alike(axis) ? "any y: neither field depends on it"
+    text.value = this.a.alike(axis) && this.b.alike(axis) ? "any y: no force depends on it"
       : place + " (" + (index + 1) + " of " + this.a.size[axis] + ")";
     slider.setAttribute("aria-valuetext", text.value);
   }
