@@ -11,8 +11,8 @@
 
 #include "host/error.h"
 #include "host/field/engine.h"
-#include "host/field/pipeline_cache.h"
 #include "host/output/files.h"
+#include "host/output/kept.h"
 #include "host/renderer/renderer_engine.h"
 #include "host/spelling.h"
 
@@ -26,7 +26,7 @@ EngineOptions device_options(const CommonOptions& common, bool needs_f64) {
     options.gpu = common.gpu;
     options.needs_f64 = needs_f64;
     options.validation = common.validation_layers;
-    options.cache = default_cache_folder();
+    options.cache = common.no_cache ? "" : default_cache_folder();
     return options;
 }
 

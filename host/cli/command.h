@@ -48,6 +48,7 @@ struct CommonOptions {
     std::string log_file;    /* empty: none */
     bool overwrite = false;  /* files that are there are replaced */
     bool no_clobber = false; /* they stay, and are not an error */
+    bool no_cache = false;   /* neither compiled kernels nor prepared meshes of earlier runs */
     bool validation_layers = false;
 };
 

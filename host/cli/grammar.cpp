@@ -56,6 +56,9 @@ void add_common_options(Options options, CommonOptions& common) {
                      "what goes to stderr, also at the end of this file, with times; all of it even with --quiet");
     options.flag("--overwrite", common.overwrite, "replace files that are there already");
     options.flag("--no-clobber", common.no_clobber, "leave files that are there already, and write what is missing");
+    options.flag("--no-cache", common.no_cache,
+                 "neither use nor keep what saves time in later runs: compiled kernels, and prepared meshes of 50 000 "
+                 "triangles and more (2 GiB in ~/.cache/forceshade)");
     options.flag("--vulkan-validation", common.validation_layers,
                  "run under Vulkan's validation layers; any message of theirs is an error");
 }

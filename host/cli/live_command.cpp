@@ -138,6 +138,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
                     preparation = std::make_shared<CasePreparation>(),
                     printed = std::make_shared<std::vector<std::string>>(), &common] {
         PreparedCase prepared = preparation->prepare(read_scene(path, replaced));
+        preparation->wait(); // the loop is to find the disk and the cores at rest
         std::vector<std::string> warnings;
         if (prepared.images.mesh)
             warnings = warnings_of(prepared.one.scene.surface.mesh, *prepared.images.mesh, MeshUse::path);

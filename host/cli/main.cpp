@@ -16,6 +16,8 @@
 #include "compute/device.h"
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/field/mesh_cache.h"
+#include "host/output/kept.h"
 #include "host/program.h"
 #include "host/sweep/sweep.h"
 #include "host/threads.h"
@@ -41,6 +43,8 @@ int parse_and_run(int argc, char** argv) {
         open_log(common.log_file, common.silent);
         log_line(fmt::format("forceshade {}: {}", version(), fmt::join(std::span(argv + 1, argv + argc), " ")));
     }
+    if (!program.common.no_cache)
+        keep_meshes_in(default_cache_folder());
     return command();
 }
 

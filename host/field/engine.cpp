@@ -12,10 +12,10 @@
 #include "compute/kernels.h"
 #include "host/clock.h"
 #include "host/error.h"
-#include "host/field/pipeline_cache.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
 #include "host/output/files.h"
+#include "host/output/kept.h"
 #include "host/output/rows.h"
 #include "host/reference/field.h"
 #include "host/reference/god_object.h"
@@ -217,7 +217,7 @@ public:
 
     ~GpuEngine() override {
         try {
-            write_pipeline_cache(cache_, identity(), device_.cache());
+            write_kept(kernels_path(), device_.cache());
         } catch (const std::exception& error) {
             spdlog::debug("compiled kernels are not kept: {}", error.what());
         }
@@ -306,10 +306,12 @@ private:
                             what, chosen_.name, chosen_.driver)};
     }
 
-    std::string identity() const { return chosen_.name + chosen_.uuid + chosen_.driver; }
+    std::filesystem::path kernels_path() const {
+        return kept_path(cache_, "pipelines", chosen_.name + chosen_.uuid + chosen_.driver);
+    }
     compute::Device open(const EngineOptions& options) {
         const Stage stage("opening " + chosen_.name);
-        const std::vector<std::byte> kept = read_pipeline_cache(cache_, identity());
+        const std::vector<std::byte> kept = read_kept(kernels_path());
         compute::DeviceOptions wanted;
         wanted.wanted = options.gpu;
         wanted.needs_f64 = options.needs_f64;

@@ -9,6 +9,7 @@
 
 #include "host/clock.h"
 #include "host/error.h"
+#include "host/field/mesh_cache.h"
 #include "host/long_run.h"
 #include "host/mesh/clearance.h"
 #include "host/mesh/mesh.h"
@@ -40,6 +41,13 @@ void require_file(const FileSpec& spec) {
     if (!spec.path.empty() && std::filesystem::status(spec.path, error).type() == std::filesystem::file_type::not_found)
         throw IoError("{}{}cannot read {}: No such file or directory{}", spec.place, spec.place.empty() ? "" : ": ",
                       spec.file, missing_file_advice(spec.path, spec.file));
+}
+
+void require_mesh_memory(const std::filesystem::path& file, std::size_t triangles) {
+    constexpr double kTriangleBytes =
+        1100; // measured: of the structure, its tables in both precisions and on the device
+    require_memory(file, fmt::format("a mesh of {} triangles", triangles),
+                   kTriangleBytes * static_cast<double>(triangles));
 }
 
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
@@ -159,13 +167,10 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const Pol
     if (!given)
         require_file(spec);
     PolygonFile file = given ? *given : read_polygons(spec.path, spec.normals == NormalWeights::file);
-    constexpr double kTriangleBytes =
-        1100; // measured: of the structure, its tables in both precisions and on the device
     refuse_missing_groups(spec, file.polygons);
     const std::size_t triangles =
         file.polygons.corners.size() - std::min(file.polygons.corners.size(), 2 * file.polygons.facets());
-    require_memory(spec.path, fmt::format("a mesh of {} triangles", triangles),
-                   kTriangleBytes * static_cast<double>(triangles));
+    require_mesh_memory(spec.path, triangles);
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
     mesh->format = file.format;
@@ -300,7 +305,15 @@ std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
 std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec, const PolygonFile* given) {
     MeshSpec placed = spec;
     placed.sha256.clear();
-    const auto read = [&] { return read_scene_mesh(placed, given, findings_); };
+    const auto read = [&] {
+        const bool large = !given && may_be_kept(placed.path);
+        if (auto kept = large ? kept_mesh(placed, sha256_of_file(placed.path)) : nullptr)
+            return kept;
+        const std::shared_ptr<const SceneMesh> made = read_scene_mesh(placed, given, findings_);
+        if (large)
+            keeping_ = std::async(std::launch::async, [placed, made] { keep_mesh(placed, *made); });
+        return made;
+    };
     const auto mesh = given ? read() : cached(meshes_, placed, kMeshes, read);
     check_digest(spec.file, spec.sha256, mesh->sha256);
     spec.sha256 = mesh->sha256;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -46,6 +47,9 @@ std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding = false)
 
 /// A file that a scene names and that is there. \throws IoError `bump.toml:14:8: cannot read ...; did you mean ...?`
 void require_file(const FileSpec& spec);
+
+/// \throws UsageError if a mesh of so many triangles needs more memory than is allowed
+void require_mesh_memory(const std::filesystem::path& file, std::size_t triangles);
 
 /// Skipped parts of the file, and the findings that leave the computation meaningful, a sentence each, after
 /// the file's name.
@@ -168,6 +172,12 @@ public:
     /// and `note` says why.
     PreparedCase prepare_open(Case one, std::string& note, const PolygonFile* given = nullptr);
 
+    /// Until a mesh that is kept for later runs (mesh_cache.h) is on the disk, as the destructor does.
+    void wait() {
+        if (keeping_.valid())
+            keeping_.wait();
+    }
+
     /// The mesh alone; fills in its file's SHA-256. \throws as above
     std::shared_ptr<const SceneMesh> mesh(MeshSpec& spec, const PolygonFile* given = nullptr);
 
@@ -179,6 +189,7 @@ private:
     std::deque<std::pair<std::string, std::shared_ptr<const HeightImage>>> images_; // path and image, the newest first
     std::deque<std::pair<std::string, std::shared_ptr<const VibrationModels>>> vibrations_; // by SHA-256
     std::map<std::string, MeshFindings> findings_;                                          // by the file's SHA-256
+    std::future<void> keeping_;                                                             // of the newest mesh
 };
 
 /// Squares of lengths up to this, m, stay numbers of T: the most that scenes may have, too.

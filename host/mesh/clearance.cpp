@@ -184,6 +184,10 @@ bool keeps_apart(const MeshParts& parts, const MeshReals<double>& reals, double 
 Clearance::Clearance(std::shared_ptr<const MeshParts> parts, std::shared_ptr<const MeshReals<double>> reals)
     : parts_(std::move(parts)), reals_(std::move(reals)) {}
 
+Clearance::Clearance(bool is_enough) {
+    std::call_once(once_, [&] { is_enough_ = is_enough; });
+}
+
 bool Clearance::is_enough(unsigned threads) const {
     std::call_once(once_, [&] { is_enough_ = keeps_apart(*parts_, *reals_, kLeastGap, threads); });
     return is_enough_;

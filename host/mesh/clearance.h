@@ -16,6 +16,8 @@ constexpr double kLeastGap = 0x1p-14;
 class Clearance {
 public:
     Clearance(std::shared_ptr<const MeshParts> parts, std::shared_ptr<const MeshReals<double>> reals);
+    /// Of a surface of which it is known.
+    explicit Clearance(bool is_enough);
 
     /// Whether triangles without a common corner are further than kLeastGap from each other, and none of those with one
     /// face each other across a sharp slit: no rounding takes one wall for another. Not if in doubt, or if very many

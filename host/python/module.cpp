@@ -6,7 +6,8 @@
 #include "compute/device.h"
 #include "host/error.h"
 #include "host/field/engine.h"
-#include "host/field/pipeline_cache.h"
+#include "host/field/mesh_cache.h"
+#include "host/output/kept.h"
 #include "host/program.h"
 #include "host/python/arrays.h"
 
@@ -67,6 +68,7 @@ EngineOptions engine_options(const PreparedScene& scene, const std::string& engi
 }
 
 void define(py::module_& module) {
+    keep_meshes_in(default_cache_folder());
     define_exceptions(module);
     module.attr("__version__") = version();
     py::class_<PreparedScene, std::shared_ptr<PreparedScene>>(module, "Scene")

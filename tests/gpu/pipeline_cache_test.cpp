@@ -5,7 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include "host/field/engine.h"
-#include "host/field/pipeline_cache.h"
+#include "host/output/kept.h"
 #include "tests/gpu/software_device.h"
 #include "tests/io/folder.h"
 
@@ -16,6 +16,10 @@ using testing::Folder;
 using Bytes = std::vector<std::byte>;
 
 const std::string kDevice = "a device and its driver";
+
+std::filesystem::path path_in(const std::filesystem::path& folder, const std::string& device = kDevice) {
+    return kept_path(folder, "pipelines", device);
+}
 
 Bytes some_bytes(std::size_t count) {
     Bytes bytes;
@@ -28,25 +32,25 @@ TEST(PipelineCacheFile, RoundTrip) {
     const Folder folder;
     const auto deep = folder.path() / "made" / "on demand";
     const Bytes bytes = some_bytes(10000);
-    write_pipeline_cache(deep, kDevice, bytes);
-    EXPECT_EQ(read_pipeline_cache(deep, kDevice), bytes);
-    EXPECT_TRUE(read_pipeline_cache(deep, "another device").empty());
-    write_pipeline_cache(deep, "another device", some_bytes(3));
-    EXPECT_EQ(read_pipeline_cache(deep, kDevice), bytes);
-    write_pipeline_cache(deep, kDevice, some_bytes(1));
-    EXPECT_EQ(read_pipeline_cache(deep, kDevice), some_bytes(1));
+    write_kept(path_in(deep), bytes);
+    EXPECT_EQ(read_kept(path_in(deep)), bytes);
+    EXPECT_TRUE(read_kept(path_in(deep, "another device")).empty());
+    write_kept(path_in(deep, "another device"), some_bytes(3));
+    EXPECT_EQ(read_kept(path_in(deep)), bytes);
+    write_kept(path_in(deep), some_bytes(1));
+    EXPECT_EQ(read_kept(path_in(deep)), some_bytes(1));
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(deep), {}), 2); // and no temporary file
 }
 
 TEST(PipelineCacheFile, DamageIsSeen) {
     spdlog::set_level(spdlog::level::off);
     const Folder folder;
-    const std::string name = pipeline_cache_path(folder.path(), kDevice).filename();
-    write_pipeline_cache(folder.path(), kDevice, some_bytes(1000));
+    const std::string name = path_in(folder.path()).filename();
+    write_kept(path_in(folder.path()), some_bytes(1000));
     const std::string intact = folder.read(name);
     const auto refused = [&](const std::string& text) {
         folder.write(name, text);
-        return read_pipeline_cache(folder.path(), kDevice).empty();
+        return read_kept(path_in(folder.path())).empty();
     };
     EXPECT_FALSE(refused(intact));
     for (const std::size_t length :
@@ -63,24 +67,24 @@ TEST(PipelineCacheFile, DamageIsSeen) {
 
 TEST(PipelineCacheFile, WhatIsNoFileIsIgnored) {
     const Folder folder;
-    const auto path = pipeline_cache_path(folder.path(), kDevice);
+    const auto path = path_in(folder.path());
     std::filesystem::create_directories(path); // a folder of that name
-    EXPECT_TRUE(read_pipeline_cache(folder.path(), kDevice).empty());
-    EXPECT_NO_THROW(write_pipeline_cache(folder.path(), kDevice, some_bytes(10)));
+    EXPECT_TRUE(read_kept(path_in(folder.path())).empty());
+    EXPECT_NO_THROW(write_kept(path_in(folder.path()), some_bytes(10)));
     std::filesystem::remove(path);
     folder.write(path.filename(), "");
     std::filesystem::resize_file(path, std::uintmax_t(1) << 40); // sparse: reading it would end the test
-    EXPECT_TRUE(read_pipeline_cache(folder.path(), kDevice).empty());
-    EXPECT_TRUE(read_pipeline_cache({}, kDevice).empty());
-    EXPECT_NO_THROW(write_pipeline_cache({}, kDevice, some_bytes(10)));
+    EXPECT_TRUE(read_kept(path_in(folder.path())).empty());
+    EXPECT_TRUE(read_kept(path_in({})).empty());
+    EXPECT_NO_THROW(write_kept(path_in({}), some_bytes(10)));
 }
 
 // Not even root can write below a file.
 TEST(PipelineCacheFile, AFolderThatCannotBeWrittenIsNoError) {
     const Folder folder;
     folder.write("file", "");
-    EXPECT_NO_THROW(write_pipeline_cache(folder / "file" / std::string("below"), kDevice, some_bytes(10)));
-    EXPECT_TRUE(read_pipeline_cache(folder / "file" / std::string("below"), kDevice).empty());
+    EXPECT_NO_THROW(write_kept(path_in(folder / "file" / std::string("below")), some_bytes(10)));
+    EXPECT_TRUE(read_kept(path_in(folder / "file" / std::string("below"))).empty());
 }
 
 class EngineCache : public ::testing::Test {
