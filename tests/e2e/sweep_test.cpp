@@ -69,13 +69,19 @@ TEST_F(Sweep, IntoAnotherFolderAndFromItsOwnStudyGivesTheSameBytes) {
 
 TEST_F(Sweep, DoesADamagedOrMissingFileAgainAndNoOther) {
     sweep({"--also", "npy,vti,vtp,png"});
+    using Damage = std::function<void(const std::filesystem::path&)>;
+    const Damage damages[] = {[](const auto& file) { std::filesystem::remove(file); },
+                              [](const auto& file) { std::filesystem::resize_file(file, 0); },
+                              [](const auto& file) { std::filesystem::resize_file(file, 300); },
+                              [](const auto& file) { flip_a_bit(file, std::filesystem::file_size(file) / 2); },
+                              [](const auto& file) { flip_a_bit(file, std::filesystem::file_size(file) - 1); },
+                              [](const auto& file) { write_text(file, read_text(file) + "x"); }};
+    std::size_t number = 0; // of the kind of file: the first meets all damages, each other one two of them
     for (const char* name : {".exr", ".force.npy", ".vti", ".vtp", ".stroke.png", ".arrows.png"}) {
-        expect_repaired(kCase + name, [](const auto& file) { std::filesystem::remove(file); });
-        expect_repaired(kCase + name, [](const auto& file) { std::filesystem::resize_file(file, 0); });
-        expect_repaired(kCase + name, [](const auto& file) { std::filesystem::resize_file(file, 300); });
-        expect_repaired(kCase + name, [](const auto& file) { flip_a_bit(file, std::filesystem::file_size(file) / 2); });
-        expect_repaired(kCase + name, [](const auto& file) { flip_a_bit(file, std::filesystem::file_size(file) - 1); });
-        expect_repaired(kCase + name, [](const auto& file) { write_text(file, read_text(file) + "x"); });
+        for (std::size_t i = 0; i < std::size(damages); ++i)
+            if (number == 0 || i % 3 == number % 3)
+                expect_repaired(kCase + name, damages[i]);
+        ++number;
     }
 }
 
