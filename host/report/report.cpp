@@ -173,6 +173,16 @@ std::string name_of(const std::filesystem::path& folder) {
     return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
+std::string heading(const Contents& contents) {
+    if (contents.sweeps.empty() && contents.studies.empty())
+        return "Report";
+    if (is_score(contents))
+        return "Renderers, scored";
+    return contents.sweeps.empty()    ? "Studies of force shading"
+           : contents.studies.empty() ? "Sweep of force fields"
+                                      : "Studies and sweeps of force fields";
+}
+
 std::string page_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
     std::string studies, sweeps;
     for (const StudyPart& part : contents.studies)
@@ -190,9 +200,9 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
         no_results.empty() && !is_score(contents) ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
     const std::string verdict = verdict_section(contents), first_device = verdict.empty() ? "" : device;
     const std::string body =
-        fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
-                    "forceshade {}.</p>\n</header>\n",
-                    escaped(name), escaped(version())) +
+        fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Folder {}, written "
+                    "by forceshade {}.</p>\n</header>\n",
+                    heading(contents), escaped(name), escaped(version())) +
         (no_results.empty() ? opening(contents, !verdict.empty()) : "") + contents_list(contents, !viewer.empty()) +
         "<main>\n" + troubles_section(contents.troubles) + no_results + verdict + first_device +
         (contents.studies.empty() ? "" : words_section(is_score(contents))) + glance(contents.studies) + studies +
