@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 
 void* operator new(std::size_t size) {
-    constexpr std::size_t kLarge = 8u << 20, kPage = 2u << 20; // bytes
+    constexpr std::size_t kLarge = 2u << 20, kPage = 2u << 20; // bytes
     if (size < kLarge) {
         if (void* block = std::malloc(size > 0 ? size : 1))
             return block;
