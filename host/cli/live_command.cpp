@@ -14,6 +14,7 @@
 #include "device/session/session.h"
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/field/mesh_cache.h"
 #include "host/field/prepared_case.h"
 #include "host/output/files.h"
 #include "host/renderer/renderer_process.h"
@@ -138,7 +139,8 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
                     preparation = std::make_shared<CasePreparation>(),
                     printed = std::make_shared<std::vector<std::string>>(), &common] {
         PreparedCase prepared = preparation->prepare(read_scene(path, replaced));
-        preparation->wait(); // the loop is to find the disk and the cores at rest
+        preparation->wait(); // the loop is to find the disk and the cores at rest, and so are later versions
+        keep_meshes_in({});
         std::vector<std::string> warnings;
         if (prepared.images.mesh)
             warnings = warnings_of(prepared.one.scene.surface.mesh, *prepared.images.mesh, MeshUse::path);

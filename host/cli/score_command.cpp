@@ -42,6 +42,7 @@ score::SceneScores score_scene(const ScoreArguments& arguments, const CommonOpti
     CasePreparation preparation;
     const PreparedCase prepared = prepare_scene(preparation, load_scene(arguments.scene, common), common);
     print_warnings(prepared.warnings, common);
+    preparation.wait(); // renderers are timed
     const score::ColumnMap map = score::parse_map(arguments.map);
     score::ScoreOptions options;
     const std::string positions =

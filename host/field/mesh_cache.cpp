@@ -1,5 +1,6 @@
 #include "host/field/mesh_cache.h"
 
+#include <atomic>
 #include <span>
 #include <type_traits>
 
@@ -17,6 +18,8 @@ namespace {
 constexpr std::size_t kLeastTriangles = 50'000;
 constexpr std::uintmax_t kLeastBytes = 10 * kLeastTriangles; // of a file: packed ones have more a triangle
 constexpr std::uint64_t kMostKept = 2ull << 30;              // bytes
+constexpr std::uint64_t kMostWritten = kMostKept / 2; // bytes, by this process: a long sweep would only replace them
+constexpr std::uint64_t kLeastFree = 1ull << 30;      // bytes: that stay free on the disk, besides three times the mesh
 constexpr const char* kKind = "mesh";
 
 std::filesystem::path& folder() {
@@ -26,13 +29,13 @@ std::filesystem::path& folder() {
 
 // All that a prepared mesh depends on.
 std::string identity_of(const MeshSpec& spec, const std::string& sha256) {
-    return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", version(), sha256, spec.unit, spec.scale,
+    return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {}", version(), __VERSION__, sha256,
+                       std::filesystem::path(spec.path).extension().string(), spec.unit, spec.scale,
                        fmt::join(spec.rotate, " "), fmt::join(spec.translate, " "), static_cast<int>(spec.normals),
                        spec.crease, spec.weld, static_cast<int>(spec.orient), static_cast<int>(spec.inside));
 }
 
-// A mesh as its file holds it: `archive` writes or reads each part in turn. Where bindings name every member, a further
-// one does not compile until it is listed.
+// A mesh as its file holds it: `archive` writes or reads each part in turn.
 
 template <typename Archive, typename Findings> void pass_findings(Archive& archive, Findings& found) {
     auto& [components, boundary, holes, crowded, odd, fans, misoriented] =
@@ -117,16 +120,17 @@ private:
         static_assert(std::is_trivially_copyable_v<T>);
         file_.read(std::as_writable_bytes(std::span(&value, 1)));
     }
-    // So many as the file may hold at most.
+    // How many of so many bytes follow: no more than the file can hold.
     std::size_t count(std::size_t bytes_each) {
         std::size_t count = 0;
         get(count);
         if (count > file_.left() / bytes_each)
-            throw IoError("is damaged");
+            throw IoError("a kept mesh is damaged: it cannot hold {} times {} bytes", count, bytes_each);
         return count;
     }
     template <typename T> void get(std::vector<T>& values) {
-        values.resize(count(std::is_trivially_copyable_v<T> ? sizeof(T) : 1));
+        constexpr std::size_t kLeastText = sizeof(std::size_t); // bytes of an empty one
+        values.resize(count(std::is_trivially_copyable_v<T> ? sizeof(T) : kLeastText));
         if constexpr (std::is_trivially_copyable_v<T>)
             file_.read(std::as_writable_bytes(std::span(values)));
         else
@@ -153,17 +157,15 @@ std::shared_ptr<const SceneMesh> read(const std::filesystem::path& path, const M
                                       const std::string& identity) {
     Reader file(path);
     std::string of;
-    std::size_t triangles = 0;
-    file(of, triangles);
+    file(of);
     if (of != identity)
         return nullptr;
-    require_mesh_memory(spec.path, triangles);
     auto mesh = std::make_shared<SceneMesh>();
     MeshStructure& structure = mesh->structure;
     auto parts = std::make_shared<MeshParts>();
     auto reals = std::make_shared<MeshReals<double>>();
     bool wound = false, limited = false, is_clear = false;
-    file(mesh->sha256, mesh->format, mesh->inside, mesh->changes);
+    file(mesh->sha256, mesh->format, mesh->file_triangles, mesh->inside, mesh->changes);
     pass_findings(file, mesh->findings);
     pass_mesh(file, mesh->mesh);
     file(structure.centre, structure.scale, structure.solid, wound, limited, is_clear);
@@ -175,6 +177,7 @@ std::shared_ptr<const SceneMesh> read(const std::filesystem::path& path, const M
         structure.winding = std::move(winding);
     }
     file.finish();
+    require_mesh_memory(spec.path, mesh->file_triangles);
     if (limited)
         structure.clearance = std::make_shared<const Clearance>(is_clear);
     structure.parts = std::move(parts);
@@ -184,10 +187,8 @@ std::shared_ptr<const SceneMesh> read(const std::filesystem::path& path, const M
 
 void write(const std::filesystem::path& path, const std::string& identity, const SceneMesh& mesh) {
     const MeshStructure& structure = mesh.structure;
-    std::filesystem::create_directories(path.parent_path());
-    clear_stale_temporaries(path.parent_path());
     Writer file(path);
-    file(identity, structure.triangles(), mesh.sha256, mesh.format, mesh.inside, mesh.changes);
+    file(identity, mesh.sha256, mesh.format, mesh.file_triangles, mesh.inside, mesh.changes);
     pass_findings(file, mesh.findings);
     pass_mesh(file, mesh.mesh);
     const bool wound = structure.winding != nullptr, limited = structure.clearance != nullptr;
@@ -198,6 +199,14 @@ void write(const std::filesystem::path& path, const std::string& identity, const
     if (wound)
         pass_winding(file, *structure.winding);
     file.publish();
+}
+
+// Whether a mesh may be kept without harm to what the disk and this process are for.
+bool has_room(const MeshStructure& mesh) {
+    static std::atomic<std::uint64_t> written = 0;
+    constexpr std::uint64_t kTriangleBytes = 300; // measured, with the winding number's tables
+    const std::uint64_t bytes = kTriangleBytes * mesh.triangles();
+    return std::filesystem::space(folder()).available > kLeastFree + 4 * bytes && (written += bytes) <= kMostWritten;
 }
 
 } // namespace
@@ -222,8 +231,10 @@ std::shared_ptr<const SceneMesh> kept_mesh(const MeshSpec& spec, const std::stri
         auto mesh = read(path, spec, identity);
         std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now(), error); // used now
         return mesh;
-    } catch (const IoError& damage) {
-        log_line(fmt::format("{}: {}; the mesh is prepared anew", path.string(), damage.what()));
+    } catch (const UsageError&) { // of the memory
+        throw;
+    } catch (const std::exception& damage) {
+        log_line(fmt::format("{}; the mesh is prepared anew", damage.what()));
         return nullptr;
     }
 }
@@ -233,6 +244,10 @@ void keep_mesh(const MeshSpec& spec, const SceneMesh& mesh) noexcept {
         const std::string identity = identity_of(spec, mesh.sha256);
         const std::filesystem::path path = kept_path(folder(), kKind, identity);
         if (path.empty() || mesh.structure.triangles() < kLeastTriangles)
+            return;
+        std::filesystem::create_directories(folder());
+        clear_stale_temporaries(folder());
+        if (!has_room(mesh.structure))
             return;
         write(path, identity, mesh);
         limit_kept(folder(), kKind, kMostKept);

@@ -174,6 +174,7 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const Pol
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
     mesh->format = file.format;
+    mesh->file_triangles = triangles;
     for (const std::string& skipped : file.warnings)
         mesh->changes.push_back({skipped});
     if (!file.polygons.groups.empty() && spec.normals != NormalWeights::groups)
@@ -310,7 +311,7 @@ std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec, const Pol
         if (auto kept = large ? kept_mesh(placed, sha256_of_file(placed.path)) : nullptr)
             return kept;
         const std::shared_ptr<const SceneMesh> made = read_scene_mesh(placed, given, findings_);
-        if (large)
+        if (large && (!keeping_.valid() || keeping_.wait_for(std::chrono::seconds(0)) == std::future_status::ready))
             keeping_ = std::async(std::launch::async, [placed, made] { keep_mesh(placed, *made); });
         return made;
     };

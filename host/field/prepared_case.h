@@ -40,6 +40,7 @@ struct SceneMesh {
     MeshFindings findings;
     InsideTest inside = InsideTest::pseudonormal; /* as the spec has it, or what suits the mesh */
     std::vector<MeshFault> changes;               /* parts of the file that were skipped, facets that orient turned */
+    std::size_t file_triangles = 0;               /* as require_mesh_memory() was asked for them */
 };
 
 /// Polygons in the scene's frame, m, as they are. `winding`: with the tree's winding numbers.

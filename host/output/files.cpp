@@ -269,10 +269,14 @@ std::string TemporaryFile::sha256() {
     return hash.empty() ? sha256_of_file(temporary_path_) : hash;
 }
 
-void TemporaryFile::publish() {
+void TemporaryFile::publish(bool durable) {
     throw_if_failed();
-    if (!on_disk_)
+    if (!durable) {
+        flush_buffer();
+        wait_for_disk();
+    } else if (!on_disk_) {
         flush_to_disk();
+    }
     {
         const auto hold = hold_end();
         if (kept_files().count(std::filesystem::absolute(path_))
@@ -282,7 +286,7 @@ void TemporaryFile::publish() {
         keep_at_end(temporary_path_);
     }
     published_ = true;
-    if (const int number = flush_folder(folder_of(path_)); number != 0)
+    if (const int number = durable ? flush_folder(folder_of(path_)) : 0; number != 0)
         fail(number);
 }
 

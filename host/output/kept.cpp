@@ -38,7 +38,7 @@ void KeptWriter::write(std::span<const std::byte> bytes) {
 
 void KeptWriter::publish() {
     file_.write(digest_.finish());
-    file_.publish();
+    file_.publish(false); // what a crash leaves has another digest
 }
 
 KeptReader::KeptReader(const std::filesystem::path& path) : file_(path) {
@@ -107,8 +107,10 @@ void limit_kept(const std::filesystem::path& folder, const std::string& kind, st
     std::ranges::sort(files, std::greater(), &Kept::used);
     std::uint64_t sum = 0;
     for (const Kept& file : files)
-        if ((sum += file.bytes) > most)
+        if (sum + file.bytes > most)
             std::filesystem::remove(file.path, error);
+        else
+            sum += file.bytes;
 }
 
 } // namespace forceshade

@@ -220,7 +220,7 @@ private:
     double once(const One& one, std::size_t number) const;
 
     const std::vector<Method>& methods_;
-    std::vector<One> met_;
+    std::vector<One> met_; // the control of each of two loops, then the methods
 };
 
 /// Whether the machine was too busy for these times to say anything: a clock read around nothing takes a microsecond in
