@@ -3,11 +3,21 @@
 #include <cstdlib>
 #include <new>
 
+#include <malloc.h>
 #include <sys/mman.h>
 
+namespace {
+
+constexpr std::size_t kPage = 2u << 20; // bytes
+// Such blocks are mapped each on its own and go back when they are freed, since between others they leave gaps; of the
+// others' memory some stays for the next ones.
+[[maybe_unused]] const int kMapped = ::mallopt(M_MMAP_THRESHOLD, kPage);
+[[maybe_unused]] const int kStays = ::mallopt(M_TRIM_THRESHOLD, 16 * kPage);
+
+} // namespace
+
 void* operator new(std::size_t size) {
-    constexpr std::size_t kLarge = 2u << 20, kPage = 2u << 20; // bytes
-    if (size < kLarge) {
+    if (size < kPage) {
         if (void* block = std::malloc(size > 0 ? size : 1))
             return block;
         throw std::bad_alloc();

@@ -53,8 +53,8 @@ public:
     /// Everything written so far is on the disk, and the kernel forgets its copy, so that reading reads the disk.
     /// \throws Interrupted too, of a file of 64 MiB or more.
     void flush_to_disk();
-    /// flush_to_disk() if that is still due, then renames to the final name and makes the rename durable; unless it is
-    /// to be durable, without waiting for the disk.
+    /// flush_to_disk() if that is still due, then renames to the final name and makes the rename durable. Not
+    /// `durable`: hands all to the kernel and renames.
     void publish(bool durable = true);
     /// Of all that was written, once, after flush_to_disk(). Reads the file if seek() was used.
     std::string sha256();
