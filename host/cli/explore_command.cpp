@@ -124,7 +124,8 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
                    ? ""
                    : fmt::format("; {} of {} compared with the oracle, {} differ", record.error.paths,
                                  plural(record.paths, "path"), record.error.differing + record.error.metrics));
-    print_note("{} (what that saves: forceshade study omission SCENE)\n", left_out_text(scene));
+    const bool is_studied = scene.paths && scene.paths->kind != PathKind::recorded;
+    print_note("{}{}\n", left_out_text(scene), is_studied ? " (what that saves: forceshade study omission SCENE)" : "");
     if (record.deviation)
         print_note("{}", deviation_text(*record.deviation));
     constexpr double kHardly = 0.1; // of the samples

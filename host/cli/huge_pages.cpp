@@ -9,8 +9,8 @@
 namespace {
 
 constexpr std::size_t kPage = 2u << 20; // bytes
-// Such blocks are mapped each on its own and go back when they are freed, since between others they leave gaps; of the
-// others' memory some stays for the next ones.
+// Blocks of a page or more have a mapping each, which ends when they are freed: in the heap they would leave gaps. What
+// smaller ones free stays, up to 32 MiB, for the next ones.
 [[maybe_unused]] const int kMapped = ::mallopt(M_MMAP_THRESHOLD, kPage);
 [[maybe_unused]] const int kStays = ::mallopt(M_TRIM_THRESHOLD, 16 * kPage);
 

@@ -139,8 +139,8 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
                     preparation = std::make_shared<CasePreparation>(),
                     printed = std::make_shared<std::vector<std::string>>(), &common] {
         PreparedCase prepared = preparation->prepare(read_scene(path, replaced));
-        preparation->wait(); // the loop is to find the disk and the cores at rest, and so are later versions
-        keep_meshes_in({});
+        preparation->wait(); // nothing else is to use disk and cores once the loop runs,
+        keep_meshes_in({});  // nor when a later version of the scene is read
         std::vector<std::string> warnings;
         if (prepared.images.mesh)
             warnings = warnings_of(prepared.one.scene.surface.mesh, *prepared.images.mesh, MeshUse::path);

@@ -120,7 +120,7 @@ private:
         static_assert(std::is_trivially_copyable_v<T>);
         file_.read(std::as_writable_bytes(std::span(&value, 1)));
     }
-    // How many of so many bytes follow: no more than the file can hold.
+    // The number of elements that follow, of `bytes_each` at least: no more than the file can hold.
     std::size_t count(std::size_t bytes_each) {
         std::size_t count = 0;
         get(count);
@@ -164,21 +164,21 @@ std::shared_ptr<const SceneMesh> read(const std::filesystem::path& path, const M
     MeshStructure& structure = mesh->structure;
     auto parts = std::make_shared<MeshParts>();
     auto reals = std::make_shared<MeshReals<double>>();
-    bool wound = false, limited = false, is_clear = false;
+    bool has_winding = false, has_clearance = false, is_clear = false;
     file(mesh->sha256, mesh->format, mesh->file_triangles, mesh->inside, mesh->changes);
     pass_findings(file, mesh->findings);
     pass_mesh(file, mesh->mesh);
-    file(structure.centre, structure.scale, structure.solid, wound, limited, is_clear);
+    file(structure.centre, structure.scale, structure.solid, has_winding, has_clearance, is_clear);
     pass_parts(file, *parts);
     pass_reals(file, *reals);
-    if (wound) {
+    if (has_winding) {
         auto winding = std::make_shared<MeshWinding>();
         pass_winding(file, *winding);
         structure.winding = std::move(winding);
     }
     file.finish();
     require_mesh_memory(spec.path, mesh->file_triangles);
-    if (limited)
+    if (has_clearance)
         structure.clearance = std::make_shared<const Clearance>(is_clear);
     structure.parts = std::move(parts);
     structure.reals = std::move(reals);
@@ -191,19 +191,20 @@ void write(const std::filesystem::path& path, const std::string& identity, const
     file(identity, mesh.sha256, mesh.format, mesh.file_triangles, mesh.inside, mesh.changes);
     pass_findings(file, mesh.findings);
     pass_mesh(file, mesh.mesh);
-    const bool wound = structure.winding != nullptr, limited = structure.clearance != nullptr;
-    file(structure.centre, structure.scale, structure.solid, wound, limited,
-         limited && structure.clearance->is_enough());
+    const bool has_winding = structure.winding != nullptr, has_clearance = structure.clearance != nullptr;
+    file(structure.centre, structure.scale, structure.solid, has_winding, has_clearance,
+         has_clearance && structure.clearance->is_enough());
     pass_parts(file, *structure.parts);
     pass_reals(file, *structure.reals);
-    if (wound)
+    if (has_winding)
         pass_winding(file, *structure.winding);
     file.publish();
 }
 
+std::atomic<std::uint64_t> written = 0; // bytes, since keep_meshes_in()
+
 // Whether a mesh may be kept without harm to what the disk and this process are for.
 bool has_room(const MeshStructure& mesh) {
-    static std::atomic<std::uint64_t> written = 0;
     constexpr std::uint64_t kTriangleBytes = 300; // measured, with the winding number's tables
     const std::uint64_t bytes = kTriangleBytes * mesh.triangles();
     return std::filesystem::space(folder()).available > kLeastFree + 4 * bytes && (written += bytes) <= kMostWritten;
@@ -213,6 +214,7 @@ bool has_room(const MeshStructure& mesh) {
 
 void keep_meshes_in(const std::filesystem::path& path) {
     folder() = path;
+    written = 0;
 }
 
 bool may_be_kept(const std::filesystem::path& file) {

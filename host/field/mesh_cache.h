@@ -9,8 +9,8 @@
 
 namespace forceshade {
 
-/// For the whole process: where prepared meshes of 50 000 triangles and more are kept, up to 2 GiB of them; those used
-/// the longest ago go first. Empty, so that none are, until it is set.
+/// For the whole process: where prepared meshes of 50 000 triangles and more are kept, up to 2 GiB of them, 1 GiB from
+/// one call on; those used the longest ago go first. Empty, so that none are, until it is set.
 void keep_meshes_in(const std::filesystem::path& folder);
 
 /// Of the file with this SHA-256, prepared as `spec` has it by this version of the program; null without an intact

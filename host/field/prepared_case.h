@@ -49,7 +49,7 @@ std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding = false)
 /// A file that a scene names and that is there. \throws IoError `bump.toml:14:8: cannot read ...; did you mean ...?`
 void require_file(const FileSpec& spec);
 
-/// \throws UsageError if a mesh of so many triangles needs more memory than is allowed
+/// \throws UsageError if the memory that a mesh of this many triangles needs, 1100 B each, is more than is allowed
 void require_mesh_memory(const std::filesystem::path& file, std::size_t triangles);
 
 /// Skipped parts of the file, and the findings that leave the computation meaningful, a sentence each, after
@@ -173,7 +173,7 @@ public:
     /// and `note` says why.
     PreparedCase prepare_open(Case one, std::string& note, const PolygonFile* given = nullptr);
 
-    /// Until a mesh that is kept for later runs (mesh_cache.h) is on the disk, as the destructor does.
+    /// Waits for a mesh that is being kept for later runs (mesh_cache.h) to be written, as the destructor does.
     void wait() {
         if (keeping_.valid())
             keeping_.wait();

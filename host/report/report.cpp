@@ -173,13 +173,16 @@ std::string name_of(const std::filesystem::path& folder) {
     return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
+// What the folder holds.
 std::string heading(const Contents& contents) {
     if (contents.sweeps.empty() && contents.studies.empty())
         return "Report";
     if (is_score(contents))
         return "Renderers, scored";
-    return contents.sweeps.empty()    ? "Studies of force shading"
-           : contents.studies.empty() ? "Sweep of force fields"
+    const char* const studies = contents.studies.size() > 1 ? "Studies" : "Study";
+    const char* const sweeps = contents.sweeps.size() > 1 ? "Sweeps" : "Sweep";
+    return contents.sweeps.empty()    ? fmt::format("{} of force shading", studies)
+           : contents.studies.empty() ? fmt::format("{} of force fields", sweeps)
                                       : "Studies and sweeps of force fields";
 }
 

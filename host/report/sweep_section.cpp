@@ -12,9 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "host/error.h"
 #include "host/report/sections.h"
-#include "host/scene/value.h"
 
 namespace forceshade::report {
 namespace {
@@ -63,18 +61,6 @@ std::optional<Measure> measure_of(const std::string& text) {
 std::optional<double> leading_number(const std::string& text) {
     const auto measure = measure_of(text);
     return measure ? std::optional(measure->number) : std::nullopt;
-}
-
-// In SI units, so that numbers of several units have an order; a number without one as it is.
-double si_number(const std::string& text) {
-    for (const Dimension one :
-         {Dimension::length, Dimension::stiffness, Dimension::speed, Dimension::frequency, Dimension::time,
-          Dimension::force, Dimension::mass, Dimension::damping, Dimension::angle, Dimension::force_rate})
-        try {
-            return parse_quantity(text, one);
-        } catch (const UsageError&) { // of another dimension
-        }
-    return leading_number(text).value_or(0);
 }
 
 std::string parameter(const CaseRecord& record, const std::string& key) {
@@ -153,13 +139,18 @@ std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, bool
     }
     if (!numbers)
         return rows;
-    std::vector<std::string> order; // in which series come
-    for (const Plotted& row : rows)
-        if (std::ranges::find(order, row.series) == order.end())
-            order.push_back(row.series);
+    const auto place_among = [](const std::vector<std::string>& all, const std::string& one) {
+        return std::ranges::find(all, one) - all.begin();
+    };
+    std::vector<std::string> series, panels; // in the order of the cases
+    for (const Plotted& row : rows) {
+        if (place_among(series, row.series) == std::ssize(series))
+            series.push_back(row.series);
+        if (place_among(panels, row.panel) == std::ssize(panels))
+            panels.push_back(row.panel);
+    }
     std::ranges::stable_sort(rows, {}, [&](const Plotted& row) {
-        return std::tuple(std::ranges::find(order, row.series) - order.begin(),
-                          si_number(parameter(*row.record, panel)), std::get<double>(row.x));
+        return std::tuple(place_among(series, row.series), place_among(panels, row.panel), std::get<double>(row.x));
     });
     return rows;
 }

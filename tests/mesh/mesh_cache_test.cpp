@@ -96,6 +96,26 @@ TEST_F(MeshCache, IsOfTheFileAndItsKeysAndOfLargeMeshesAlone) {
     EXPECT_NEAR(reference::length(other.images.mesh->mesh.polygons.vertices[7]), 1.01e-3, 1e-9);
 }
 
+// What is refused without it is refused with it.
+TEST_F(MeshCache, RefusesTheSame) {
+    const PolygonSoup sphere = shapes::icosphere(6);
+    const std::string twice = testing::as_obj(shapes::merged(sphere, sphere)); // half of the facets are left out
+    files_.write("mesh.obj", twice);
+    files_.write("mesh.ply", twice);
+    keep_meshes_in(cache_.path());
+    prepared();
+    ASSERT_EQ(cache_.names().size(), 1u);
+    EXPECT_THROW(CasePreparation().prepare(parse_scene(
+                     "[surface]\nkind = \"mesh\"\nfile = \"mesh.ply\"\nunit = \"mm\"\n", "scene", files_.path())),
+                 UsageError);
+    set_memory_limit(150'000'000); // enough for one of the two spheres
+    const std::string kept = testing::message_of<UsageError>([&] { prepared(); });
+    keep_meshes_in({});
+    EXPECT_EQ(kept, testing::message_of<UsageError>([&] { prepared(); }));
+    set_memory_limit(kDefaultMemory);
+    EXPECT_TRUE(testing::says(kept, "163840 triangles"));
+}
+
 TEST_F(MeshCache, IsMendedWhereItIsDamaged) {
     files_.write("mesh.obj", testing::as_obj(shapes::icosphere(6)));
     keep_meshes_in(cache_.path());
@@ -128,6 +148,7 @@ TEST(Kept, GoesWhenItWasUsedTheLongestAgo) {
     }
     write_kept(kept_path(folder.path(), "pipelines", "x"), std::vector<std::byte>(5000));
     folder.write("mesh.obj", std::string(9000, 'c'));
+    write_kept(kept_path(folder.path(), "mesh", "large"), std::vector<std::byte>(4000)); // more than all may have
     limit_kept(folder.path(), "mesh", 3 * 1064);
     EXPECT_EQ(folder.names().size(), 5u); // three of them, and what is of another kind
     EXPECT_TRUE(read_kept(kept_path(folder.path(), "mesh", "1")).empty());

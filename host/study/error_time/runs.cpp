@@ -265,13 +265,11 @@ void AsMetTimes::measure(std::size_t ticks, std::size_t colds) {
 }
 
 std::vector<AsMet> AsMetTimes::result() const {
+    std::vector<One> all(met_.begin() + 1, met_.end()); // the controls as one
+    append(all[0].loop, met_[0].loop);
+    append(all[0].cold, met_[0].cold);
     std::vector<AsMet> met;
-    One control = met_[0];
-    append(control.loop, met_[1].loop);
-    append(control.cold, met_[1].cold);
-    met.push_back(
-        {control.method, waits_of(control.loop), waits_of(control.cold), control.loop.size(), control.cold.size()});
-    for (const One& one : std::span(met_).subspan(kLanes))
+    for (const One& one : all)
         met.push_back({one.method, waits_of(one.loop), waits_of(one.cold), one.loop.size(), one.cold.size()});
     return met;
 }
