@@ -74,11 +74,10 @@ FieldPlan plan_field(std::uint64_t nx, std::uint64_t ny, std::uint64_t nz, Sampl
     const std::uint64_t rows = std::min({limits.buffer_range / (pitch * sample.largest),
                                          limits.chunk_bytes / (pitch * sample.all), most_invocations / blocks});
     if (rows < 1)
-        throw DeviceError(
-            DeviceError::Kind::out_of_memory,
-            fmt::format("one row of {} samples takes {} bytes; a dispatch may hold {} and a buffer span {}: "
-                        "make the grid narrower in x",
-                        nx, pitch * sample.all, limits.chunk_bytes, limits.buffer_range));
+        throw DeviceError(DeviceError::Kind::out_of_memory,
+                          fmt::format("one row of {} samples takes {} bytes; a dispatch may hold {} and a buffer span "
+                                      "{}: make the grid narrower in x",
+                                      nx, pitch * sample.all, limits.chunk_bytes, limits.buffer_range));
     FieldPlan plan;
     plan.x_pitch = static_cast<std::uint32_t>(pitch);
     plan.blocks = static_cast<std::uint32_t>(blocks);
@@ -108,11 +107,11 @@ MeshChunkSteps plan_mesh_chunks(std::uint64_t x_pitch, std::uint64_t ny, std::ui
         return {static_cast<std::uint32_t>(ny), static_cast<std::uint32_t>(pair)};
     const MeshChunkSteps steps{whole(rows, ny), 1};
     if (steps.y_step == 0)
-        throw DeviceError(
-            DeviceError::Kind::out_of_memory,
-            fmt::format("{} rows of {} samples take {} bytes; a dispatch may hold {} and a buffer span {}: "
-                        "make the grid narrower in x",
-                        kMeshBlock, x_pitch, kMeshBlock * x_pitch * sample.all, chunk_bytes, buffer_range));
+        throw DeviceError(DeviceError::Kind::out_of_memory,
+                          fmt::format("{} rows of {} samples take {} bytes; a dispatch may hold {} and a buffer span "
+                                      "{}: make the grid narrower in x",
+                                      kMeshBlock, x_pitch, kMeshBlock * x_pitch * sample.all, chunk_bytes,
+                                      buffer_range));
     return steps;
 }
 

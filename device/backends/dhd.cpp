@@ -330,9 +330,9 @@ private:
             throw DeviceAbsent("{} reports no position: {}", facts_.name, library_.error());
         position_ = to_world(x, y, z);
         if (!is_reachable(position_))
-            throw DeviceAbsent("{} reported the position ({}, {}, {}): its SDK gives metres, and no device reaches "
-                               "further than {} m",
-                               facts_.name, x, y, z, kReachOfDevices);
+            throw DeviceAbsent(
+                "{} reported the position ({}, {}, {}): its SDK gives metres, and no device reaches further than {} m",
+                facts_.name, x, y, z, kReachOfDevices);
     }
 
     // The loop writes forces all the time; if the process stops, the device drops the force by itself.
@@ -446,9 +446,8 @@ DeviceKind find_dhd() {
     for (int index = 0; index < count; ++index)
         kind.devices.push_back(fmt::format("dhd:{}", index));
     if (count <= 0)
-        kind.problem = fmt::format("no device{}: is it plugged in and powered, and may this user use it (a udev rule "
-                                   "for USB)?",
-                                   error_text);
+        kind.problem = fmt::format(
+            "no device{}: is it plugged in and powered, and may this user use it (a udev rule for USB)?", error_text);
     return kind;
 }
 

@@ -44,12 +44,12 @@ struct HdValue {
 /// missing or is a different one.
 struct HdLibrary : SharedLibrary {
     HdLibrary()
-        : SharedLibrary({"3D Systems OpenHaptics toolkit",
-                         "FORCESHADE_HD_LIBRARY",
-                         {"libHD.so", "libHD.so.3.4", "libHD.so.3.5", "libHD.so.3.0", "libHD.so.3"},
-                         "Install OpenHaptics for Linux and the device's driver from 3D Systems "
-                         "(support.3dsystems.com) and put the folder of libHD.so into LD_LIBRARY_PATH, or set "
-                         "FORCESHADE_HD_LIBRARY to that file"}) {}
+        : SharedLibrary(
+              {"3D Systems OpenHaptics toolkit",
+               "FORCESHADE_HD_LIBRARY",
+               {"libHD.so", "libHD.so.3.4", "libHD.so.3.5", "libHD.so.3.0", "libHD.so.3"},
+               "Install OpenHaptics for Linux and the device's driver from 3D Systems (support.3dsystems.com) and put "
+               "the folder of libHD.so into LD_LIBRARY_PATH, or set FORCESHADE_HD_LIBRARY to that file"}) {}
 
     unsigned (*init_device)(const char* name) = needed("hdInitDevice"); // null: the default device
     void (*disable_device)(unsigned device) = needed("hdDisableDevice");
@@ -284,11 +284,10 @@ struct Session {
         }
         if (device != HdValue::invalid_handle)
             library.disable_device(device);
-        throw DeviceAbsent(
-            "the OpenHaptics device {} cannot be opened: {}; is it plugged in, powered and set up with the "
-            "vendor's Touch_Setup? Library: {}",
-            name.empty() ? "configured as default" : "\"" + name + "\"", error.empty() ? "no reason given" : error,
-            library.file());
+        throw DeviceAbsent("the OpenHaptics device {} cannot be opened: {}; is it plugged in, powered and set up with "
+                           "the vendor's Touch_Setup? Library: {}",
+                           name.empty() ? "configured as default" : "\"" + name + "\"",
+                           error.empty() ? "no reason given" : error, library.file());
     }
     ~Session() { library.disable_device(device); }
     Session(const Session&) = delete;
@@ -415,9 +414,9 @@ private:
         if (!states(HdValue::nominal_max_continuous_force, &continuous))
             return;
         if (!(continuous >= 0.1 && continuous <= most))
-            throw DeviceAbsent("{} states a continuous force of {} N: between 0.1 N and its largest, {} "
-                               "N, is plausible",
-                               facts.name, continuous, most);
+            throw DeviceAbsent(
+                "{} states a continuous force of {} N: between 0.1 N and its largest, {} N, is plausible", facts.name,
+                continuous, most);
         facts.continuous_force = continuous;
     }
 
@@ -430,10 +429,9 @@ private:
         for (int axis = 0; axis < 3; ++axis) {
             const double size = box[3 + axis] - box[axis];
             if (!(size >= 20 && size <= 6000))
-                throw DeviceAbsent(
-                    "{} states the workspace ({}, {}, {}) to ({}, {}, {}): its API gives millimetres, and "
-                    "a side between 20 mm and 6000 mm is plausible",
-                    facts.name, box[0], box[1], box[2], box[3], box[4], box[5]);
+                throw DeviceAbsent("{} states the workspace ({}, {}, {}) to ({}, {}, {}): its API gives millimetres, "
+                                   "and a side between 20 mm and 6000 mm is plausible",
+                                   facts.name, box[0], box[1], box[2], box[3], box[4], box[5]);
         }
         facts.low = kMillimetre * glm::dvec3(box[0], -box[5], box[1]);
         facts.high = kMillimetre * glm::dvec3(box[3], -box[2], box[4]);
@@ -442,10 +440,9 @@ private:
     // Before forces are enabled.
     void calibrate(DeviceFacts& facts) const {
         if (const std::string why = why_uncalibrated(facts); !why.empty())
-            throw DeviceAbsent(
-                "{} is not calibrated ({}): put its stylus into the inkwell (an arm without one into its "
-                "reset position), or run the vendor's Touch_Diagnostic, and try again",
-                facts.name, why);
+            throw DeviceAbsent("{} is not calibrated ({}): put its stylus into the inkwell (an arm without one into "
+                               "its reset position), or run the vendor's Touch_Diagnostic, and try again",
+                               facts.name, why);
     }
 
     // The device states a set of them and accepts one: the last that it has.

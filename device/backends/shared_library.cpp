@@ -38,10 +38,9 @@ void* open_sought(const SoughtLibrary& sought) {
         if (!why.starts_with(name + ": cannot open shared object file: No such file"))
             load_errors += "; " + why;
     }
-    throw DeviceAbsent("no library of the {}: none of {} is in LD_LIBRARY_PATH or the system's folders, "
-                       "and {} is not set{}. {}",
-                       sought.product, fmt::join(sought.names, ", "), sought.variable, load_errors,
-                       sought.installation);
+    throw DeviceAbsent(
+        "no library of the {}: none of {} is in LD_LIBRARY_PATH or the system's folders, and {} is not set{}. {}",
+        sought.product, fmt::join(sought.names, ", "), sought.variable, load_errors, sought.installation);
 }
 
 } // namespace

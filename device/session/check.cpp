@@ -342,11 +342,10 @@ private:
                 } else if (along < kAlong * size) {
                     wrong += fmt::format("{}pushed along {} it moved {:.1f} mm along {}", wrong.empty() ? "" : "; ",
                                          name, 1e3 * size, side_name(largest, way[largest]));
-                    advice = largest == axis
-                                 ? "an axis is inverted: the device's set-up (its mount, its basis) is not as "
-                                   "forceshade assumes; do not use it like this"
-                                 : "the axes are not as assumed: turn the scene with --rotate, or correct the "
-                                   "device's set-up (its mount, its basis); do not use it like this";
+                    advice = largest == axis ? "an axis is inverted: the device's set-up (its mount, its basis) is not "
+                                               "as forceshade assumes; do not use it like this"
+                                             : "the axes are not as assumed: turn the scene with --rotate, or correct "
+                                               "the device's set-up (its mount, its basis); do not use it like this";
                 }
             }
         if (!wrong.empty())
@@ -429,9 +428,9 @@ private:
             return absent("the device reports no buttons");
         if (!guide_.held)
             return not_pushed();
-        const std::string which = dead_man != 0 ? fmt::format("the dead-man's button, {},", dead_man)
-                                                : std::string("a button of the device, or that which switches its "
-                                                              "forces off,");
+        const std::string which = dead_man != 0
+                                      ? fmt::format("the dead-man's button, {},", dead_man)
+                                      : std::string("a button of the device, or that which switches its forces off,");
         tell(fmt::format("Press and release {} within {} s{}.", which, kButtonTime,
                          guide_.entered && dead_man == 0 ? "; press Enter if the device has none" : ""));
         const char* const before = opened_.device->withheld();

@@ -63,8 +63,8 @@ int create(const std::filesystem::path& file, bool replace) {
     if (descriptor >= 0)
         return descriptor;
     if (errno == EEXIST)
-        throw UsageError("--log {}: is there already, and a recording is not replaced by accident; choose "
-                         "another name, or use --overwrite, or --no-clobber to keep it and not run",
+        throw UsageError("--log {}: is there already, and a recording is not replaced by accident; choose another "
+                         "name, or use --overwrite, or --no-clobber to keep it and not run",
                          file.string());
     if (errno == ENXIO && special)
         throw IoError("cannot write {}: this pipe has no reader; start its reader first", file.string());
@@ -114,9 +114,8 @@ std::string text_of(const ViewJson& json) {
 
 LiveLog::LiveLog(const std::filesystem::path& file, double room, Precision precision, bool replace, bool with_buttons)
     : SampleReader(room), path_(file), single_(precision == Precision::f32), with_buttons_(with_buttons),
-      descriptor_(create(file, replace)),
-      text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet,cx,cy,cz,energy,tick,late_ns,read_ns,compute_ns,write_ns,"
-            "happened,scene") {
+      descriptor_(create(file, replace)), text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet,cx,cy,cz,energy,tick,late_"
+                                                "ns,read_ns,compute_ns,write_ns,happened,scene") {
     text_ += with_buttons ? ",buttons\n" : "\n";
     write_out();
     if (!failure_.empty()) {

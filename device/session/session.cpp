@@ -123,16 +123,15 @@ SafetyLimits limits_of(const SessionOptions& options, const Scene& scene, const 
     if (std::isinf(limits.max_force) && !options.max_force) {
         limits.max_force = kCautiousForce;
         if (!facts.simulated)
-            warnings.push_back(fmt::format("the device does not state its largest force: {} N at most; "
-                                           "--max-force sets another limit",
-                                           kCautiousForce));
+            warnings.push_back(
+                fmt::format("the device does not state its largest force: {} N at most; --max-force sets another limit",
+                            kCautiousForce));
     }
     limits.continuous_force = options.continuous_force.value_or(facts.continuous_force);
     if (!facts.has_watchdog && !options.without_watchdog && limits.max_force > kUnwatchedForce) {
         limits.max_force = kUnwatchedForce;
-        warnings.push_back(fmt::format("{} N at most without the device's watchdog; --without-device-watchdog allows "
-                                       "more",
-                                       kUnwatchedForce));
+        warnings.push_back(fmt::format(
+            "{} N at most without the device's watchdog; --without-device-watchdog allows more", kUnwatchedForce));
     }
     limits.low = options.workspace ? options.workspace->first : facts.low;
     limits.high = options.workspace ? options.workspace->second : facts.high;
@@ -332,21 +331,20 @@ private:
                                            "having fallen off the surface or been thrown off",
                                            again == 1 ? "once" : fmt::format("{} times", again)));
         if (outcome.counts.standstill > 0)
-            remarks_.push_back(fmt::format("the process stood still for {:.1f} s; the samples of that time did not "
-                                           "become due",
-                                           outcome.counts.standstill));
-        if (outcome.counts.lost > 0)
-            remarks_.push_back("samples are missing in the log; on a mesh the rest of their paths will not replay "
-                               "to the same forces");
-        if (const std::uint64_t all = outcome.counts.samples; all > 0 && outcome.counts.with(kOutside) == all)
             remarks_.push_back(
-                "every position lay outside of the workspace, so there was no force at all: does --origin "
-                "put the scene where the hand is, and is --workspace the device's?");
+                fmt::format("the process stood still for {:.1f} s; the samples of that time did not become due",
+                            outcome.counts.standstill));
+        if (outcome.counts.lost > 0)
+            remarks_.push_back(
+                "samples are missing in the log; on a mesh the rest of their paths will not replay to the same forces");
+        if (const std::uint64_t all = outcome.counts.samples; all > 0 && outcome.counts.with(kOutside) == all)
+            remarks_.push_back("every position lay outside of the workspace, so there was no force at all: does "
+                               "--origin put the scene where the hand is, and is --workspace the device's?");
         if (const std::uint64_t faded = outcome.counts.with(kUnstable); faded > 0)
-            remarks_.push_back(fmt::format(
-                "the force drove an oscillation and was faded out, in {} of {} samples: this hand cannot hold the "
-                "scene's stiffness here; a softer scene, a faster loop, or --passivity may help",
-                faded, outcome.counts.samples));
+            remarks_.push_back(
+                fmt::format("the force drove an oscillation and was faded out, in {} of {} samples: this hand cannot "
+                            "hold the scene's stiffness here; a softer scene, a faster loop, or --passivity may help",
+                            faded, outcome.counts.samples));
         outcome.remarks = remarks_;
         return result;
     }

@@ -160,8 +160,7 @@ void FieldOutput::add_turns(CaseRecord& record) const {
                  picture::draw_turns(
                      output_.look(picture::title_of(prepared.one, false) + ": by how much shading turns the force"),
                      {fmt::format("pressed {} along each facet's normal; on triangles barycentric equals mean_value; "
-                                  "the colours end at the "
-                                  "angle that 99 % of the surface does not exceed",
+                                  "the colours end at the angle that 99 % of the surface does not exceed",
                                   depth)},
                      prepared.images.mesh->mesh, shadings, job_.pictures.view),
                  record);

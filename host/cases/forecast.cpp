@@ -195,9 +195,8 @@ double free_bytes(const std::filesystem::path& folder) {
 
 void require_space(const std::filesystem::path& folder, const Forecast& forecast) {
     if (const double free = free_bytes(folder); forecast.least_bytes > free)
-        throw IoError("cannot write into {}: even at the best compression the files take {} ({:.0f} bytes), "
-                      "and {} ({:.0f} bytes) are free; free space there, choose another folder, or compute "
-                      "fewer voxels",
+        throw IoError("cannot write into {}: even at the best compression the files take {} ({:.0f} bytes), and {} "
+                      "({:.0f} bytes) are free; free space there, choose another folder, or compute fewer voxels",
                       folder.string(), bytes_text(forecast.least_bytes), forecast.least_bytes, bytes_text(free), free);
 }
 

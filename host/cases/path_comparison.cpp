@@ -85,16 +85,15 @@ std::string path_comparison_table(const std::vector<PathComparison>& comparisons
         all.add(contacts);
     }
     if (all.mesh)
-        text +=
-            fmt::format("contacts, judged at {} samples: grew, the proxy is further from the probe than the last one "
-                        "was; unbalanced, the force is not along the normals of the facets at the proxy; phantom, "
-                        "nothing stands between proxy and probe\n",
-                        all.samples);
+        text += fmt::format("contacts, judged at {} samples: grew, the proxy is further from the probe than the last "
+                            "one was; unbalanced, the force is not along the normals of the facets at the proxy; "
+                            "phantom, nothing stands between proxy and probe\n",
+                            all.samples);
     if (all.closed)
-        text += fmt::format("drop-out and other side: a free probe, or a proxy in contact, is not on the side of a "
-                            "closed mesh where its path began, by {} winding numbers, {} of them by loops over all "
-                            "triangles\n",
-                            all.windings, all.brute);
+        text +=
+            fmt::format("drop-out and other side: a free probe, or a proxy in contact, is not on the side of a closed "
+                        "mesh where its path began, by {} winding numbers, {} of them by loops over all triangles\n",
+                        all.windings, all.brute);
     if (all.mesh)
         text += fmt::format(
             "{} samples are too near to the surface, or in too narrow a corner, for some of these checks\n", all.near);

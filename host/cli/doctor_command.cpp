@@ -115,12 +115,11 @@ std::string try_cache() {
 std::string try_python() {
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     ::setenv("FORCESHADE_MODULE", (program / "python").c_str(), 1);
-    std::FILE* output = ::popen(
-        "export PYTHONPATH=\"$FORCESHADE_MODULE${PYTHONPATH:+:$PYTHONPATH}\"; for python in python3 /usr/bin/python3; "
-        "do "
-        "$python -c 'import sys, forceshade; print(forceshade.__version__, \"in\", forceshade.__path__[0], \"for\", "
-        "sys.executable, sys.version.split()[0])' 2>&1 && exit; done; exit 1",
-        "r");
+    std::FILE* output =
+        ::popen("export PYTHONPATH=\"$FORCESHADE_MODULE${PYTHONPATH:+:$PYTHONPATH}\"; for python in python3 "
+                "/usr/bin/python3; do $python -c 'import sys, forceshade; print(forceshade.__version__, \"in\", "
+                "forceshade.__path__[0], \"for\", sys.executable, sys.version.split()[0])' 2>&1 && exit; done; exit 1",
+                "r");
     if (!output)
         throw std::runtime_error("cannot start python3");
     std::string text, last;
@@ -235,10 +234,9 @@ void add_doctor_command(CommandLine& program) {
         [](Options& options, DoctorArguments& arguments) {
             options.flag("--live", arguments.live,
                          "measure for two seconds how punctually a live loop would wake, at 1 and 4 kHz");
-            options.optional(
-                "--gpu-report FOLDER", arguments.gpu_report,
-                "hold every law on every usable Vulkan device (or --gpu's) against the oracle, time it against the "
-                "device's bandwidth, and write it into a new folder, to be sent");
+            options.optional("--gpu-report FOLDER", arguments.gpu_report,
+                             "hold every law on every usable Vulkan device (or --gpu's) against the oracle, time it "
+                             "against the device's bandwidth, and write it into a new folder, to be sent");
             options.example("doctor", "this machine")
                 .example("doctor --engine cpu", "the same without a Vulkan device")
                 .example("doctor --live", "before a device is connected")

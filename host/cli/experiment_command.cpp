@@ -184,8 +184,7 @@ void describe_run(Options& options, ExperimentArguments& arguments) {
     options.optional("--session N", arguments.session, "of the subject, from 1 on");
     options.optional("--participant person|observer|observer-two-noises|observer-base-kinks", arguments.participant,
                      "person: at a device, answers in a page (default); observer: a simulated one, whose subjects "
-                     "differ as the paper's; the others are its "
-                     "older form, with two noises, and its rival");
+                     "differ as the paper's; the others are its older form, with two noises, and its rival");
     options.optional("--age YEARS", arguments.age, "of the person, kept in documentation/participants.csv");
     options.optional("--hand left|right|both", arguments.hand, "that the person writes with, kept there, too");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");

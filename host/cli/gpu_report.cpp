@@ -224,18 +224,18 @@ std::string gigabytes(double bytes_per_second) {
 }
 
 std::string table_of(const DeviceRows& device) {
-    std::string text = fmt::format(
-        "## {}\n\n{}, {}, Vulkan {}, {:.1f} GiB, subgroups of {}, {} invocations a group, {}, {}\n\n"
-        "Bandwidth: {} stored, {} copied, {} read back.\n\n"
-        "| law | precision | values compared | differ | f32 from f64, of the largest force | verdict | million "
-        "samples/s | in kernels alone | work group | results written, of the store bandwidth | the CPU's million "
-        "samples/s |\n"
-        "|---|---|---|---|---|---|---|---|---|---|---|\n",
-        device.device.name, device.device.type, device.device.driver, device.device.api,
-        static_cast<double>(device.device.memory) / (1 << 30), device.device.subgroup, device.device.group_invocations,
-        device.device.f64 ? "double precision" : "no double precision",
-        device.device.int64 ? "64-bit integers" : "no 64-bit integers", gigabytes(device.bandwidth.store),
-        gigabytes(device.bandwidth.copy), gigabytes(device.bandwidth.read_back));
+    std::string text =
+        fmt::format("## {}\n\n{}, {}, Vulkan {}, {:.1f} GiB, subgroups of {}, {} invocations a group, {}, {}\n\n"
+                    "Bandwidth: {} stored, {} copied, {} read back.\n\n"
+                    "| law | precision | values compared | differ | f32 from f64, of the largest force | verdict | "
+                    "million samples/s | in kernels alone | work group | results written, of the store bandwidth | the "
+                    "CPU's million samples/s |\n"
+                    "|---|---|---|---|---|---|---|---|---|---|---|\n",
+                    device.device.name, device.device.type, device.device.driver, device.device.api,
+                    static_cast<double>(device.device.memory) / (1 << 30), device.device.subgroup,
+                    device.device.group_invocations, device.device.f64 ? "double precision" : "no double precision",
+                    device.device.int64 ? "64-bit integers" : "no 64-bit integers", gigabytes(device.bandwidth.store),
+                    gigabytes(device.bandwidth.copy), gigabytes(device.bandwidth.read_back));
     for (const Row& row : device.rows)
         text +=
             fmt::format("| {} | {} | {} | {} | {} | {} | {:.3g} | {:.3g} | {} | {:.2g} % | {:.3g} |\n", row.law->name,
@@ -329,8 +329,7 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
     std::string text = fmt::format(
         "# GPU report\n\nforceshade {} on {}, {} cores. Fields of {} samples on software and {} on hardware, 100000 of "
         "paths, are timed with their way to the host; the CPU's, as those on software. Every value of smaller fields "
-        "is "
-        "compared with the CPU oracle's: software must have its bits, hardware be within what rounding allows.\n\n",
+        "is compared with the CPU oracle's: software must have its bits, hardware be within what rounding allows.\n\n",
         version(), cpu_name(), allowed_cores(), samples(kSoftwareSide), samples(kHardwareSide));
     Json json{{"forceshade", version()}, {"cpu", cpu_name()}, {"devices", Json::array()}};
     bool passed = failures.empty();

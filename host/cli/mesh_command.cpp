@@ -297,9 +297,8 @@ int run(const Arguments& arguments, const CommonOptions& common) {
                       picture::draw_mesh(look, {contents(one), surface(one)}, one.mesh->mesh, one.marks, one.unit));
     }
     if (unit.empty())
-        note(common,
-             "lengths are in the file's unit, which mesh files do not state; for metres say what a coordinate of "
-             "1 is, as --unit mm\n");
+        note(common, "lengths are in the file's unit, which mesh files do not state; for metres say what a coordinate "
+                     "of 1 is, as --unit mm\n");
     return 0;
 }
 

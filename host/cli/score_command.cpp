@@ -167,14 +167,12 @@ int run(const ScoreArguments& given, const CommonOptions& common) {
 void describe(Options& options, ScoreArguments& arguments) {
     options.required("SCENE", arguments.scene,
                      "scene file (TOML) whose law is the oracle, or the folder of a course (forceshade init course)");
-    options.optional(
-        "--paths STROKES", arguments.paths,
-        "positions: CSV with x, y, z and perhaps t and path; rows of numbers without a header "
-        "and .npy arrays with --map. Left out: positions of the first --forces, or the scene's own [paths]");
-    options.list(
-        "--forces FILE", arguments.forces,
-        "forces of other programs along these positions, a sample a row: fx, fy, fz; of a course, folders of such "
-        "files by the scenes' names");
+    options.optional("--paths STROKES", arguments.paths,
+                     "positions: CSV with x, y, z and perhaps t and path; rows of numbers without a header and .npy "
+                     "arrays with --map. Left out: positions of the first --forces, or the scene's own [paths]");
+    options.list("--forces FILE", arguments.forces,
+                 "forces of other programs along these positions, a sample a row: fx, fy, fz; of a course, folders of "
+                 "such files by the scenes' names");
     options.repeated("--renderer LIBRARY[:OPTIONS]", arguments.renderers,
                      "a shared library that exports the functions of forceshade_renderer.h; once for each");
     options.optional("--map COLUMNS", arguments.map,

@@ -425,11 +425,11 @@ Table prediction_table() {
 }
 
 std::vector<study::Figure> figures_of(const std::vector<Tested>& tests, const std::string& smooth) {
-    study::Figure shares = study::make_figure(
-        "shares", "Answers by stimulus",
-        "Percent of the answers to each stimulus (radius in mil). 1996: the paper's Table 2; observer: what the model "
-        "expects of a simulated hand's strokes.",
-        study::FigureKind::cells, "shares", {}, {"answer", ""}, {"condition", ""});
+    study::Figure shares =
+        study::make_figure("shares", "Answers by stimulus",
+                           "Percent of the answers to each stimulus (radius in mil). 1996: the paper's Table 2; "
+                           "observer: what the model expects of a simulated hand's strokes.",
+                           study::FigureKind::cells, "shares", {}, {"answer", ""}, {"condition", ""});
     shares.value = "percent";
     shares.value_label = "% of the answers";
     shares.value_limit = 100;
@@ -478,8 +478,7 @@ void add_findings(study::StudyData& data, const Answers& answers, const std::vec
         if (test.name.starts_with("radius"))
             add("radius",
                 "Shaded bumps of the largest radius get the answer \"{}\" {:.0f} percentage points {} than those of "
-                "the "
-                "smallest.",
+                "the smallest.",
                 test);
     const Fit *own = nullptr, *other = nullptr;
     for (const Fit& fit : fits)
@@ -575,8 +574,8 @@ study::StudyData analyse(const Answers& answers) {
     data.notes = {
         left_out,
         fmt::format(
-            "Intervals of shares take trials as independent (Jeffreys) or are of the subjects' means (Student's "
-            "t); tests change the signs of whole subjects, so that of less than {} none can be significant, or hold a "
+            "Intervals of shares take trials as independent (Jeffreys) or are of the subjects' means (Student's t); "
+            "tests change the signs of whole subjects, so that of less than {} none can be significant, or hold a "
             "beta-binomial model, whose subjects differ, against itself without a difference.",
             kLeastSubjects)};
     if (papers) {
@@ -586,9 +585,8 @@ study::StudyData analyse(const Answers& answers) {
             "what is left out tests its parameters, not its form; a rival with five, which takes kinks at the base for "
             "a facet's edges, fits Table 2 better (147 against 161) and predicts stimuli that are left out worse (615 "
             "against 181). Only new data decide: the table of predictions has stimuli on which they differ.");
-        data.notes.push_back(
-            "The observer is fitted to cues of a simulated hand that strokes each stimulus as the experiment "
-            "says, not to what each subject did.");
+        data.notes.push_back("The observer is fitted to cues of a simulated hand that strokes each stimulus as the "
+                             "experiment says, not to what each subject did.");
     }
     return data;
 }

@@ -219,12 +219,12 @@ Table trial_table(const std::vector<TrackTrial>& trials, const std::string& axis
 }
 
 void add_track_figures(study::StudyData& data, const std::vector<Estimate>& estimates, const std::string& label) {
-    study::Figure shares = study::make_figure(
-        "psychometric", "Right answers by level",
-        "Shares of the answers with their 95 % intervals (Jeffreys), and the psychometric function that the posterior "
-        "expects. Half of the answers are right by chance.",
-        study::FigureKind::scatter, "levels", {{"subject", estimates.front().subject}}, {"level", label, true},
-        {"right_percent", "right answers / %"}, "track");
+    study::Figure shares =
+        study::make_figure("psychometric", "Right answers by level",
+                           "Shares of the answers with their 95 % intervals (Jeffreys), and the psychometric function "
+                           "that the posterior expects. Half of the answers are right by chance.",
+                           study::FigureKind::scatter, "levels", {{"subject", estimates.front().subject}},
+                           {"level", label, true}, {"right_percent", "right answers / %"}, "track");
     shares.low = "from_percent";
     shares.high = "to_percent";
     for (const Estimate& one : estimates)
@@ -249,12 +249,12 @@ void add_track_figures(study::StudyData& data, const std::vector<Estimate>& esti
 }
 
 void add_comparison_figure(study::StudyData& data, const std::string& group) {
-    study::Figure& bars = data.figures.emplace_back(study::make_figure(
-        "comparisons", "Right answers by stimulus",
-        "Each compared with its standard; with 95 % intervals of shares of trials (Jeffreys). Half of the answers are "
-        "right by chance.",
-        study::FigureKind::bars, "comparisons", {{"subject", group}}, {"condition", "stimulus"},
-        {"right_percent", "right answers / %"}));
+    study::Figure& bars = data.figures.emplace_back(
+        study::make_figure("comparisons", "Right answers by stimulus",
+                           "Each compared with its standard; with 95 % intervals of shares of trials (Jeffreys). Half "
+                           "of the answers are right by chance.",
+                           study::FigureKind::bars, "comparisons", {{"subject", group}}, {"condition", "stimulus"},
+                           {"right_percent", "right answers / %"}));
     bars.low = "right_from_percent";
     bars.high = "right_to_percent";
 }
@@ -351,11 +351,9 @@ void add_comparisons(study::StudyData& data, const Answers& answers) {
         data.tables.push_back(trial_table(trials, axis, unit));
         add_track_figures(data, estimates, unit == "1" ? axis : fmt::format("{} / {}", axis, unit));
         add_threshold_findings(data, answers, estimates);
-        data.notes.push_back(
-            "Thresholds are of a grid's posterior (threshold, slope, lapses: Watson 2017, QUEST+), for which the "
-            "function is logistic in the logarithm of the level. A subject \"all\" takes everybody's answers for "
-            "one's: "
-            "its interval leaves out how subjects differ.");
+        data.notes.push_back("Thresholds are of a grid's posterior (threshold, slope, lapses: Watson 2017, QUEST+), "
+                             "for which the function is logistic in the logarithm of the level. A subject \"all\" "
+                             "takes everybody's answers for one's: its interval leaves out how subjects differ.");
     }
     data.notes.push_back(fmt::format("{} The standard was felt first in half of the trials.",
                                      experiment.spec.correct == kSmoother
@@ -363,8 +361,7 @@ void add_comparisons(study::StudyData& data, const Answers& answers) {
                                          : fmt::format("Right is what {} names.", experiment.spec.correct)));
     if (std::ranges::any_of(answers.rows, [](const TrialRow& row) { return row.participant.starts_with("observer"); }))
         data.notes.push_back("The observer's comparisons are a model's expectation: it was fitted to names of single "
-                             "stimuli, and nobody "
-                             "has compared two for it.");
+                             "stimuli, and nobody has compared two for it.");
 }
 
 } // namespace forceshade::experiment

@@ -81,8 +81,7 @@ std::size_t standard_for(const Study& study, const std::vector<std::size_t>& sta
         best = difference > 0 ? standards[i] : best;
     }
     if (tie)
-        throw UsageError("{} has as much in common with the standard {} as with another; name fewer "
-                         "standards",
+        throw UsageError("{} has as much in common with the standard {} as with another; name fewer standards",
                          study.cases[stimulus].name, study.cases[best].name);
     return best;
 }
@@ -144,9 +143,9 @@ std::vector<Track> tracks_of(const Experiment& experiment, const std::vector<std
         const Case& stimulus = experiment.stimulus(experiment.conditions[i]);
         const auto level = axis_level(stimulus, axis);
         if (!level || !(*level > 0) || std::isinf(*level))
-            throw UsageError("{} has no level of the track over {}, a positive number; leave it out or make "
-                             "it a standard",
-                             stimulus.name, axis);
+            throw UsageError(
+                "{} has no level of the track over {}, a positive number; leave it out or make it a standard",
+                stimulus.name, axis);
         const Case& standard = experiment.study.cases[*experiment.conditions[i].standard];
         const auto reference = axis_level(standard, axis);
         if (!reference || *reference == *level)
@@ -169,8 +168,8 @@ std::vector<Track> tracks_of(const Experiment& experiment, const std::vector<std
     }
     for (const Track& track : tracks) {
         if (const double ratio = track.levels.back() / track.levels.front(); experiment.spec.track_ratio >= ratio)
-            throw UsageError("track_ratio = {} is no less than the ratio {:.3g} of the levels' ends, so that "
-                             "the track \"{}\" would end at once",
+            throw UsageError("track_ratio = {} is no less than the ratio {:.3g} of the levels' ends, so that the track "
+                             "\"{}\" would end at once",
                              experiment.spec.track_ratio, ratio, track.name);
         if (track.levels.size() < kLeastLevels)
             throw UsageError("the track \"{}\" over {} has {} levels, and {} are the fewest", track.name, axis,

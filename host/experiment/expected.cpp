@@ -110,28 +110,25 @@ void add_findings(study::StudyData& data, const std::vector<Expected>& rows, con
         if (one.facets)
             (one.shaded ? shaded : bare).push_back(fmt::format("{} (R = {:.3g} mm)", *one.facets, 1e3 * one.radius));
     if (!bare.empty() && !shaded.empty())
-        data.findings.push_back({"facets",
-                                 fmt::format("A model fitted to bumps of one to three facets expects the cylinder's "
-                                             "answers, within {} percentage points, "
-                                             "from {} facets on unshaded and {} shaded.",
-                                             kClose, fmt::join(bare, ", "), fmt::join(shaded, ", ")),
-                                 "facets", "bumps of this width",
-                                 "the limit of a rigid surface, the observer's published parameters",
-                                 "a model's expectation: more than three facets were never tested"});
+        data.findings.push_back(
+            {"facets",
+             fmt::format("A model fitted to bumps of one to three facets expects the cylinder's answers, within {} "
+                         "percentage points, from {} facets on unshaded and {} shaded.",
+                         kClose, fmt::join(bare, ", "), fmt::join(shaded, ", ")),
+             "facets", "bumps of this width", "the limit of a rigid surface, the observer's published parameters",
+             "a model's expectation: more than three facets were never tested"});
     const Expected* most = nullptr;
     for (const Expected& row : rows)
         if (row.rigid && (!most || apart(row.stroked, *row.rigid) > apart(most->stroked, *most->rigid)))
             most = &row;
     if (most)
-        data.findings.push_back(
-            {"stiffness",
-             fmt::format(
-                 "The scenes' stiffness moves the expected answers from those of a rigid surface by up to {:.0f} "
-                 "percentage points.",
-                 apart(most->stroked, *most->rigid)),
-             "answers", most->one->name,
-             "a hand that strokes at 0.1 m/s and presses 1 N, unless the scene says otherwise",
-             "a model's expectation"});
+        data.findings.push_back({"stiffness",
+                                 fmt::format("The scenes' stiffness moves the expected answers from those of a rigid "
+                                             "surface by up to {:.0f} percentage points.",
+                                             apart(most->stroked, *most->rigid)),
+                                 "answers", most->one->name,
+                                 "a hand that strokes at 0.1 m/s and presses 1 N, unless the scene says otherwise",
+                                 "a model's expectation"});
 }
 
 constexpr double kPower = 0.8;
@@ -227,8 +224,7 @@ double power_of(double first, double second, unsigned trials, unsigned subjects)
 
 Plan planned(const Experiment& experiment, const std::string& first, const std::string& second) {
     if (experiment.spec.task == Task::compare)
-        throw UsageError("plan is for task = \"name\"; run a comparison with --participant observer and "
-                         "analyse that");
+        throw UsageError("plan is for task = \"name\"; run a comparison with --participant observer and analyse that");
     make_observer(experiment); // refuses other answers
     const Shares a = expected_answers(condition_named(experiment, first)),
                  b = expected_answers(condition_named(experiment, second));

@@ -237,8 +237,7 @@ std::vector<SpecKey> make_spec_keys() {
     add(keys, &S::longest_trial, "longest_trial",
         "after which a trial ends without an answer and is repeated at the end", {.sign = Sign::positive});
     add(keys, &S::least_contact, "least_contact",
-        "time in contact with each stimulus before an answer counts; after less the trial is repeated at "
-        "the end",
+        "time in contact with each stimulus before an answer counts; after less the trial is repeated at the end",
         {.sign = Sign::not_negative});
     add(keys, &S::max_repeats, "max_repeats", "of a trial that does not count; then it is left out", {.smallest = 0})
         .largest = 1000;
@@ -246,21 +245,21 @@ std::vector<SpecKey> make_spec_keys() {
         std::numeric_limits<std::int64_t>::max();
     const std::size_t of_both = keys.size();
     add(keys, &S::standard, "standard",
-        "shell pattern of the cases that the others are compared with, each with the standard that has "
-        "most of its settings",
+        "shell pattern of the cases that the others are compared with, each with the standard that has most of its "
+        "settings",
         {.example = "\"cylinder_bump*\""});
     add(keys, &S::correct, "correct",
-        "smoother: right is the stimulus of more facets, the smooth shape before all; or a shell pattern "
-        "of the cases that are right");
+        "smoother: right is the stimulus of more facets, the smooth shape before all; or a shell pattern of the cases "
+        "that are right");
     add(keys, &S::interval, "interval", "that each stimulus is felt; 0 s: until a key is pressed",
         {.sign = Sign::not_negative});
     add(keys, &S::track, "track",
-        "axis of the study over which a threshold is looked for: the level of each trial is the one whose "
-        "answer is expected to say most (QUEST+), a track for each combination of the other settings",
+        "axis of the study over which a threshold is looked for: the level of each trial is the one whose answer is "
+        "expected to say most (QUEST+), a track for each combination of the other settings",
         {.example = "\"surface.facets\""});
     add(keys, &S::track_ratio, "track_ratio",
-        "1 or more: a track ends before its trials do once the ends of the threshold's 95 % interval "
-        "have a smaller ratio; 1: never",
+        "1 or more: a track ends before its trials do once the ends of the threshold's 95 % interval have a smaller "
+        "ratio; 1: never",
         {.sign = Sign::positive})
         .kind = ValueKind::number;
     for (std::size_t i = of_both; i < keys.size(); ++i)
@@ -601,10 +600,10 @@ std::string experiment_schema() {
     for (const SpecKey& key : spec_keys())
         text += key_text(key, key.example.empty() ? key.default_text : key.example,
                          key.subject != Subject::task && !key.default_text.empty());
-    text += comment_text(fmt::format("Tables [[experiment.answer]], 2 to {}, in the order of their keys. Default: the "
-                                     "paper's four pictures; of the task compare \"the first\" and \"the second\". "
-                                     "Their keys:",
-                                     kMostAnswers));
+    text += comment_text(
+        fmt::format("Tables [[experiment.answer]], 2 to {}, in the order of their keys. Default: the paper's four "
+                    "pictures; of the task compare \"the first\" and \"the second\". Their keys:",
+                    kMostAnswers));
     for (const AnswerKey& key : answer_keys())
         text += comment_text(fmt::format("{}: {}: {}", key.name, describe_values(key), key.doc));
     text += comment_text("Table [experiment.text]: the sentences of the participant's page, in any language. What it "

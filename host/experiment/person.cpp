@@ -160,10 +160,9 @@ private:
         for (const Case& one : experiment_.study.cases)
             stiffest = std::max(stiffest, one.scene.force.stiffness);
         if (std::isfinite(most) && stiffest > 0)
-            print_note(
-                "note: {} displays {:.3g} N for long, which {:.3g} N/mm has {:.2g} mm deep; who presses more feels "
-                "less after some seconds, and the data say so (limited)\n",
-                opened_.facts.name, most, stiffest / 1e3, 1e3 * most / stiffest);
+            print_note("note: {} displays {:.3g} N for long, which {:.3g} N/mm has {:.2g} mm deep; who presses more "
+                       "feels less after some seconds, and the data say so (limited)\n",
+                       opened_.facts.name, most, stiffest / 1e3, 1e3 * most / stiffest);
     }
 
     static PreparedCase stimulus_of(const Experiment& experiment) {
@@ -200,13 +199,12 @@ private:
             throw UsageError("--check: it is of {}, and this session's device is {}", text_of(device, "name"),
                              opened_.facts.name);
         if (text_of(check_, "manner") != manner_)
-            throw UsageError("--check: it was made with another mapping or other buttons ({}); this "
-                             "session's: {}",
+            throw UsageError("--check: it was made with another mapping or other buttons ({}); this session's: {}",
                              text_of(check_, "manner"), manner_);
         if (!check_["passed"].get<bool>())
-            throw Error(ExitCode::failed, fmt::format("--check: {} did not pass its check; see what it says to do, and "
-                                                      "check it again",
-                                                      opened_.facts.name));
+            throw Error(ExitCode::failed,
+                        fmt::format("--check: {} did not pass its check; see what it says to do, and check it again",
+                                    opened_.facts.name));
     }
 
     // In a thread of the server's: the force is off with the next sample.

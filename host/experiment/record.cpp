@@ -184,12 +184,11 @@ std::string description(const Experiment& experiment) {
                 {"@type", "Dataset"},
                 {"name", experiment.spec.title},
                 {"description",
-                 fmt::format(
-                     "Answers to haptic stimuli: {} conditions, {} trials of each{}. {} Stimuli, order and question "
-                     "stand in materials/.",
-                     experiment.asked().size(), experiment.spec.trials,
-                     experiment.tracks.empty() ? "" : fmt::format(" track over {}", experiment.track_key),
-                     experiment.spec.question)},
+                 fmt::format("Answers to haptic stimuli: {} conditions, {} trials of each{}. {} Stimuli, order and "
+                             "question stand in materials/.",
+                             experiment.asked().size(), experiment.spec.trials,
+                             experiment.tracks.empty() ? "" : fmt::format(" track over {}", experiment.track_key),
+                             experiment.spec.question)},
                 {"schemaVersion", "Psych-DS 1.5.1"},
                 {"variableMeasured", std::move(variables)}}
                .dump(2) +
@@ -198,9 +197,9 @@ std::string description(const Experiment& experiment) {
 
 std::string readme(const Experiment& experiment) {
     return fmt::format(
-        "# {}\n\nData of `forceshade experiment`, as a [Psych-DS](https://psych-ds.github.io/) folder: a "
-        "row a trial in `data/`, the meaning of the columns in\n`dataset_description.json`, the "
-        "experiment, its orders and its stimuli in `materials/`.\n\n    forceshade experiment analyse .\n",
+        "# {}\n\nData of `forceshade experiment`, as a [Psych-DS](https://psych-ds.github.io/) folder: a row a trial "
+        "in `data/`, the meaning of the columns in\n`dataset_description.json`, the experiment, its orders and its "
+        "stimuli in `materials/`.\n\n    forceshade experiment analyse .\n",
         experiment.spec.title);
 }
 
@@ -298,14 +297,13 @@ std::vector<TrialRow> read_rows(const std::filesystem::path& file, const Experim
                      "is damaged: \"{}\" is no {}; repair the line, or delete it, and its trial is done again",
                      csv.text(i), columns[i]->name);
         if (experiment && row.outcome.status == kAnswered && std::ranges::find(answers, row.answer) == answers.end())
-            fail(
-                csv.source(),
-                csv.where(static_cast<std::size_t>(
-                    std::ranges::find_if(columns, [](const DataColumn* c) { return c && c->name == "answer"sv; }) -
-                    columns.begin())),
-                "is damaged: \"{}\" is no answer of this experiment ({}); repair the line, or delete it, and its trial "
-                "is done again",
-                row.answer, fmt::join(answers, ", "));
+            fail(csv.source(),
+                 csv.where(static_cast<std::size_t>(
+                     std::ranges::find_if(columns, [](const DataColumn* c) { return c && c->name == "answer"sv; }) -
+                     columns.begin())),
+                 "is damaged: \"{}\" is no answer of this experiment ({}); repair the line, or delete it, and its "
+                 "trial is done again",
+                 row.answer, fmt::join(answers, ", "));
         rows.push_back(std::move(row));
     }
     return rows;
@@ -327,8 +325,8 @@ SessionRecord::SessionRecord(const std::filesystem::path& folder, const Experime
     : folder_(folder), experiment_(experiment), info_(info), order_(trials_of(experiment, info.subject, info.session)),
       unanswered_(unanswered_tracks(experiment)), tracks_(unanswered_), ended_(unanswered_.size()) {
     if (!is_word(info.subject))
-        throw UsageError("--subject \"{}\": a subject is letters and digits, as 03; it stands in names of "
-                         "files, and names no person",
+        throw UsageError("--subject \"{}\": a subject is letters and digits, as 03; it stands in names of files, and "
+                         "names no person",
                          info.subject);
     write_materials();
     open_data();
@@ -354,8 +352,8 @@ void SessionRecord::write_materials() const {
     std::error_code error;
     const auto require_same = [&](const std::string& name, bool same) {
         if (!same)
-            throw UsageError("{} holds another experiment (materials/{} differs); name another folder, or "
-                             "give the file that this folder was begun with",
+            throw UsageError("{} holds another experiment (materials/{} differs); name another folder, or give the "
+                             "file that this folder was begun with",
                              folder_.string(), name);
     };
     const SetUp set_up(folder_);
@@ -397,8 +395,8 @@ void SessionRecord::write_materials() const {
     if (!std::filesystem::exists(order_file, error))
         write_file_atomically(order_file, order.text());
     else if (read_file(order_file) != order.text())
-        throw UsageError("{} is not the order that this program draws for subject {}, session {}; it was "
-                         "changed, or another version drew it. Name another session",
+        throw UsageError("{} is not the order that this program draws for subject {}, session {}; it was changed, or "
+                         "another version drew it. Name another session",
                          order_file.string(), info_.subject, info_.session);
     if (is_set_up)
         return;
@@ -444,8 +442,8 @@ void SessionRecord::read_back() {
         return;
     }
     if (!has_columns(file_, columns_of(experiment_)))
-        throw UsageError("{}: its columns are not those that this program writes, an older one began it; "
-                         "finish it with that, or name another session",
+        throw UsageError("{}: its columns are not those that this program writes, an older one began it; finish it "
+                         "with that, or name another session",
                          file_.string());
     rows_ = read_rows(file_, &experiment_);
     std::set<std::uint64_t> answered;

@@ -90,8 +90,7 @@ std::unique_ptr<Participant> make_observer(const Experiment& experiment, const O
         return std::make_unique<Observer>(parameters, subjects_differ);
     }
     if (!experiment.has_papers_answers())
-        throw UsageError("--participant observer: it knows the paper's four answers only, {}; these are "
-                         "others",
+        throw UsageError("--participant observer: it knows the paper's four answers only, {}; these are others",
                          fmt::join(kPictureNames, ", "));
     return std::make_unique<Observer>(parameters, subjects_differ);
 }

@@ -63,10 +63,9 @@ template <typename T> ProbeContact CaseLaw<T>::widened(const reference::LawConta
 }
 
 template <typename T> std::string beyond_reach(const glm::dvec3& probe) {
-    return fmt::format(
-        "path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its centre, further "
-        "than {} can follow; is the unit right?",
-        probe.x, probe.y, probe.z, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64");
+    return fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its centre, "
+                       "further than {} can follow; is the unit right?",
+                       probe.x, probe.y, probe.z, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64");
 }
 
 template class CaseLaw<float>;

@@ -58,21 +58,20 @@ std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh
         result.push_back(fmt::format("{}: {}", spec.file, sentence(fault)));
     if (use == MeshUse::winding_field && spec.inside == InsideTest::automatic)
         result.push_back(
-            fmt::format("{}: inside = \"auto\" takes the winding number, since the mesh does not bound a solid "
-                        "without crossings (inside = \"pseudonormal\" takes the nearest facet's side)",
+            fmt::format("{}: inside = \"auto\" takes the winding number, since the mesh does not bound a solid without "
+                        "crossings (inside = \"pseudonormal\" takes the nearest facet's side)",
                         spec.file));
     if (const std::size_t opposed = mesh.mesh.opposed_normals)
-        result.push_back(
-            fmt::format("{}: {} of {} corners have a normal in the file that points behind their facet, so "
-                        "that a shaded force there draws the probe in; turn faces or normals round",
-                        spec.file, opposed, mesh.mesh.polygons.corners.size()));
+        result.push_back(fmt::format("{}: {} of {} corners have a normal in the file that points behind their facet, "
+                                     "so that a shaded force there draws the probe in; turn faces or normals round",
+                                     spec.file, opposed, mesh.mesh.polygons.corners.size()));
     constexpr double kFarthestReach = 10; // m
     const MeshBox box = bounding_box(mesh.mesh.polygons);
     const glm::dvec3 sides = box.high - box.low;
     if (const double longest = std::max({sides.x, sides.y, sides.z}); longest > kFarthestReach)
-        result.push_back(fmt::format("{}: is {:.3g} m across, which no hand spans; unit = \"{}\" if its numbers mean "
-                                     "that, or transform.scale",
-                                     spec.file, longest, unit_for_a_hand(longest / (spec.unit * spec.scale))));
+        result.push_back(fmt::format(
+            "{}: is {:.3g} m across, which no hand spans; unit = \"{}\" if its numbers mean that, or transform.scale",
+            spec.file, longest, unit_for_a_hand(longest / (spec.unit * spec.scale))));
     return result;
 }
 
@@ -155,8 +154,8 @@ bool keeps_clear(const MeshSpec& spec, const MeshFindings& found, const MeshStru
 
 void refuse_missing_groups(const MeshSpec& spec, const PolygonSoup& polygons) {
     if (spec.normals == NormalWeights::groups && polygons.groups.empty())
-        throw UsageError("{}: has no smoothing groups; normals = \"groups\" is for an OBJ file with s: "
-                         "\"crease:30 deg\" finds sharp edges by their angle",
+        throw UsageError("{}: has no smoothing groups; normals = \"groups\" is for an OBJ file with s: \"crease:30 "
+                         "deg\" finds sharp edges by their angle",
                          spec.file);
 }
 
@@ -184,9 +183,9 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const Pol
     const double weld = spec.weld / (spec.unit * spec.scale);
     const JoinedVertices joined = weld > 0 ? join_vertices(file.polygons, weld) : JoinedVertices{};
     if (joined.facets > 0 && joined.facets == file.polygons.facets())
-        throw UsageError("{}: weld = {} m joins the vertices of every facet, so that none is left; make it "
-                         "smaller than the edges",
-                         spec.file, spec.weld);
+        throw UsageError(
+            "{}: weld = {} m joins the vertices of every facet, so that none is left; make it smaller than the edges",
+            spec.file, spec.weld);
     if (spec.orient == Orientation::outward)
         for (const std::string& turned : orient_outward(file.polygons))
             mesh->changes.push_back({turned});
@@ -231,8 +230,8 @@ void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
     const PolygonSoup& polygons = mesh.mesh.polygons;
     for (std::size_t facet = 0; facet < polygons.facets(); ++facet)
         if (polygons.corners_of(facet) != 3)
-            throw UsageError("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: "
-                             "use \"mean_value\", which is the same on triangles",
+            throw UsageError("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: use "
+                             "\"mean_value\", which is the same on triangles",
                              facet, scene.surface.mesh.file, polygons.corners_of(facet));
 }
 
@@ -243,9 +242,9 @@ void warn_of_part(const Scene& scene, std::vector<std::string>& warnings) {
     const double end = grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1);
     if (bump && scene.field && grid.origin == GridSpec{}.origin && grid.size == GridSpec{}.size &&
         end < scene.surface.width / 2)
-        warnings.push_back(fmt::format("the grid ends at x = {:.4g} mm, the bump at {:.4g} mm: set grid.size or "
-                                       "grid.origin, too",
-                                       1e3 * end, 500 * scene.surface.width));
+        warnings.push_back(
+            fmt::format("the grid ends at x = {:.4g} mm, the bump at {:.4g} mm: set grid.size or grid.origin, too",
+                        1e3 * end, 500 * scene.surface.width));
 }
 
 // m: the largest coordinate of a grid along an axis, from what its places are measured from.
@@ -414,9 +413,9 @@ std::optional<std::string> coarse_warning(Precision precision, double farthest, 
     const double ulp = std::ldexp(1.0, std::ilogb(farthest) - 23); /* m */
     if (ulp <= kShare * length)
         return std::nullopt;
-    return fmt::format("single precision rounds coordinates of {:.3g} m to {:.2g} m, and {} is {:.2g} m: use "
-                       "--precision f64",
-                       farthest, ulp, what, length);
+    return fmt::format(
+        "single precision rounds coordinates of {:.3g} m to {:.2g} m, and {} is {:.2g} m: use --precision f64",
+        farthest, ulp, what, length);
 }
 
 template <typename T> double largest_coordinate(const PreparedCase& prepared) {

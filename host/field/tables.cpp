@@ -50,11 +50,10 @@ template <typename T>
 [[noreturn]] void refuse(double gradient, std::size_t row, std::size_t column, const std::string& file) {
     constexpr bool kSingle = sizeof(T) == 4;
     const bool double_holds = kSingle && std::abs(gradient) <= kSteepestGradient<double>;
-    throw UsageError(
-        "{}: a slope of {:.3g} m/m at row {}, column {} is too steep: {} allows {:g}; make the map's height smaller or "
-        "its size larger{}",
-        file, gradient, row, column, kSingle ? "f32" : "f64", kSteepestGradient<T>,
-        double_holds ? ", or use precision f64" : "");
+    throw UsageError("{}: a slope of {:.3g} m/m at row {}, column {} is too steep: {} allows {:g}; make the map's "
+                     "height smaller or its size larger{}",
+                     file, gradient, row, column, kSingle ? "f32" : "f64", kSteepestGradient<T>,
+                     double_holds ? ", or use precision f64" : "");
 }
 
 } // namespace
@@ -161,9 +160,8 @@ template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which,
     const auto i = static_cast<std::size_t>(which);
     const double farthest = farthest_sample(grid, which, mesh);
     if (!(farthest <= kMeshReach<T> * mesh.scale))
-        throw UsageError("the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about "
-                         "{:.3g} m in size: beyond {:.0f} sizes {} cannot distinguish its facets; move the grid "
-                         "or check the unit",
+        throw UsageError("the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about {:.3g} m in "
+                         "size: beyond {:.0f} sizes {} cannot distinguish its facets; move the grid or check the unit",
                          farthest, "xyz"[which], 2 * mesh.scale, kMeshReach<T> / 2,
                          std::is_same_v<T, float> ? "f32" : "f64");
     return axis<T>(grid, i, grid.size[i], mesh.centre[which], mesh.scale, "a grid coordinate, in sizes of the mesh,");

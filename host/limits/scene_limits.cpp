@@ -229,12 +229,10 @@ std::string SceneLimits::remedy() const {
     if (coupling && stiffness < limit())
         return "leave out hand.coupling, which this scene does not need";
     const std::string other = "a lower force.stiffness, more damping, a faster loop or less delay would hold";
-    return !safe
-               ? other
-               : fmt::format(
-                     "{}, or a virtual coupling without damper (hand.coupling.stiffness = \"{:.4g} N/m\": displayed as "
-                     "{:.4g} N/m)",
-                     other, 0.99 * *safe, displayed_stiffness(stiffness, 0.99 * *safe));
+    return !safe ? other
+                 : fmt::format("{}, or a virtual coupling without damper (hand.coupling.stiffness = \"{:.4g} N/m\": "
+                               "displayed as {:.4g} N/m)",
+                               other, 0.99 * *safe, displayed_stiffness(stiffness, 0.99 * *safe));
 }
 
 std::string SceneLimits::warning() const {

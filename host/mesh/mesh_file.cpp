@@ -262,8 +262,8 @@ PolygonFile read_binary(const Source& source) {
             throw IoError("{}: {} bytes are too few for an STL file, and it is not text; it is damaged or truncated",
                           source.name, size);
         const std::uint64_t triangles = read_bits(source.bytes.data() + 80, 4);
-        throw IoError("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
-                      "{}; it is damaged or truncated",
+        throw IoError("{}: a binary STL file that announces {} triangles has {} bytes, but this one has {}; it is "
+                      "damaged or truncated",
                       source.name, triangles, kHeader + kTriangle * triangles, size);
     }
     std::vector<glm::dvec3> corners;
@@ -498,15 +498,14 @@ void refuse_what_is_not_finite(const std::string& name, const PolygonSoup& polyg
 
 void require_normals(const std::string& name, const PolygonSoup& polygons) {
     if (polygons.normals.empty())
-        throw UsageError("{}: has no vertex normals; normals = \"file\" is for an OBJ file with vn and "
-                         "corners such as 7//3, or a PLY file with nx, ny and nz: take \"plain\" or "
-                         "\"angle\", which follow from the facets",
-                         name);
+        throw UsageError(
+            "{}: has no vertex normals; normals = \"file\" is for an OBJ file with vn and corners such as 7//3, or a "
+            "PLY file with nx, ny and nz: take \"plain\" or \"angle\", which follow from the facets",
+            name);
     for (std::size_t i = 0; i < polygons.corners.size(); ++i) {
         const glm::dvec3 &normal = polygons.normals[i], &place = polygons.vertices[polygons.corners[i]];
         if (normal == glm::dvec3(0) || !std::isfinite(normal.x + normal.y + normal.z))
-            throw UsageError("{}: the vertex at ({}, {}, {}) has the normal ({}, {}, {}), which is not "
-                             "a direction",
+            throw UsageError("{}: the vertex at ({}, {}, {}) has the normal ({}, {}, {}), which is not a direction",
                              name, place.x, place.y, place.z, normal.x, normal.y, normal.z);
     }
 }
@@ -562,9 +561,8 @@ PolygonFile polygons_of(const std::string& name, std::vector<glm::dvec3> vertice
         const std::span<const std::int64_t> outline = corners.subspan(first, counts[facet]);
         for (const std::int64_t corner : outline) {
             if (corner < 0 || static_cast<std::size_t>(corner) >= file.polygons.vertices.size())
-                throw UsageError("{}: facet {} has the vertex {}; vertices are counted from 0, and there "
-                                 "are {}",
-                                 name, facet, corner, file.polygons.vertices.size());
+                throw UsageError("{}: facet {} has the vertex {}; vertices are counted from 0, and there are {}", name,
+                                 facet, corner, file.polygons.vertices.size());
             if (outline.size() >= 3)
                 file.polygons.corners.push_back(static_cast<std::uint32_t>(corner));
         }

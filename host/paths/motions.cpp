@@ -88,8 +88,7 @@ PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared) {
     const double over = region.length > 0 ? region.length : region.width > 0 ? region.width : feature_length;
     region.stretch = paths.stretch.value_or(kStretch * over);
     if (paths.kind == PathKind::spiral && region.inner > region.length / 2)
-        throw UsageError("paths.inner, a spiral's smallest radius, is {} m, and its largest, half of "
-                         "length, {} m",
+        throw UsageError("paths.inner, a spiral's smallest radius, is {} m, and its largest, half of length, {} m",
                          region.inner, region.length / 2);
     return region;
 }

@@ -68,8 +68,8 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     region_.centre = {region_.centre[0] - origin_.x, region_.centre[1] - origin_.y};
     region_.height -= origin_.z;
     if (prepared.images.mesh && spec_.kind != PathKind::recorded && !(farthest <= largest_coordinate<T>(prepared)))
-        throw UsageError("the paths reach {:.3g} m from the origin, further from the mesh than {} can "
-                         "follow: at most {:.3g} m; are the units right?",
+        throw UsageError("the paths reach {:.3g} m from the origin, further from the mesh than {} can follow: at most "
+                         "{:.3g} m; are the units right?",
                          farthest, name_of(kPrecisionOf<T>), largest_coordinate<T>(prepared));
     if (spec_.kind == PathKind::recorded) {
         if (!recorded)
@@ -105,8 +105,8 @@ template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
         warnings.push_back(*warning);
     if (!recorded_ && spec_.count > 1 && generated_.harmonics == 0 && !paths_differ(spec_))
         warnings.push_back(
-            fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, "
-                        "as in speed = {{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
+            fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, as in speed = "
+                        "{{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
                         spec_.count));
     return warnings;
 }
@@ -310,21 +310,20 @@ std::string fast_warning(const PathsSpec& paths, const Paces& paces) {
 }
 
 std::string slow_warning(const PathsSpec& paths, const Paces& paces) {
-    return fmt::format(
-        "[paths]: speed: on {} less than {:.2g} of a round lies between two samples, which phases of "
-        "2^-32 rounds cannot say to a hundredth: the motion stands still, or is faster; right is a speed "
-        "above {:.3g} m/s, or a rate below {:.3g} Hz",
-        who(paces.slow.paths, paces, paths), slowest(paths), paces.slow.speed / paces.slow.factor,
-        paths.rate * paces.slow.factor);
+    return fmt::format("[paths]: speed: on {} less than {:.2g} of a round lies between two samples, which phases of "
+                       "2^-32 rounds cannot say to a hundredth: the motion stands still, or is faster; right is a "
+                       "speed above {:.3g} m/s, or a rate below {:.3g} Hz",
+                       who(paces.slow.paths, paces, paths), slowest(paths), paces.slow.speed / paces.slow.factor,
+                       paths.rate * paces.slow.factor);
 }
 
 // A path that goes there and back, round or down and up, and ends before it has done so once.
 std::string open_round_warning(const PathsSpec& paths, const PathPace& fastest) {
     const double steps = 1 / fastest.turns; // of a round
-    return fmt::format(
-        "[paths]: steps: a round takes {:.4g} s at {:.3g} m/s, and the paths end after {:.4g} s: no round "
-        "is complete, and none is reported; set steps = {:.0f} or more, or a higher speed",
-        steps / paths.rate, fastest.speed, static_cast<double>(paths.steps) / paths.rate, std::ceil(steps) + 1);
+    return fmt::format("[paths]: steps: a round takes {:.4g} s at {:.3g} m/s, and the paths end after {:.4g} s: no "
+                       "round is complete, and none is reported; set steps = {:.0f} or more, or a higher speed",
+                       steps / paths.rate, fastest.speed, static_cast<double>(paths.steps) / paths.rate,
+                       std::ceil(steps) + 1);
 }
 
 } // namespace
@@ -345,12 +344,11 @@ std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion&
         warnings.push_back(open_round_warning(paths, paces.fastest));
     const bool trembles = paths.kind != PathKind::random_walk && harmonic_count(paths) > 0;
     if (const double highest = highest_tremor(paths); trembles && highest >= paths.rate / 2)
-        warnings.push_back(
-            fmt::format("[paths]: tremor.frequency: a tremor of {:.4g} Hz has harmonics up to {:.4g} Hz, "
-                        "and those of half the rate, {:.4g} Hz, or more seem to be lower ones; right is "
-                        "a frequency below {:.4g} Hz, or a rate above {:.4g} Hz",
-                        paths.tremor_frequency, highest, paths.rate / 2,
-                        paths.tremor_frequency * paths.rate / (2 * highest), 2 * highest));
+        warnings.push_back(fmt::format("[paths]: tremor.frequency: a tremor of {:.4g} Hz has harmonics up to {:.4g} "
+                                       "Hz, and those of half the rate, {:.4g} Hz, or more seem to be lower ones; "
+                                       "right is a frequency below {:.4g} Hz, or a rate above {:.4g} Hz",
+                                       paths.tremor_frequency, highest, paths.rate / 2,
+                                       paths.tremor_frequency * paths.rate / (2 * highest), 2 * highest));
     return warnings;
 }
 

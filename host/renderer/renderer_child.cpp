@@ -118,10 +118,9 @@ private:
             !find(library, "fsr_error", functions_.error) || !find(library, "fsr_close", functions_.close))
             return false;
         const int version = functions_.version();
-        return version == FSR_VERSION ||
-               say(fmt::format("is of version {} of forceshade_renderer.h, this program of version {}; compile it with "
-                               "this program's header",
-                               version, FSR_VERSION));
+        return version == FSR_VERSION || say(fmt::format("is of version {} of forceshade_renderer.h, this program of "
+                                                         "version {}; compile it with this program's header",
+                                                         version, FSR_VERSION));
     }
 
     bool open() {

@@ -78,8 +78,7 @@ std::string sentence_of(const Contents& contents, const char* study, const char*
 std::string opening(const Contents& contents, bool table_follows) {
     if (is_score(contents))
         return "<p id=\"opening\">Forces of renderers along the same strokes, held against the oracle: how far they "
-               "are "
-               "from its forces, which contacts they lose, what they add in vibration, and how long an update "
+               "are from its forces, which contacts they lose, what they add in vibration, and how long an update "
                "takes.</p>\n";
     std::string buys_and_costs;
     if (!table_follows)
@@ -88,11 +87,11 @@ std::string opening(const Contents& contents, bool table_follows) {
                         "Edges are felt less; what that costs in time, 'forceshade study error-time' measures.") +
             " " +
             sentence_of(contents, "stability", "loop_shading",
-                        "Such a force has no potential: a closed stroke can give the hand energy, and a "
-                        "loop may come to rest only at lower stiffness.");
+                        "Such a force has no potential: a closed stroke can give the hand energy, and a loop may come "
+                        "to rest only at lower stiffness.");
     return fmt::format(
-        "<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
-        "facet to facet, towards that on the smooth shape (Morgenbesser and Srinivasan 1996, here the paper). {}</p>\n",
+        "<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from facet to facet, "
+        "towards that on the smooth shape (Morgenbesser and Srinivasan 1996, here the paper). {}</p>\n",
         escaped(buys_and_costs));
 }
 
@@ -101,20 +100,18 @@ std::string words_section(bool of_score) {
     using Words = std::vector<std::pair<const char*, const char*>>;
     static const Words of_scores{
         {"oracle", "the scene's own law in double precision: on a mesh a god-object"},
-        {"god-object",
-         "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed "
-         "in, and the force pulls the probe to it"},
+        {"god-object", "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is "
+                       "pressed in, and the force pulls the probe to it"},
         {"RMS", "root mean square: the square root of the mean of the squares"},
-        {"pop-through", "the probe comes out on the other side: the force does not come back in this contact, or is "
-                        "turned round"},
+        {"pop-through",
+         "the probe comes out on the other side: the force does not come back in this contact, or is turned round"},
         {"drop-out", "a contact of the oracle in which the force is lost for a while"},
         {"phantom", "a force in the air: where the oracle has no contact"}};
     static const Words of_studies{
         {"rim", "where the smooth shape itself has an edge: the foot of the bump"},
         {"RMS", "root mean square: the square root of the mean of the squares"},
-        {"god-object",
-         "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is pressed in, and "
-         "the force pulls the probe to it"},
+        {"god-object", "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is "
+                       "pressed in, and the force pulls the probe to it"},
         {"height map", "a surface given by its height over x and y"},
         {"look-up volume", "forces computed beforehand on a grid, between which a loop interpolates"},
         {"octree", "a look-up volume of bricks that are finer near the surface"},
@@ -129,16 +126,15 @@ std::string words_section(bool of_score) {
         {"kernel", "a program that a Vulkan device runs for many voxels or paths at a time"},
         {"reference", "shading of the bump: the direction of the cylinder that its facets stand for"},
         {"none", "no shading: the direction is the facet's normal"},
-        {"barycentric",
-         "shading of a mesh: vertex normals, averaged with the weights of the place within its triangle; "
-         "the size of the force stays"},
-        {"morgenbesser", "shading of a mesh as in the paper: vertex normals, weighted by the distances from a facet's "
-                         "corners"},
+        {"barycentric", "shading of a mesh: vertex normals, averaged with the weights of the place within its "
+                        "triangle; the size of the force stays"},
+        {"morgenbesser",
+         "shading of a mesh as in the paper: vertex normals, weighted by the distances from a facet's corners"},
         {"K·d", "stiffness times depth: the size of the force"},
         {"passive", "gives no energy, whatever hand holds the device"},
         {"hold", "the direction that a hand presses in; the grip's spring acts across it"},
-        {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
-                       "of corners; the size of the force stays"},
+        {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number of "
+                       "corners; the size of the force stays"},
         {"two_pass",
          "shading of a mesh by Ruspini 1997: the force grows with the angle by which it is turned, without a bound"},
         {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},

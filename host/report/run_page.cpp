@@ -191,10 +191,9 @@ void add_samples(study::StudyData& data, const std::filesystem::path& file) {
     const RunSamples samples = file.extension() == ".exr" ? samples_of_exr(file) : samples_of_csv(file);
     const std::uint64_t paths = samples.paths_in_file, every_path = path_stride(paths);
     if (every_path > 1)
-        data.notes.push_back(fmt::format("{} of {} paths are drawn one by one, with one of {} of their samples; {} "
-                                         "has all.",
-                                         (paths + every_path - 1) / every_path, paths, samples.every,
-                                         file.filename().string()));
+        data.notes.push_back(
+            fmt::format("{} of {} paths are drawn one by one, with one of {} of their samples; {} has all.",
+                        (paths + every_path - 1) / every_path, paths, samples.every, file.filename().string()));
     else if (samples.every > 1)
         data.notes.push_back(
             fmt::format("One of {} samples is shown; {} has all.", samples.every, file.filename().string()));
@@ -240,8 +239,8 @@ std::string run_page(const std::string& title, const std::vector<std::pair<std::
     for (const std::string& note : data.notes)
         notes += fmt::format("<p class=\"note\">{}</p>\n", escaped(note));
     return page(title,
-                fmt::format("<header>\n<h1>{}</h1>\n</header>\n<main>\n<section>\n{}{}<div class=\"figures\">"
-                            "<div id=\"run-hero\"></div></div>\n<div class=\"figures\" id=\"run-figures\"></div>\n"
+                fmt::format("<header>\n<h1>{}</h1>\n</header>\n<main>\n<section>\n{}{}<div class=\"figures\"><div "
+                            "id=\"run-hero\"></div></div>\n<div class=\"figures\" id=\"run-figures\"></div>\n"
                             "<div id=\"run-tables\"></div>\n{}</section>\n</main>\n",
                             escaped(title), facts(terms), notes, page_data("run", data)),
                 page_script(false));

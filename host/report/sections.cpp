@@ -185,9 +185,8 @@ std::string findings_list(const std::string& id, std::span<const study::Finding>
 }
 
 std::string section_start(const std::string& id, const std::string& title, const std::string& answer) {
-    return fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div>"
-                       "<div id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" "
-                       "id=\"{0}-data-figures\"></div>\n",
+    return fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div><div "
+                       "id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" id=\"{0}-data-figures\"></div>\n",
                        id, escaped(title), answer);
 }
 

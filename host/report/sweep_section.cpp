@@ -286,19 +286,18 @@ std::string touch_finding(const Sweep& sweep) {
         return "";
     const CaseRecord& worst = **std::ranges::max_element(cases, {}, [](R one) { return one->touch->missed.value; });
     const double missed = worst.touch->missed.value;
-    return fmt::format(
-        "Where a hand touches, {} deep, the force's direction is {} (RMS) from that of {}; the whole force errs by {} "
-        "(median; ranges are over {}{} draws of places).{}",
-        touched_depths(cases),
-        by_shading(
-            cases, [](const CaseRecord& one) { return one.touch->direction; }, 1, "deg"),
-        touched_truth(cases),
-        by_shading(
-            cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"),
-        cases.size() > 1 ? "cases and " : "", worst.touch->draws,
-        missed < 0.01 ? ""
-                      : fmt::format(" Of {}, {} % of the places have no force.", worst.name,
-                                    number_text(100 * missed, missed < 0.99 ? 2 : 3)));
+    return fmt::format("Where a hand touches, {} deep, the force's direction is {} (RMS) from that of {}; the whole "
+                       "force errs by {} (median; ranges are over {}{} draws of places).{}",
+                       touched_depths(cases),
+                       by_shading(
+                           cases, [](const CaseRecord& one) { return one.touch->direction; }, 1, "deg"),
+                       touched_truth(cases),
+                       by_shading(
+                           cases, [](const CaseRecord& one) { return one.touch->median_error; }, 100, "%"),
+                       cases.size() > 1 ? "cases and " : "", worst.touch->draws,
+                       missed < 0.01 ? ""
+                                     : fmt::format(" Of {}, {} % of the places have no force.", worst.name,
+                                                   number_text(100 * missed, missed < 0.99 ? 2 : 3)));
 }
 
 // How deep contact is at most that counts.
@@ -320,8 +319,8 @@ std::string compare_finding(const Sweep& sweep) {
         Rows cases = with_compare(sweep);
         std::erase_if(cases, [&](R one) { return one->deviation->from != shape; });
         text += fmt::format(
-            "{}Compared with {}, the force's direction differs by {}, its magnitude by {} (RMS, contact at most "
-            "{} deep).",
+            "{}Compared with {}, the force's direction differs by {}, its magnitude by {} (RMS, contact at most {} "
+            "deep).",
             text.empty() ? "" : " ", shape,
             by_shading(
                 cases, [](const CaseRecord& one) { return exact(one.deviation->rms_angle); }, 1, "deg"),
@@ -381,10 +380,10 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
          {{"force_p95_percent", "%", "95th percentile"}, [](Row r) { return 100 * r.record->touch->p95_error.value; }},
          {{"missed_percent", "%", "of the places, those without the force that should be there"},
           [](Row r) { return 100 * r.record->touch->missed.value; }}},
-        fmt::format(
-            "Against {}, at {} places anywhere on the surface, {} below it, log-uniform; spreads are those of {} "
-            "draws of places.",
-            touched_truth(cases), cases.front()->touch->places, touched_depths(cases), cases.front()->touch->draws),
+        fmt::format("Against {}, at {} places anywhere on the surface, {} below it, log-uniform; spreads are those of "
+                    "{} draws of places.",
+                    touched_truth(cases), cases.front()->touch->places, touched_depths(cases),
+                    cases.front()->touch->draws),
         {{"touch-direction",
           "Error of the force's direction",
           {"direction_deg", "RMS error of the direction / deg"},
@@ -414,10 +413,10 @@ std::string agreement(Rows cases) {
     if (differing == 0)
         return text + "all are equal bit for bit.";
     text += fmt::format("{} differ{}", count_text(differing), differing == 1 ? "s" : "");
-    return text + (beyond == 0 ? ", none by more than rounding allows."
-                               : fmt::format(", {} of them by more than rounding allows: those volumes are not to be "
-                                             "trusted.",
-                                             count_text(beyond)));
+    return text + (beyond == 0
+                       ? ", none by more than rounding allows."
+                       : fmt::format(", {} of them by more than rounding allows: those volumes are not to be trusted.",
+                                     count_text(beyond)));
 }
 
 std::string error(const Rows& cases) {
@@ -425,9 +424,9 @@ std::string error(const Rows& cases) {
         **std::ranges::max_element(cases, {}, [](const CaseRecord* one) { return one->error.relative(); });
     if (worst.error.relative() == 0)
         return "No force differs from the oracle in double precision.";
-    return fmt::format("The largest error against the oracle in double precision is {} of the case's largest force "
-                       "({} N), in {}.",
-                       number_text(worst.error.relative(), 2), number_text(worst.error.largest, 2), worst.name);
+    return fmt::format(
+        "The largest error against the oracle in double precision is {} of the case's largest force ({} N), in {}.",
+        number_text(worst.error.relative(), 2), number_text(worst.error.largest, 2), worst.name);
 }
 
 std::string force(const Rows& cases) {

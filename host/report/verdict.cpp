@@ -242,10 +242,10 @@ std::string on_a_device(const StudyData& stability) {
             }
     if (html.empty())
         return "";
-    return fmt::format("<h3>Is it stable on a device?</h3>\n<ul>\n{}</ul>\n<p class=\"note\">With the {}. Another "
-                       "hand: <a href=\"#device\">my device</a>; a scene of your own: <code>forceshade study "
-                       "stability SCENE</code>.</p>\n",
-                       html, escaped(hand));
+    return fmt::format(
+        "<h3>Is it stable on a device?</h3>\n<ul>\n{}</ul>\n<p class=\"note\">With the {}. Another hand: <a "
+        "href=\"#device\">my device</a>; a scene of your own: <code>forceshade study stability SCENE</code>.</p>\n",
+        html, escaped(hand));
 }
 
 constexpr double kHalf = 12.7, kRadius = 15.24; /* mm: of the studies' bump */
@@ -303,11 +303,10 @@ std::string panel(const std::string& words, const Direction& direction) {
             forces += arrow(place_at(x, z), tilt / size, 1 / size);
         }
     // Readers of HTML know the attribute by its small letters, too.
-    return fmt::format(
-        "<figure class=\"surface\"><svg viewbox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"><path class=\"smooth\" "
-        "d=\"{}\"></path><path class=\"facets\" d=\"{}\"></path><path class=\"forces\" d=\"{}\"></path></svg>"
-        "<figcaption>{}</figcaption></figure>\n",
-        kWidth, kHeight, words, smooth, facets, forces, words);
+    return fmt::format("<figure class=\"surface\"><svg viewbox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"><path "
+                       "class=\"smooth\" d=\"{}\"></path><path class=\"facets\" d=\"{}\"></path><path class=\"forces\" "
+                       "d=\"{}\"></path></svg><figcaption>{}</figcaption></figure>\n",
+                       kWidth, kHeight, words, smooth, facets, forces, words);
 }
 
 std::string surfaces_drawing() {
@@ -343,17 +342,17 @@ std::string verdict_section(const Contents& contents) {
     return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n" + text + surfaces_drawing() +
            "<table>\n<thead><tr><th scope=\"col\">shading</th><th scope=\"col\">take it if</th>" + headings +
            "</tr></thead>\n<tbody>\n" + rows +
-           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 "
-           "N/m: of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm "
-           "under it: of the bump with 2 mm of the plane on either side, whose normal is the one above the probe, as "
-           "shading takes it; of the mesh for |x| &lt; 9 mm, whose normal is the nearest. In round brackets stand "
-           "the least and the largest of draws of places, grids and meshes. Facets lie below it, so that a light "
-           "touch misses them: the errors of direction and size leave such places out, in the last error the whole "
-           "force is missing there. Times are of single evaluations, on the mesh of a god-object's updates. A force "
-           "is stable if small displacements die out, with the hand below, pressing in any direction that the "
-           "surface supports with a fifth of its force and of a wall's stiffness, beyond which it may fall on to 0, at "
-           "every place 2 mm deep where the direction does not jump. Energies are of the static force, also on the "
-           "mesh, along strokes out and back at another depth.</p>\n" +
+           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 N/m: "
+           "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it: "
+           "of the bump with 2 mm of the plane on either side, whose normal is the one above the probe, as shading "
+           "takes it; of the mesh for |x| &lt; 9 mm, whose normal is the nearest. In round brackets stand the least "
+           "and the largest of draws of places, grids and meshes. Facets lie below it, so that a light touch misses "
+           "them: the errors of direction and size leave such places out, in the last error the whole force is missing "
+           "there. Times are of single evaluations, on the mesh of a god-object's updates. A force is stable if small "
+           "displacements die out, with the hand below, pressing in any direction that the surface supports with a "
+           "fifth of its force and of a wall's stiffness, beyond which it may fall on to 0, at every place 2 mm deep "
+           "where the direction does not jump. Energies are of the static force, also on the mesh, along strokes out "
+           "and back at another depth.</p>\n" +
            device + "</section>\n";
 }
 

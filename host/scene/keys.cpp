@@ -404,8 +404,7 @@ void add_paths(std::vector<Key>& keys) {
                                    "(minimum jerk: Flash & Hogan 1985), or as recorded in a file");
     paths.add(ValueKind::file, "file", "", [](Scene& s, const Value& v) { store_file(*s.paths, v); },
               "recorded paths as CSV with a header and columns path, t, x, y, z (s, m), times of a path increasing; a "
-              "single path needs no column path; "
-              "relative to this TOML file or absolute",
+              "single path needs no column path; relative to this TOML file or absolute",
               {.forms = kRecorded, .example = "\"paths.csv\""});
     paths.digest(kRecorded);
     made.integer<&PathsSpec::count>("count", "1000", 1073741822, "paths; an EXR holds up to 1073741822");
@@ -539,11 +538,10 @@ void add_hand(std::vector<Key>& keys) {
         {.sign = kNotNegative});
     hand.quantity<&HandSpec::coupling_damping>(Dimension::damping, "coupling.damping", "\"0 N s/m\"",
                                                "of the virtual coupling's damper", {.sign = kNotNegative});
-    hand.quantity<&HandSpec::coupling_filter>(
-        Dimension::time, "coupling.filter", "",
-        "time constant of the low-pass filter, of first order, through which the damper takes the speed; left out: "
-        "none, the difference of two samples",
-        {.sign = kNotNegative, .example = "\"2 ms\""});
+    hand.quantity<&HandSpec::coupling_filter>(Dimension::time, "coupling.filter", "",
+                                              "time constant of the low-pass filter, of first order, through which the "
+                                              "damper takes the speed; left out: none, the difference of two samples",
+                                              {.sign = kNotNegative, .example = "\"2 ms\""});
     hand.quantity<&HandSpec::passivity>(
         Dimension::damping, "passivity", "",
         "a live loop takes back what energy the hand is given (Hannaford & Ryu 2002), damping at most so much; left "
@@ -580,8 +578,8 @@ void add_compare(std::vector<Key>& keys) {
                 {.example = "\"fine.obj\""});
     compare.digest(kMesh, "surface.sha256");
     of_mesh.add(ValueKind::unit, "surface.unit", "", store<&CompareSpec::unit>,
-                "what a coordinate of 1 means in that file; left out, as transform: like the scene's own "
-                "mesh, if it is one, else m",
+                "what a coordinate of 1 means in that file; left out, as transform: like the scene's own mesh, if it "
+                "is one, else m",
                 {.sign = kPositive, .example = "\"mm\""});
     of_mesh.add(ValueKind::number, "surface.transform.scale", "", store<&CompareSpec::scale>,
                 "that mesh is made so many times larger, then turned, then moved", {.sign = kPositive, .example = "1"});

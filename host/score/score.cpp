@@ -166,9 +166,9 @@ std::string doubt_of(const Track& forces, const std::vector<Truth>& truths) {
             }
     const double factor = both / own, size = std::abs(factor);
     if (size > 300 || (size > 0 && size < 1.0 / 300))
-        return fmt::format("its forces are some {:.3g} times the oracle's; are they in another unit? --map \"fx=COLUMN "
-                           "mN, ...\"",
-                           factor);
+        return fmt::format(
+            "its forces are some {:.3g} times the oracle's; are they in another unit? --map \"fx=COLUMN mN, ...\"",
+            factor);
     return factor < -0.3 ? "its forces point the other way; are they those on the surface? --map \"fx=-COLUMN N, ...\""
                          : "";
 }
@@ -178,8 +178,8 @@ std::string doubt_of(const Track& forces, const std::vector<Truth>& truths) {
 Strokes scene_strokes(const PreparedCase& prepared) {
     const std::optional<PathsSpec>& spec = prepared.one.scene.paths;
     if (!spec)
-        throw UsageError("score needs strokes: --paths STROKES.csv, --forces of a file that has positions, or a scene "
-                         "with [paths]");
+        throw UsageError(
+            "score needs strokes: --paths STROKES.csv, --forces of a file that has positions, or a scene with [paths]");
     if (spec->closed() || spec->kind == PathKind::recorded)
         throw UsageError("the scene's [paths] are {}: give positions with --paths, such as explore writes them",
                          spec->closed() ? "of a hand, whose positions depend on the forces" : "in a file");
@@ -248,17 +248,16 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
     const auto begun_inside = std::ranges::count_if(truths, [](const Truth& truth) { return truth.touching.front(); });
     if (begun_inside > 0)
         scores.warnings.push_back(fmt::format(
-            "{} of {} strokes begin below the surface, where a renderer with a history has none; begin them "
-            "above it",
+            "{} of {} strokes begin below the surface, where a renderer with a history has none; begin them above it",
             begun_inside, truths.size()));
     std::uint64_t unfinished = 0;
     for (const Truth& truth : truths)
         unfinished += static_cast<std::uint64_t>(std::ranges::count(truth.certain, false));
     if (unfinished > 0)
-        scores.warnings.push_back(fmt::format("at {} samples the oracle's contact has no certificate (its proxy did "
-                                              "not come to rest): do not trust errors "
-                                              "there; faults are not counted there",
-                                              unfinished));
+        scores.warnings.push_back(
+            fmt::format("at {} samples the oracle's contact has no certificate (its proxy did not come to rest): do "
+                        "not trust errors there; faults are not counted there",
+                        unfinished));
     if (touched == 0)
         throw UsageError("{}: no sample touches the surface; are its axes and its unit the scene's? --map says which "
                          "column is what: --map \"x=x mm, y=z mm, z=-y mm\"",

@@ -66,8 +66,7 @@ const std::vector<Measure>& measures() {
         {"delay_ms", "ms", 1e3, &S::delay, "by which its forces come after the oracle's; below 0: before"},
         {"not_finite", "1", 1, &S::not_finite,
          "samples whose force is NaN, infinite or beyond 1e100 N: left out of errors, lost for faults; with one there "
-         "is "
-         "no spectrum, work and delay",
+         "is no spectrum, work and delay",
          Measure::sum},
     };
     return all;
@@ -336,13 +335,11 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
     const std::size_t shown = telling_stroke(scored);
     for (const std::string& warning : scores.warnings)
         data.notes.push_back(warning);
-    data.notes.push_back(fmt::format("{} of {}. The oracle is this program's god-object in double precision with the "
-                                     "scene's shading; every renderer "
-                                     "gets the same positions, whatever its forces would have done to a hand. A "
-                                     "contact counts from 5 % of a stroke's "
-                                     "largest force on.",
-                                     numbers::counted(strokes.all.size(), "stroke"),
-                                     numbers::counted(strokes.samples(), "sample")));
+    data.notes.push_back(
+        fmt::format("{} of {}. The oracle is this program's god-object in double precision with the scene's shading; "
+                    "every renderer gets the same positions, whatever its forces would have done to a hand. A contact "
+                    "counts from 5 % of a stroke's largest force on.",
+                    numbers::counted(strokes.all.size(), "stroke"), numbers::counted(strokes.samples(), "sample")));
     data.notes.push_back("A library runs in a process of its own; its times are taken there, around each update, and "
                          "hold no way between processes. Intervals are of bootstrap samples over strokes.");
     data.tables.push_back(renderers_table(scored));
@@ -353,20 +350,19 @@ void add_scores(study::StudyData& data, const Scores& scores, const Strokes& str
     if (study::Table faults = faults_table(scored, strokes); !faults.rows.empty())
         data.tables.push_back(std::move(faults));
     data.tables.push_back(signals_table(scored, strokes, shown));
-    study::Figure front = study::make_figure(
-        "front", "Error against run time",
-        "Each mark is a renderer: how long an update takes, median of the first run, and how far its forces "
-        "are from the oracle's. "
-        "The oracle itself has no error, and no mark.",
-        FigureKind::scatter, "renderers", {}, {"p50_ns", "time of an update / ns", true},
-        {"error_percent", "RMS error / % of the RMS force", true}, "renderer", "renderer");
+    study::Figure front =
+        study::make_figure("front", "Error against run time",
+                           "Each mark is a renderer: how long an update takes, median of the first run, and how far "
+                           "its forces are from the oracle's. The oracle itself has no error, and no mark.",
+                           FigureKind::scatter, "renderers", {}, {"p50_ns", "time of an update / ns", true},
+                           {"error_percent", "RMS error / % of the RMS force", true}, "renderer", "renderer");
     data.figures.push_back(std::move(front));
-    study::Figure errors = study::make_figure(
-        "errors", "Difference from the oracle's force",
-        "The median over strokes of the root mean square difference, over the root mean square of the oracle's force; "
-        "the spread is of bootstrap samples over strokes.",
-        FigureKind::bars, "measures", {{"measure", "error_percent"}}, {"renderer", "renderer"},
-        {"median", "RMS error / % of the RMS force"});
+    study::Figure errors =
+        study::make_figure("errors", "Difference from the oracle's force",
+                           "The median over strokes of the root mean square difference, over the root mean square of "
+                           "the oracle's force; the spread is of bootstrap samples over strokes.",
+                           FigureKind::bars, "measures", {{"measure", "error_percent"}}, {"renderer", "renderer"},
+                           {"median", "RMS error / % of the RMS force"});
     errors.low = "low";
     errors.high = "high";
     data.figures.push_back(std::move(errors));

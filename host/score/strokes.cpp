@@ -220,9 +220,9 @@ ColumnMap parse_map(const std::string& text) {
             std::vector<std::string> names;
             for (const Quantity& known : quantities())
                 names.emplace_back(known.name);
-            throw UsageError("--map: \"{}\": write QUANTITY=COLUMN UNIT, such as \"x=px mm, z=-py mm\"; quantities are "
-                             "{}",
-                             one, fmt::join(names, ", "));
+            throw UsageError(
+                "--map: \"{}\": write QUANTITY=COLUMN UNIT, such as \"x=px mm, z=-py mm\"; quantities are {}", one,
+                fmt::join(names, ", "));
         }
         std::string column(trimmed(std::string_view(one).substr(equals + 1)));
         ColumnSource source;
@@ -264,19 +264,18 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
     const std::vector<glm::dvec3> places = columns.vectors(kPlace, false);
     std::vector<double> times = columns.of("t");
     if (times.empty() && !rate)
-        throw UsageError(
-            "{}: no column is called t; the columns are {}. Say which it is, --map \"t=COLUMN ms\", or how "
-            "often samples were taken, --rate \"1 kHz\"",
-            table.source, columns.shown());
+        throw UsageError("{}: no column is called t; the columns are {}. Say which it is, --map \"t=COLUMN ms\", or "
+                         "how often samples were taken, --rate \"1 kHz\"",
+                         table.source, columns.shown());
     if (!times.empty() && rate)
         throw UsageError("{}: --rate is of files without times, and this one has them; leave --rate out", table.source);
     for (std::size_t row = 0; row < table.rows(); ++row)
         if (!is_finite(places[row]) || (!times.empty() && !std::isfinite(times[row])))
             throw UsageError("{}:{}: a position or time is missing or not finite; every sample needs x, y, z and t",
                              table.source, table.lines[row]);
-    check_reach(table.source, places, size,
-                "If the file is in mm, say so: --map \"x=x mm, y=y mm, z=z mm\", with the file's own names of the "
-                "columns");
+    check_reach(
+        table.source, places, size,
+        "If the file is in mm, say so: --map \"x=x mm, y=y mm, z=z mm\", with the file's own names of the columns");
 
     Strokes strokes;
     strokes.source = table.source;
@@ -298,10 +297,9 @@ Strokes read_strokes(const std::filesystem::path& file, const ColumnMap& map, st
                     period = step;
                 if (regular && std::abs(step - period) > kRegular * period) {
                     regular = false;
-                    strokes.warnings.push_back(
-                        fmt::format("{}:{}: {:.4g} s after the sample before, {:.4g} s at first: with gaps there is no "
-                                    "spectrum and no delay",
-                                    table.source, table.lines[row], step, period));
+                    strokes.warnings.push_back(fmt::format("{}:{}: {:.4g} s after the sample before, {:.4g} s at "
+                                                           "first: with gaps there is no spectrum and no delay",
+                                                           table.source, table.lines[row], step, period));
                 }
             }
             stroke.time.push_back(time);
@@ -346,11 +344,11 @@ Track read_forces(const std::filesystem::path& file, const ColumnMap& map, const
         for (const std::size_t row : of_path) {
             const glm::dvec3& probe = stroke.probe[own.size()];
             if (!places.empty() && !(glm::length(places[row] - probe) <= kSamePlace))
-                throw UsageError("{}:{}: the probe is at ({:.6g}, {:.6g}, {:.6g}) m, in {} at ({:.6g}, {:.6g}, {:.6g}) "
-                                 "m: forces belong to the same positions; are columns or units exchanged? --map says "
-                                 "which they are",
-                                 table.source, table.lines[row], places[row].x, places[row].y, places[row].z,
-                                 strokes.source, probe.x, probe.y, probe.z);
+                throw UsageError(
+                    "{}:{}: the probe is at ({:.6g}, {:.6g}, {:.6g}) m, in {} at ({:.6g}, {:.6g}, {:.6g}) m: forces "
+                    "belong to the same positions; are columns or units exchanged? --map says which they are",
+                    table.source, table.lines[row], places[row].x, places[row].y, places[row].z, strokes.source,
+                    probe.x, probe.y, probe.z);
             own.push_back(forces[row]);
         }
     }

@@ -322,11 +322,10 @@ void require_same_study(const std::filesystem::path& folder, const Study& study)
     for (const Case& one : study.cases)
         lost.erase(one.name);
     if (!lost.empty())
-        throw UsageError(
-            "{} holds another study: this one lacks {} of its {} finished case{}, for example {}. To keep its "
-            "summary.csv, manifest.json and report.html name another folder with --out; to replace them add "
-            "--replace (volumes stay)",
-            folder.string(), lost.size(), all, all == 1 ? "" : "s", *lost.begin());
+        throw UsageError("{} holds another study: this one lacks {} of its {} finished case{}, for example {}. To keep "
+                         "its summary.csv, manifest.json and report.html name another folder with --out; to replace "
+                         "them add --replace (volumes stay)",
+                         folder.string(), lost.size(), all, all == 1 ? "" : "s", *lost.begin());
 }
 
 } // namespace forceshade

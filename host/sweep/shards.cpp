@@ -49,8 +49,7 @@ Shard array_part() {
     if (first > 1 || last != first + count - 1 || count < 2 || id < first || id > last)
         throw UsageError(
             "--shard slurm: this is task {} of a Slurm array of {} from {} to {}; only the arrays 1-N and 0-(N-1) "
-            "define the part of the study: say --shard I/N, for example --shard "
-            "$SLURM_ARRAY_TASK_ID/8",
+            "define the part of the study: say --shard I/N, for example --shard $SLURM_ARRAY_TASK_ID/8",
             id, count, first, last);
     return {id - first + 1, count};
 }
@@ -61,9 +60,9 @@ Shard step_part() {
         return {};
     const std::size_t count = slurm_number("SLURM_STEP_NUM_TASKS"), rank = slurm_number("SLURM_PROCID");
     if (rank >= count)
-        throw UsageError("--shard slurm: this is task {} of {} of a step, which cannot be: say --shard I/N "
-                         "(1/1: everything)",
-                         rank, count);
+        throw UsageError(
+            "--shard slurm: this is task {} of {} of a step, which cannot be: say --shard I/N (1/1: everything)", rank,
+            count);
     return {rank + 1, count};
 }
 
@@ -227,12 +226,11 @@ std::string state_of(const ShardNote& note, double now) {
 std::string status_text(const std::vector<ShardNote>& notes, double now) {
     std::string text;
     for (const auto& [count, standing] : standings(notes, now)) {
-        text +=
-            fmt::format("{} shards: {} done, {} at work, {} failed, {} silent, {} not begun; {} of {} cases of those "
-                        "that began\n",
-                        count, standing.done, standing.at_work, standing.failed,
-                        standing.shards - standing.done - standing.at_work - standing.failed, count - standing.shards,
-                        standing.cases_done, standing.cases);
+        text += fmt::format(
+            "{} shards: {} done, {} at work, {} failed, {} silent, {} not begun; {} of {} cases of those that began\n",
+            count, standing.done, standing.at_work, standing.failed,
+            standing.shards - standing.done - standing.at_work - standing.failed, count - standing.shards,
+            standing.cases_done, standing.cases);
         if (standing.at_work > 0)
             text += standing.left < 1e9 ? fmt::format("those at work need about {} more\n", clock_text(standing.left))
                                         : "those at work have not computed a case yet\n";
@@ -353,10 +351,9 @@ MergeResult merge_sweep(Study study, const MergeOptions& options) {
             if (failure.name.empty() && shards.contains(note.shard)) // it stopped all that were left
                 result.failures.push_back(fmt::format("shard {}: {}", note.name(), failure.message));
     if (result.recorded == 0 && result.failures.empty())
-        throw UsageError(
-            "{}: no case there is of this study and program {}; name the file that the shards were given, and run the "
-            "same program with the same flags",
-            options.folder.string(), version());
+        throw UsageError("{}: no case there is of this study and program {}; name the file that the shards were given, "
+                         "and run the same program with the same flags",
+                         options.folder.string(), version());
     if (result.recorded > 0) {
         write_file_atomically(options.folder / "study.toml", resolved_toml(study));
         write_manifest(options.folder, study, records, nullptr);

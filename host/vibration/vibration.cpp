@@ -99,10 +99,9 @@ Vibration::Vibration(std::shared_ptr<const VibrationModels> models, double rate,
     else if (is_whole(repeats))
         repeats_ = static_cast<std::size_t>(std::round(repeats));
     else
-        throw UsageError(
-            "the loop's rate must be {:g} Hz, a whole multiple or a whole fraction of it for the vibration "
-            "of \"{}\", got {:g} Hz",
-            models_->rate, models_->material, rate);
+        throw UsageError("the loop's rate must be {:g} Hz, a whole multiple or a whole fraction of it for the "
+                         "vibration of \"{}\", got {:g} Hz",
+                         models_->rate, models_->material, rate);
     const std::size_t ar = models_->models.front().ar.size(), ma = models_->models.front().ma.size();
     ar_.resize(ar + 1);
     outputs_.resize(ar + 1);

@@ -72,8 +72,7 @@ void as_fast_as_possible(const std::filesystem::path& scene, CasePreparation& pr
     const device::LoopCounts counts = device::run_session(options).outcome.counts;
     const double alone = law_alone(options.read(), 1000, 1000000);
     fmt::print("{:<13} as fast as possible, {} samples, {:.1f} % in contact\n  compute  {}\n  mean     {:.0f} ns = "
-               "{:.2f} x the "
-               "law alone ({:.0f} ns); whole loop {:.2f} M samples/s\n",
+               "{:.2f} x the law alone ({:.0f} ns); whole loop {:.2f} M samples/s\n",
                scene.stem().string(), counts.samples,
                100 * static_cast<double>(counts.in_contact) / static_cast<double>(counts.samples),
                times(counts.computing), counts.computing.mean(), counts.computing.mean() / alone, alone,
@@ -88,11 +87,10 @@ void by_the_clock(const std::filesystem::path& scene, CasePreparation& preparati
     options.replace_log = true;
     const device::SessionResult result = device::run_session(options);
     const device::LoopCounts& counts = result.outcome.counts;
-    fmt::print(
-        "{:<13} {:g} Hz, {} samples, {} in the log, {} lost; late {}, of these by own computing {}\n  compute  {}\n  "
-        "woken    {}\n",
-        scene.stem().string(), rate, counts.samples, result.outcome.logged, counts.lost, counts.flags[12],
-        counts.flags[13], times(counts.computing), times(counts.late));
+    fmt::print("{:<13} {:g} Hz, {} samples, {} in the log, {} lost; late {}, of these by own computing {}\n  compute  "
+               "{}\n  woken    {}\n",
+               scene.stem().string(), rate, counts.samples, result.outcome.logged, counts.lost, counts.flags[12],
+               counts.flags[13], times(counts.computing), times(counts.late));
     for (const auto& one : result.outcome.permissions.all)
         fmt::print("  {}: {} ({})\n", one.what, one.granted ? "yes" : "no", one.detail);
 }

@@ -36,11 +36,10 @@ TEST(UdpAddress, IsAPortOrAnAddressInDigits) {
     EXPECT_EQ(said("udp:192.168.1.20:1"), "udp:192.168.1.20:1");
     EXPECT_EQ(said("udp:[::1]:5005"), "udp:[::1]:5005");
     EXPECT_EQ(said("udp:[2001:db8::7]:5005"), "udp:[2001:db8::7]:5005");
-    std::istringstream all(
-        "|5005|udp|udp:|udp:0|udp:-1|udp:65536|udp:99999999999|udp:50 05|udp:5005 |udp:5005x|udp::5005|"
-        "udp:localhost:5005|udp:example.org:5005|udp:1.2.3:5005|udp:1.2.3.4.5:5005|udp:1.2.3.4|"
-        "udp:1.2.3.4:|udp:::1:5005|udp:[::1]|udp:[::1]5005|udp:[1.2.3.4]:5005|udp:[:5005|"
-        "udp:[]:5005|tcp:5005|UDP:5005|udp:[::1]:0");
+    std::istringstream all("|5005|udp|udp:|udp:0|udp:-1|udp:65536|udp:99999999999|udp:50 05|udp:5005 "
+                           "|udp:5005x|udp::5005|udp:localhost:5005|udp:example.org:5005|udp:1.2.3:5005|udp:1.2.3.4.5:"
+                           "5005|udp:1.2.3.4|udp:1.2.3.4:|udp:::1:5005|udp:[::1]|udp:[::1]5005|udp:[1.2.3.4]:5005|udp:["
+                           ":5005|udp:[]:5005|tcp:5005|UDP:5005|udp:[::1]:0");
     for (std::string wrong; std::getline(all, wrong, '|');)
         EXPECT_TRUE(says(message_of<UsageError>([&] { parse_udp_address(wrong); }), "udp:192.168.1.20:5005")) << wrong;
 }

@@ -59,9 +59,8 @@ protected:
         write("map.toml", "[surface]\nkind = \"height_map\"\nfunction = \"gaussian\"\nheight = \"3 mm\"\nradius = \"8 "
                           "mm\"\n[force]\nshading = \"height_map\"\n[texture]\nstiffness = \"0.2 N/mm\"\nfunction = "
                           "\"sine\"\nwidth = \"2 mm\"\nheight = \"0.1 mm\"\n");
-        write("mesh.toml",
-              "[surface]\nkind = \"mesh\"\nfile = \"spot.obj\"\ntransform = { scale = 0.05, rotate = [\"90 deg\", \"0 "
-              "deg\", \"0 deg\"] }\n[force]\nshading = \"mean_value\"\n");
+        write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"spot.obj\"\ntransform = { scale = 0.05, rotate = "
+                           "[\"90 deg\", \"0 deg\", \"0 deg\"] }\n[force]\nshading = \"mean_value\"\n");
         std::filesystem::create_symlink(in_source("tests/data/spot.obj"), path("spot.obj"));
         write("hand.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[paths]\ncount = 1\nsteps = "
                            "2000\nloop = \"closed\"\npress = \"2 N\"\ntremor = { amplitude = \"0.1 mm\" }\n[hand]\n"

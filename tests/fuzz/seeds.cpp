@@ -121,9 +121,9 @@ void add_meshes(Seeds& seeds) {
             seeds.add("mesh_file", static_cast<char>(format) + bytes);
         }
     seeds.add("mesh_file", '\0' + read_file(in_source("tests/data/bump.obj")));
-    seeds.add("mesh_file",
-              std::string("\4v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 -1/-1/-1\nf 1//1 \\\n2//1 "
-                          "3//1\n"));
+    seeds.add(
+        "mesh_file",
+        std::string("\4v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 -1/-1/-1\nf 1//1 \\\n2//1 3//1\n"));
     seeds.add("mesh_file",
               std::string("\6ply\r\nformat ascii 1.0\r\nelement vertex 3\r\nproperty float x\r\nproperty float "
                           "y\r\nproperty float z\r\nproperty float nx\r\nproperty float ny\r\nproperty float nz\r\n"
@@ -131,14 +131,13 @@ void add_meshes(Seeds& seeds) {
                           "1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"));
     seeds.add("mesh_file", std::string("\1OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n")); // refused, only just
     seeds.add("mesh_file", std::string("\1OFF\n3 1 0\n0 0 1e400\n1 0 0\n0 1 0\n3 0 1 2\n"));
-    seeds.add(
-        "mesh_file",
-        std::string(
-            "\6ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-            "property float nx\nproperty float ny\nproperty float nz\nelement face 2\nproperty list uchar "
-            "int vertex_index\nend_header\n0 0 0 0 0 1\n1 0 0 0 1 0\n0 1 0 1 0 0\n1 1 0 0 0 -1\n3 0 1 2\n3 2 1 3\n"));
-    const std::string strips = "element vertex 4\nproperty char x\nproperty char y\nproperty char z\nelement "
-                               "tristrips 1\nproperty list uchar char vertex_indices\nend_header\n";
+    seeds.add("mesh_file",
+              std::string(
+                  "\6ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                  "property float nx\nproperty float ny\nproperty float nz\nelement face 2\nproperty list uchar int "
+                  "vertex_index\nend_header\n0 0 0 0 0 1\n1 0 0 0 1 0\n0 1 0 1 0 0\n1 1 0 0 0 -1\n3 0 1 2\n3 2 1 3\n"));
+    const std::string strips = "element vertex 4\nproperty char x\nproperty char y\nproperty char z\nelement tristrips "
+                               "1\nproperty list uchar char vertex_indices\nend_header\n";
     seeds.add("mesh_file", "\2ply\nformat ascii 1.0\n" + strips + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 0 1 2 3 -1 3 2 2 0\n");
     seeds.add("mesh_file", "\2ply\nformat binary_big_endian 1.0\n" + strips +
                                std::string("\0\0\0\1\0\0\0\1\0\0\0\1\6\0\1\2\3\xFF\0", 19));

@@ -41,8 +41,7 @@ Law patterned(const Law& law) { // a force that depends on y too
 
 std::string long_name() {
     return "bump_radius-600mil_facets-2_shading-reference_depth-vertical_reference-direction-normal_texture-stiffness-"
-           "0."
-           "2N-per-mm_grid-256x64x128_spacing-0.2mm";
+           "0.2N-per-mm_grid-256x64x128_spacing-0.2mm";
 }
 
 void add_odd_grids(std::vector<Case>& all, const Law& bump) {

@@ -206,12 +206,11 @@ TEST_F(Space, TheEndOfAFieldIsItsSurface) {
     const std::string ball =
         "(() => { const n = 20, pitch = 1e-3, radius = 7.3e-3, stiffness = 500, v = Object.create(Volume.prototype); "
         "const components = [0, 1, 2].map(() => new Float32Array(n ** 3)); Object.assign(v, { size: [n, n, n], first: "
-        "[-9.5e-3, -9.5e-3, -9.5e-3], pitch: [pitch, pitch, pitch], about: { size: [n, n, n] }, components }); "
-        "for (let i = 0; i < n ** 3; ++i) { const p = [i % n, Math.floor(i / n) % n, Math.floor(i / n / n)].map((k, a) "
-        "=> v.position(a, k)), far = length(p); if (far < radius) p.forEach((x, a) => { components[a][i] = stiffness * "
-        "(radius - far) * x / far; }); } const at = boundarySolid(v, stiffness).attributes.position.array; "
-        "return d3.max(d3.range(at.length / 3), (i) => Math.abs(Math.hypot(...at.slice(3 * i, 3 * i + 3)) - 7.3)); "
-        "})()";
+        "[-9.5e-3, -9.5e-3, -9.5e-3], pitch: [pitch, pitch, pitch], about: { size: [n, n, n] }, components }); for "
+        "(let i = 0; i < n ** 3; ++i) { const p = [i % n, Math.floor(i / n) % n, Math.floor(i / n / n)].map((k, a) => "
+        "v.position(a, k)), far = length(p); if (far < radius) p.forEach((x, a) => { components[a][i] = stiffness * "
+        "(radius - far) * x / far; }); } const at = boundarySolid(v, stiffness).attributes.position.array; return "
+        "d3.max(d3.range(at.length / 3), (i) => Math.abs(Math.hypot(...at.slice(3 * i, 3 * i + 3)) - 7.3)); })()";
     EXPECT_LT(number(ball), 0.12) << "mm; samples lie 1 mm apart";
 }
 

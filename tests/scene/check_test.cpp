@@ -84,9 +84,8 @@ TEST(Check, Friction) {
 TEST(Check, WarnsOfVoxelsThatCoincide) {
     const std::string far = "[grid]\norigin = [\"1 km\", \"0 m\", \"0 m\"]\nspacing = \"1 nm\"\n";
     ASSERT_EQ(warnings(far).size(), 1u);
-    EXPECT_EQ(warnings(far)[0],
-              "f.toml:3:11: spacing 1 nm is below the f32 step 6.1e-05 m at 1 km: neighbouring voxels sample the same "
-              "point; use precision f64 or move the grid");
+    EXPECT_EQ(warnings(far)[0], "f.toml:3:11: spacing 1 nm is below the f32 step 6.1e-05 m at 1 km: neighbouring "
+                                "voxels sample the same point; use precision f64 or move the grid");
     EXPECT_TRUE(warnings(far + "[run]\nprecision = \"f64\"\n").empty());
     EXPECT_TRUE(warnings("[grid]\nspacing = \"1 nm\"\norigin = [\"0 m\", \"0 m\", \"0 m\"]\n").empty());
     EXPECT_TRUE(

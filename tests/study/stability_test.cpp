@@ -320,9 +320,8 @@ TEST(SceneLimits, SayWhetherABristleIsStable) {
     const SceneLimits stiff = limits_of("friction.stiffness = \"10 N/mm\"");
     EXPECT_FALSE(stiff.stable());
     EXPECT_FALSE(stiff.safe) << "a coupling is for the surface's stiffness";
-    EXPECT_TRUE(says(stiff.warning(),
-                     "the bristle of [friction] is a spring of 1e+04 N/m along the surface, where that "
-                     "hand comes to rest below 6030 N/m; a lower friction.stiffness would hold"));
+    EXPECT_TRUE(says(stiff.warning(), "the bristle of [friction] is a spring of 1e+04 N/m along the surface, where "
+                                      "that hand comes to rest below 6030 N/m; a lower friction.stiffness would hold"));
     EXPECT_FALSE(limits_of("friction.stiffness = \"4 N/mm\"", 2).stable()) << "two metres of the scene in one";
     EXPECT_TRUE(limits_of("friction.stiffness = \"10 N/mm\"\nhand.coupling.stiffness = \"1 N/mm\"").stable());
 }
@@ -551,8 +550,8 @@ TEST(SceneStability, RefuseWhatIsNoLoop) {
     EXPECT_THROW(scene_surface(prepared("[surface]\nkind = \"bump\"\n[force]\nstiffness = \"0 N/m\"\n" + paths)),
                  UsageError);
     const LoopSurface air =
-        scene_surface(prepared("[surface]\nkind = \"bump\"\n[grid]\nsize = [8, 8, 8]\norigin = [\"0 m\", "
-                               "\"0 m\", \"1 m\"]\nspacing = [\"1 mm\", \"1 mm\", \"1 mm\"]\n"));
+        scene_surface(prepared("[surface]\nkind = \"bump\"\n[grid]\nsize = [8, 8, 8]\norigin = [\"0 m\", \"0 m\", \"1 "
+                               "m\"]\nspacing = [\"1 mm\", \"1 mm\", \"1 mm\"]\n"));
     EXPECT_THROW(rest_places(air, 10), UsageError);
 }
 

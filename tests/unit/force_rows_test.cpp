@@ -23,9 +23,8 @@ std::vector<std::string> laws() {
     surfaces.push_back("[surface]\nkind = \"cylinder_bump\"\nradius = \"600 mil\"\n");
     for (const char* map : {"cylinder\"\nradius = \"600 mil", "dip\"\nradius = \"600 mil", "sine\"\nheight = \"1 mm",
                             "gaussian\"\nradius = \"5 mm"})
-        surfaces.push_back(fmt::format("[surface]\nkind = \"height_map\"\nfunction = \"{}\"\n[force]\nshading = "
-                                       "\"height_map\"\n",
-                                       map));
+        surfaces.push_back(fmt::format(
+            "[surface]\nkind = \"height_map\"\nfunction = \"{}\"\n[force]\nshading = \"height_map\"\n", map));
     std::vector<std::string> all;
     for (const std::string& surface : surfaces)
         for (const char* texture :
@@ -94,12 +93,12 @@ TEST(ForceRows, HoldTheBitsOfTheLaw) {
 
 // More columns than are kept are made anew, chunk by chunk.
 TEST(ForceRows, HoldTheBitsOfAWideGrid) {
-    const Scene scene = parse_scene("[surface]\nkind = \"height_map\"\nfunction = \"gaussian\"\nradius = \"5 mm\"\n"
-                                    "[force]\nshading = \"height_map\"\n[grid]\nsize = [1201, 1300, 3]\n"
-                                    "origin = [\"-8 mm\", \"-8 mm\", \"-1 mm\"]\nspacing = [\"13 um\", \"13 um\", "
-                                    "\"0.5 mm\"]\n",
-                                    "test")
-                            .scene;
+    const Scene scene =
+        parse_scene("[surface]\nkind = \"height_map\"\nfunction = \"gaussian\"\nradius = \"5 mm\"\n"
+                    "[force]\nshading = \"height_map\"\n[grid]\nsize = [1201, 1300, 3]\n"
+                    "origin = [\"-8 mm\", \"-8 mm\", \"-1 mm\"]\nspacing = [\"13 um\", \"13 um\", \"0.5 mm\"]\n",
+                    "test")
+            .scene;
     expect_bits_of_the_law(make_tables<float>(scene, {}, Extent::everything), 2);
 }
 

@@ -165,8 +165,7 @@ StudyData study_energy(StudyRun& run) {
         append(results.loops, rows);
     if (results.loops.empty())
         throw UsageError("no closed stroke over the scene's region stays in contact with its surface: set paths.centre "
-                         "to the middle of it, "
-                         "or a shorter paths.length");
+                         "to the middle of it, or a shorter paths.length");
     results.laws = summarise_by_law(results.loops);
     StudyData data = run.data();
     data.volumes = volumes;

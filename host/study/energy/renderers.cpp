@@ -197,10 +197,9 @@ Finding finding_of(const RendererLoops& one, const RendererLoops& own, std::size
     finding.condition = fmt::format("the second round of a sampled path at {:.2g} mm/s, worse direction of travel",
                                     1e3 * bootstrap_median(values_of(one, &RendererLoops::Loop::speed)).median);
     const Interval gain = bootstrap_median(values_of(one, &RendererLoops::Loop::gain));
-    finding.interval =
-        fmt::format("{} closed strokes; median {:.2g} mJ, 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; half "
-                    "the steps change the own law's gain by up to {}",
-                    one.loops.size(), 1e3 * gain.median, 1e3 * gain.low, 1e3 * gain.high, milli(error));
+    finding.interval = fmt::format("{} closed strokes; median {:.2g} mJ, 95 % of bootstrap medians: {:.2g} to {:.2g} "
+                                   "mJ; half the steps change the own law's gain by up to {}",
+                                   one.loops.size(), 1e3 * gain.median, 1e3 * gain.low, 1e3 * gain.high, milli(error));
     return finding;
 }
 
@@ -244,9 +243,8 @@ void add_renderers(StudyData& data, const std::vector<RendererLoops>& found) {
     data.notes.push_back(
         "A renderer, or the scene's law with its friction or vibration, comes down from above the surface to the begin "
         "of a closed stroke and goes round twice; the work of the second round counts, by the mean of neighbouring "
-        "forces times "
-        "the step. The scene's own law without them goes the same way: rule_mJ is the change of its gain with half the "
-        "steps. A negative gain is what the hand loses.");
+        "forces times the step. The scene's own law without them goes the same way: rule_mJ is the change of its gain "
+        "with half the steps. A negative gain is what the hand loses.");
     for (std::size_t i = 1; i < found.size(); ++i)
         data.findings.push_back(finding_of(found[i], found.front(), i));
 }

@@ -166,8 +166,8 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
     if (!results.curl.empty())
         figures.push_back(make_figure(
             "curl", "Where closed strokes give energy, in a section",
-            "Work round a cell over its area and K; a closed stroke gives the sum of the cells inside it. Along a "
-            "jump of the force, alternating colours cancel.",
+            "Work round a cell over its area and K; a closed stroke gives the sum of the cells inside it. Along a jump "
+            "of the force, alternating colours cancel.",
             FigureKind::cells, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}, "", "",
             {.value = "curl_per_K", .value_label = "curl_y F / K", .value_limit = 0.5, .panels = "section"}));
     return figures;
@@ -197,14 +197,12 @@ void add_depth_finding(std::vector<Finding>& findings, const EnergyResults& resu
                  *normal = row_of_law(results, "bump", kFacets, "unshaded, normal depth");
     if (!vertical || !normal)
         return;
-    findings.push_back(
-        {"energy_depth",
-         fmt::format(
-             "More facets do not remove the gain: with {} facets, unshaded, it is {}; with depth read along the "
-             "normal, {}.",
-             kFacets, milli(vertical->gain.median), milli(normal->gain.median)),
-         "energy-bump", "the bump of 512 facets, R = 600 mil", kWhere,
-         fmt::format("vertical: {}; normal: {}", interval_of(*vertical), interval_of(*normal))});
+    findings.push_back({"energy_depth",
+                        fmt::format("More facets do not remove the gain: with {} facets, unshaded, it is {}; with "
+                                    "depth read along the normal, {}.",
+                                    kFacets, milli(vertical->gain.median), milli(normal->gain.median)),
+                        "energy-bump", "the bump of 512 facets, R = 600 mil", kWhere,
+                        fmt::format("vertical: {}; normal: {}", interval_of(*vertical), interval_of(*normal))});
 }
 
 // Gains of a mesh in ascending order, and neighbours without a significant difference on the same loops.
@@ -247,10 +245,9 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
     if (bare && shaded && shaded->more)
         findings.push_back(
             {"energy_shading",
-             fmt::format(
-                 "Force shading adds {} per closed stroke on the 8-facet bump (median of the paired differences, worse "
-                 "direction of travel; median gains with and without shading: {} and {}).",
-                 milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
+             fmt::format("Force shading adds {} per closed stroke on the 8-facet bump (median of the paired "
+                         "differences, worse direction of travel; median gains with and without shading: {} and {}).",
+                         milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
              "energy-bump", "the bump of 8 facets, R = 600 mil", kWhere,
              fmt::format("{} closed strokes; 95 % of bootstrap medians of the difference: {:.2g} to {:.2g} mJ; efforts "
                          "{} and {}",
@@ -365,17 +362,14 @@ void add_energy(StudyData& data, const EnergyResults& results) {
     data.tables = {law_table(results.laws), pair_table(results.loops), stroke_table(results), loop_table(results.loops),
                    curl_table(results.curl)};
     data.figures = figures_of(results);
-    data.notes = {
-        "A closed stroke is a stroke out between two places anywhere in the region, up or down to another depth, back "
-        "below the "
-        "same line, and to where it began; depths are log-uniform over a decade and vertical below the facets. The "
-        "same strokes go over all laws of a surface.",
-        "The energy gained per closed stroke is that of the worse direction of travel. Where the force depends on the "
-        "position "
-        "only, the other direction loses as much; with the god-object's history both directions were travelled twice, "
-        "and the second round counts.",
-        "Work is the mean of neighbouring forces times the step, in double precision by the CPU oracle; steps are "
-        "halved where forces differ, down to rounding error at a jump."};
+    data.notes = {"A closed stroke is a stroke out between two places anywhere in the region, up or down to another "
+                  "depth, back below the same line, and to where it began; depths are log-uniform over a decade and "
+                  "vertical below the facets. The same strokes go over all laws of a surface.",
+                  "The energy gained per closed stroke is that of the worse direction of travel. Where the force "
+                  "depends on the position only, the other direction loses as much; with the god-object's history both "
+                  "directions were travelled twice, and the second round counts.",
+                  "Work is the mean of neighbouring forces times the step, in double precision by the CPU oracle; "
+                  "steps are halved where forces differ, down to rounding error at a jump."};
     if (data.scene.empty())
         add_own_findings(data.findings, results);
     else

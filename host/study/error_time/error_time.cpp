@@ -273,8 +273,7 @@ std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Me
             "Of \"{}\", places lie under points anywhere on the surface, {:.3g} to {:.3g} mm deep along its normal, "
             "log-uniform. Kinds: rim, if the smooth shape turns by more than 5 deg within {:.3g} mm; else edge, if the "
             "facets turn by more than 0.5 deg; else boundary, if the depth is below {:.3g} mm, and as many up to as "
-            "far "
-            "above the surface; else flat or, where anything turns, facet.",
+            "far above the surface; else flat or, where anything turns, facet.",
             subject.name, 1e3 * subject.scale.shallowest(), 1e3 * subject.scale.deepest, 1e3 * subject.scale.ring(),
             1e3 * subject.scale.skin()));
     }
@@ -369,12 +368,11 @@ StudyData study_error_time(StudyRun& run) {
     StudyData data = run.data();
     append(data.notes, notes_of(subjects, methods[unit], run.engine().report(), data.cores));
     if (!measured.steady())
-        data.notes.push_back(
-            fmt::format("The machine was busy: \"{}\" took {:.2g} to {:.2g} times as long as itself, and work on all "
-                        "cores {:.2g} to {:.2g} times its processor time. Findings compare no times; run the study "
-                        "again.",
-                        methods[unit].name, measured.control.low, measured.control.high, measured.crowding.low,
-                        measured.crowding.high));
+        data.notes.push_back(fmt::format(
+            "The machine was busy: \"{}\" took {:.2g} to {:.2g} times as long as itself, and work on all cores {:.2g} "
+            "to {:.2g} times its processor time. Findings compare no times; run the study again.",
+            methods[unit].name, measured.control.low, measured.control.high, measured.crowding.low,
+            measured.crowding.high));
     data.tables = tables_of(measured);
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);

@@ -76,10 +76,10 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         return;
     std::string text = fmt::format("A trilinear look-up volume of {:.2g} mm errs by {} of the RMS force (RMS){}",
                                    1e3 * *method.spacing, percents(errors->rms), at_the_rim(*errors));
-    text += fmt::format(
-        "; up to {:.2g} mm above the surface, where no force should be, {} of the places have one, of up to {} of "
-        "the RMS force.",
-        1e3 * method.subject->scale.skin(), percents(errors->phantom), percent(errors->phantom_largest));
+    text +=
+        fmt::format("; up to {:.2g} mm above the surface, where no force should be, {} of the places have one, of up "
+                    "to {} of the RMS force.",
+                    1e3 * method.subject->scale.skin(), percents(errors->phantom), percent(errors->phantom_largest));
     const auto same = [&](const std::string& family) {
         std::vector<std::size_t> found = of_family(family);
         std::erase_if(found, [&](std::size_t i) {
@@ -95,12 +95,12 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         if (const auto adaptive = lookup_errors(*measured.methods[i].errors))
             text += fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}{}.",
                                 percents(adaptive->rms), at_the_rim(*adaptive));
-    findings.push_back(
-        {"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method), touched_depths(*method.subject),
-         fmt::format(
-             "in round brackets the least and largest of {} draws, each of {} places and of the volume's offset "
-             "and orientation",
-             measured.methods[*finest].errors->by_draw.size(), measured.methods[*finest].errors->shared.places)});
+    findings.push_back({"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method),
+                        touched_depths(*method.subject),
+                        fmt::format("in round brackets the least and largest of {} draws, each of {} places and of the "
+                                    "volume's offset and orientation",
+                                    measured.methods[*finest].errors->by_draw.size(),
+                                    measured.methods[*finest].errors->shared.places)});
 }
 
 // Benefit and cost of shading a mesh.
@@ -138,9 +138,8 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     findings.push_back(
         {"shading",
          fmt::format(
-             "Barycentric shading of a mesh{} (on triangles mean_value is the same) changes the direction's "
-             "RMS error from {} to {} deg; the median error of its size is {} of the force there unshaded and {} "
-             "shaded{}.",
+             "Barycentric shading of a mesh{} (on triangles mean_value is the same) changes the direction's RMS error "
+             "from {} to {} deg; the median error of its size is {} of the force there unshaded and {} shaded{}.",
              cells ? fmt::format(" of {0:.0f} x {0:.0f} cells", *cells) : "", degrees(plain[0]), degrees(shaded[0]),
              size(plain[0]), size(shaded[0]),
              measured.steady() ? "; a god-object's update " + times_as_long(cost, "unshaded") : ""),
@@ -165,14 +164,13 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
         ties.push_back(cheapest);
         const std::size_t named = *std::ranges::min_element(
             ties, {}, [&](std::size_t i) { return std::pair(measured.methods[i].variant->elements.value_or(0), i); });
-        findings.push_back(
-            {"cheapest_" + subject.name,
-             fmt::format(
-                 "Of {} methods within 1 deg RMS and, at 95 % of the places, within 10 % of the force there, none is "
-                 "significantly cheaper than {}.",
-                 within.size(), measured.methods[named].name),
-             "error-time-" + subject.name, subject.name, touched_depths(subject) + ", one place after the other",
-             fmt::format("cheaper: {} of their ratio below 1", kBootstrap)});
+        findings.push_back({"cheapest_" + subject.name,
+                            fmt::format("Of {} methods within 1 deg RMS and, at 95 % of the places, within 10 % of the "
+                                        "force there, none is significantly cheaper than {}.",
+                                        within.size(), measured.methods[named].name),
+                            "error-time-" + subject.name, subject.name,
+                            touched_depths(subject) + ", one place after the other",
+                            fmt::format("cheaper: {} of their ratio below 1", kBootstrap)});
         return;
     }
 }
@@ -203,17 +201,16 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     }
     if (thorough == 0)
         return;
-    const std::string times =
-        measured.steady() ? fmt::format("it takes significantly less time with {} of the {} laws that are also read "
-                                        "from volumes, by a share that differs from run to run",
-                                        less, thorough)
-                          : "times are not compared: the machine was busy";
+    const std::string times = measured.steady()
+                                  ? fmt::format("it takes significantly less time with {} of the {} laws that are also "
+                                                "read from volumes, by a share that differs from run to run",
+                                                less, thorough)
+                                  : "times are not compared: the machine was busy";
     findings.push_back(
         {"precision",
-         fmt::format(
-             "Single precision differs from double by up to {} of the RMS force at random places, where rounding "
-             "chooses another facet (at its worst by far more: study stability); as compiled here {}.",
-             percent(largest), times),
+         fmt::format("Single precision differs from double by up to {} of the RMS force at random places, where "
+                     "rounding chooses another facet (at its worst by far more: study stability); as compiled here {}.",
+                     percent(largest), times),
          "", fmt::format("{} laws, the largest of {}", single.size(), worst), "direct evaluation on one thread",
          fmt::format("{}; {} places a law", kBootstrap, places)});
 }
@@ -240,12 +237,13 @@ void add_ways_to_run(std::vector<Finding>& findings, const Measured& measured) {
         return;
     const Subject& subject = measured.subjects.back();
     if (const auto proxy = between(measured, subject, "god-object, without a hint", "god-object"))
-        findings.push_back({"hints",
-                            fmt::format("Without the triangles that the update before found about the proxy, a "
-                                        "god-object's update {}.",
-                                        times_as_long(proxy->first, "with them")),
-                            "", law_name(*proxy->second),
-                            touched_depths(subject) + ", approached from above, one thread", kBootstrap});
+        findings.push_back(
+            {"hints",
+             fmt::format(
+                 "Without the triangles that the update before found about the proxy, a god-object's update {}.",
+                 times_as_long(proxy->first, "with them")),
+             "", law_name(*proxy->second), touched_depths(subject) + ", approached from above, one thread",
+             kBootstrap});
     std::vector<std::string> batches;
     const Method* of = nullptr;
     for (const Subject& one : measured.subjects)

@@ -287,27 +287,26 @@ std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldR
                               const std::vector<LoopRun>& loops) {
     using R = FieldRun;
     const auto time = [](double share) { return [share](const R& r) { return quantile(r.seconds, share); }; };
-    return {table_of<R>(
-                "field_runs", "Whole fields, with their files",
-                {{"surface", "", "as in ways", &R::surface},
-                 {"law", "", "the law of the field", [](const R& r) { return r.variant->name; }},
-                 {"series", "", "engine and precision",
-                  [](const R& r) { return fmt::format("{}, {}", r.by, word_of(r.precision)); }},
-                 {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.grid.spacing[0]; }},
-                 {"voxels", "1", "of the grid",
-                  [](const R& r) { return double(r.grid.size[0] * r.grid.size[1] * r.grid.size[2]); }},
-                 {"time_s", "s", "evaluated, compressed, written to disk and checked, median", time(0.5)},
-                 {"time_low_s", "s", "the least", time(0)},
-                 {"time_high_s", "s", "the largest", time(1)},
-                 {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.bytes; }},
-                 {"typical_rms_1", "1",
-                  "error of the force between the samples (trilinear) over the RMS true force, root mean square, at "
-                  "the median of random draws of places and grid",
-                  [&](const R& r) {
-                      const auto error = look_up_error(measured, r);
-                      return error ? Cell(error->median) : Cell();
-                  }}},
-                fields),
+    return {table_of<R>("field_runs", "Whole fields, with their files",
+                        {{"surface", "", "as in ways", &R::surface},
+                         {"law", "", "the law of the field", [](const R& r) { return r.variant->name; }},
+                         {"series", "", "engine and precision",
+                          [](const R& r) { return fmt::format("{}, {}", r.by, word_of(r.precision)); }},
+                         {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.grid.spacing[0]; }},
+                         {"voxels", "1", "of the grid",
+                          [](const R& r) { return double(r.grid.size[0] * r.grid.size[1] * r.grid.size[2]); }},
+                         {"time_s", "s", "evaluated, compressed, written to disk and checked, median", time(0.5)},
+                         {"time_low_s", "s", "the least", time(0)},
+                         {"time_high_s", "s", "the largest", time(1)},
+                         {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.bytes; }},
+                         {"typical_rms_1", "1",
+                          "error of the force between the samples (trilinear) over the RMS true force, root mean "
+                          "square, at the median of random draws of places and grid",
+                          [&](const R& r) {
+                              const auto error = look_up_error(measured, r);
+                              return error ? Cell(error->median) : Cell();
+                          }}},
+                        fields),
             table_of<LoopRun>(
                 "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
                 {{"surface", "", "as in ways", &LoopRun::surface},
@@ -339,8 +338,8 @@ std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::
     if (!loops.empty())
         figures.push_back(make_figure(
             "loop-rates", "Strokes in closed loop: error against time, by the loop's rate",
-            "Each mark is a rate, in kHz, of the same strokes of a hand that presses. The error is the "
-            "difference of the force from that of a loop of 64 kHz at half of the instants, over its RMS.",
+            "Each mark is a rate, in kHz, of the same strokes of a hand that presses. The error is the difference of "
+            "the force from that of a loop of 64 kHz at half of the instants, over its RMS.",
             FigureKind::scatter, "loop_rates", {{"precision", "f64"}},
             {"time_ms", "time for a second of a stroke / ms", true},
             {"median_error_1", "median error of the force", true}, "surface", "rate_kHz", {.joined = true}));
@@ -361,14 +360,13 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
         slow != loops.end() && std::isfinite(slow->median_error + fast->median_error))
         findings.push_back(
             {"loop_rate",
-             fmt::format(
-                 "Stroking, the force of a loop of 1 kHz differs from that of one of 64 kHz, which errs by {:.1g} % "
-                 "itself, by {} % of the RMS force, that of one of 4 kHz by {} % (median); where a stroke crosses a "
-                 "rim earlier or later it differs by "
-                 "far more, so that the RMS difference is {:.2g} and {:.2g} %. Single precision adds nothing to that.",
-                 100 * finest->median_error * finest->rate / (kFinestRate - finest->rate), // of first order
-                 in_percent(slow->by_stroke), in_percent(fast->by_stroke), 100 * slow->force_error,
-                 100 * fast->force_error),
+             fmt::format("Stroking, the force of a loop of 1 kHz differs from that of one of 64 kHz, which errs by "
+                         "{:.1g} % itself, by {} % of the RMS force, that of one of 4 kHz by {} % (median); where a "
+                         "stroke crosses a rim earlier or later it differs by far more, so that the RMS difference is "
+                         "{:.2g} and {:.2g} %. Single precision adds nothing to that.",
+                         100 * finest->median_error * finest->rate / (kFinestRate - finest->rate), // of first order
+                         in_percent(slow->by_stroke), in_percent(fast->by_stroke), 100 * slow->force_error,
+                         100 * fast->force_error),
              "loop-rates", fmt::format("{}, {}", slow->surface, slow->variant->name),
              fmt::format("{} strokes of {} s with the scene's hand, without their first {} s", kStrokes, kStrokeSeconds,
                          kSettled),

@@ -62,8 +62,8 @@ const ErrorColumns& method_columns() {
         {"surface", "", "the subject of comparison", [](const R& r) { return r.method.subject->name; }},
         {"against", "", "the reference of the errors", [](const R& r) { return r.method.subject->against; }},
         {"use", "",
-         "live: one place after the other on one thread; batch: 65536 places at once; volume: whole "
-         "grids; loop: steps with a hand",
+         "live: one place after the other on one thread; batch: 65536 places at once; volume: whole grids; loop: steps "
+         "with a hand",
          [](const R& r) { return name_of(r.method.use); }},
         {"family", "",
          "kind of evaluation; every block: of a mesh, blocks of free space are visited, too; control: the unit of the "
@@ -400,14 +400,13 @@ Figure error_over_time(const Subject& subject, bool own) {
         "error-time-" + subject.name,
         fmt::format("{}: error of the force against the time of an evaluation",
                     own ? subject.name == "bump" ? "Bump" : "Mesh" : "Scene"),
-        fmt::format("Each mark is a way of computing a force where a hand touches: its colour is the shading, its "
-                    "shape the method. Left is cheaper, down is closer to "
-                    "{}. The error is the 95th percentile over the places, over the force there. Whiskers are 95 % "
-                    "intervals of paired rounds. The lines join the methods that are significantly cheaper than all "
-                    "closer ones; those with names are on the front in 80 % of repetitions or more. Methods that miss "
-                    "the force at more than 1 % of "
-                    "the places are left out.",
-                    subject.against),
+        fmt::format(
+            "Each mark is a way of computing a force where a hand touches: its colour is the shading, its shape the "
+            "method. Left is cheaper, down is closer to {}. The error is the 95th percentile over the places, over the "
+            "force there. Whiskers are 95 % intervals of paired rounds. The lines join the methods that are "
+            "significantly cheaper than all closer ones; those with names are on the front in 80 % of repetitions or "
+            "more. Methods that miss the force at more than 1 % of the places are left out.",
+            subject.against),
         FigureKind::scatter, "ways", {{"surface", subject.name}}, {"time_ns", "time of an evaluation / ns", true},
         {"shown_local_1", "error over the force there, 95 % of places", true}, "shading", "on_front",
         {.shape = "method", .x_low = "time_low_ns", .x_high = "time_high_ns"});
@@ -427,9 +426,8 @@ Figure lookup_figure(const Subject& subject, const Variant& variant) {
     return make_figure(
         "look-up-" + subject.name,
         fmt::format("{}, {}: error of a trilinear look-up by kind of place", subject.name, variant.name),
-        "95th percentile over the places of a kind, over the force there, at the draw of the volume's grid that "
-        "has the median error. A finer volume helps least where contact begins and where facets or "
-        "surfaces meet.",
+        "95th percentile over the places of a kind, over the force there, at the draw of the volume's grid that has "
+        "the median error. A finer volume helps least where contact begins and where facets or surfaces meet.",
         FigureKind::scatter, "kinds",
         {{"surface", subject.name},
          {"family", "look-up, trilinear"},

@@ -169,9 +169,9 @@ std::string longer(const Interval& ratio) {
 
 std::string interval_of(const std::vector<Row>& rows, const Row& row) {
     const Interval whole = row.whole_ratio(), control = control_of(rows, row.comparison.scene, &Row::whole_ratio);
-    return fmt::format("{}: {:.3g} to {:.3g} times; control {:.3g} to {:.3g} (95 % of bootstrap medians of {} "
-                       "paired rounds)",
-                       name_of(row), whole.low, whole.high, control.low, control.high, row.with.whole.size());
+    return fmt::format(
+        "{}: {:.3g} to {:.3g} times; control {:.3g} to {:.3g} (95 % of bootstrap medians of {} paired rounds)",
+        name_of(row), whole.low, whole.high, control.low, control.high, row.with.whole.size());
 }
 
 const char* const kCondition = "forces bit for bit or number for number the same on every sample; whole evaluation: "
@@ -205,15 +205,14 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
     if (!scene.empty()) {
         const std::string list = listed(scene);
         const Row& first = *scene.front();
-        findings.push_back(
-            {"scene",
-             fmt::format("Optional outputs that do not change the force cost time: the whole evaluation takes "
-                         "{}; the kernel alone {} with {}.",
-                         list,
-                         costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio())
-                                                                : "not significantly longer",
-                         name_of(first)),
-             "whole", name_of(first), kCondition, interval_of(rows, first)});
+        findings.push_back({"scene",
+                            fmt::format("Optional outputs that do not change the force cost time: the whole evaluation "
+                                        "takes {}; the kernel alone {} with {}.",
+                                        list,
+                                        costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio())
+                                                                               : "not significantly longer",
+                                        name_of(first)),
+                            "whole", name_of(first), kCondition, interval_of(rows, first)});
     }
     const auto file_ratio = [](const Row* row) { return double(row->with.file) / double(row->without.file); };
     if (const auto largest = std::ranges::max_element(file, {}, file_ratio); largest != file.end())
@@ -240,9 +239,8 @@ void add_free_note(const BaseScene& base, const Touched& samples, StudyData& dat
     for (const auto& [what, free] :
          {std::pair("[grid]", base.field && samples.field == 0), {"[paths]", base.paths && samples.paths == 0}})
         if (free)
-            data.notes.push_back(fmt::format("No sample of the scene's {} is in contact: its results are those of free "
-                                             "space.",
-                                             what));
+            data.notes.push_back(
+                fmt::format("No sample of the scene's {} is in contact: its results are those of free space.", what));
 }
 
 void add_notes(const std::vector<BaseScene>& scenes, const Rounds& rounds, StudyData& data) {
@@ -252,11 +250,11 @@ void add_notes(const std::vector<BaseScene>& scenes, const Rounds& rounds, Study
             base.field ? fmt::format("{}: {}, {} x {} x {} voxels.", base.name, base.about, size[0], size[1], size[2])
                        : fmt::format("{}: {}.", base.name, base.about));
     }
-    data.notes.push_back(fmt::format(
-        "Each ratio is of {} paired rounds, fewer where they take long. In each the grid is moved at random "
-        "by up to half its spacing, or paths are drawn anew; both sides are evaluated in turn, each first "
-        "as often, repeatedly if that takes only a moment, and the least times count.",
-        rounds.count));
+    data.notes.push_back(
+        fmt::format("Each ratio is of {} paired rounds, fewer where they take long. In each the grid is moved at "
+                    "random by up to half its spacing, or paths are drawn anew; both sides are evaluated in turn, each "
+                    "first as often, repeatedly if that takes only a moment, and the least times count.",
+                    rounds.count));
     data.notes.push_back("Every y and free space are always left out where a scene permits; the study alone evaluates "
                          "them. Outputs that depend on y (proxies) are switched at every y on both sides.");
 }
@@ -273,14 +271,13 @@ Interval Measurement::whole_ratio() const {
 
 void add_omissions(StudyData& data, const std::vector<BaseScene>& scenes, const std::vector<Measurement>& rows) {
     data.tables = {feature_table(rows), omitted_table(scenes, rows)};
-    data.figures = {
-        bars("whole", "What features cost that are left out: the whole evaluation",
-             "Time with a feature over that without it; whiskers are 95 % intervals. Only what costs more than the "
-             "control, two sides that are alike; the table has the others.",
-             "time with it / time without it"),
-        bars("kernel", "What features cost that are left out: the kernel",
-             "The same for the kernel alone, without the host's work for a feature.",
-             "kernel time with it / without it")};
+    data.figures = {bars("whole", "What features cost that are left out: the whole evaluation",
+                         "Time with a feature over that without it; whiskers are 95 % intervals. Only what costs more "
+                         "than the control, two sides that are alike; the table has the others.",
+                         "time with it / time without it"),
+                    bars("kernel", "What features cost that are left out: the kernel",
+                         "The same for the kernel alone, without the host's work for a feature.",
+                         "kernel time with it / without it")};
     std::erase_if(data.figures, [&](const Figure& figure) { // without a bar
         const Table& features = data.tables.front();
         for (std::size_t row = 0; row < features.rows.size(); ++row)
@@ -291,10 +288,10 @@ void add_omissions(StudyData& data, const std::vector<BaseScene>& scenes, const 
     add_findings(data.findings, rows);
     for (const Row& row : rows)
         if (const Interval control = row.whole_ratio(); row.comparison.feature == kControl && was_busy(control))
-            data.notes.push_back(fmt::format(
-                "{}: of two equal sides one took {:.2g} to {:.2g} times as long as the other, so busy was the machine: "
-                "no cost is drawn or found in this scene; run the study again.",
-                row.comparison.scene, control.low, control.high));
+            data.notes.push_back(
+                fmt::format("{}: of two equal sides one took {:.2g} to {:.2g} times as long as the other, so busy was "
+                            "the machine: no cost is drawn or found in this scene; run the study again.",
+                            row.comparison.scene, control.low, control.high));
 }
 
 StudyData study_omission(StudyRun& run) {

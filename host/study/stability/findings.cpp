@@ -73,22 +73,20 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
         finding.text = fmt::format("Unstable at every stiffness somewhere on the {}.", worst.surface);
     } else if (surface.stiffness > 0) {
         const double ratio = surface.stiffness / *worst.limit;
-        finding.text = fmt::format(
-            "Away from places where the direction jumps the scene's loop is stable{} up to {} (flat wall: {}); "
-            "its own {} is {:.3g} times that{}.",
-            surface.prepared.one.scene.hand.coupled() ? " without its virtual coupling" : "", newtons(*worst.limit),
-            newtons(worst.wall), newtons(surface.stiffness), ratio, ratio < 1 ? "" : ", and unstable");
+        finding.text = fmt::format("Away from places where the direction jumps the scene's loop is stable{} up to {} "
+                                   "(flat wall: {}); its own {} is {:.3g} times that{}.",
+                                   surface.prepared.one.scene.hand.coupled() ? " without its virtual coupling" : "",
+                                   newtons(*worst.limit), newtons(worst.wall), newtons(surface.stiffness), ratio,
+                                   ratio < 1 ? "" : ", and unstable");
     } else {
         finding.text = fmt::format(
             "Of {} surfaces the {} has the lowest limit: away from places where the direction jumps the loop is stable "
-            "up to "
-            "{} of depth{}, {} (flat wall: {}).",
+            "up to {} of depth{}, {} (flat wall: {}).",
             results.surfaces.size(), worst.surface, limit_at(results, worst.surface, worst.place.depth),
-            is_of_the_grip(results, worst)
-                ? fmt::format(" (the grip's spring holds at most {:.2g} N that turn so fast; "
-                              "neither more damping nor a faster rate helps)",
-                              *worst.limit * worst.place.depth)
-                : "",
+            is_of_the_grip(results, worst) ? fmt::format(" (the grip's spring holds at most {:.2g} N that turn so "
+                                                         "fast; neither more damping nor a faster rate helps)",
+                                                         *worst.limit * worst.place.depth)
+                                           : "",
             limit_at(results, worst.surface, results.surfaces.front().depths().front()), newtons(worst.wall));
     }
     if (worst.any_press && *worst.limit > 0 && worst.any_press->limit < 0.99 * *worst.limit)
@@ -238,15 +236,16 @@ void add_atlas(std::vector<Finding>& findings, const LoopResults& results, const
             ++stepped;
             apart += one.apart();
         }
-    findings.push_back({"loop_atlas",
-                        fmt::format("The limit there moves with {}{}.", fmt::join(moved, ", "),
-                                    still.empty() ? "" : fmt::format("; not with {}", fmt::join(still, ", "))),
-                        "loop-atlas-grip", place_of(worst),
-                        hand_text(results.surfaces.front()) + ", one varied at a time",
-                        stepped == 0 ? ""
-                                     : fmt::format("of {} limits of all surfaces stepped through the surface's own "
-                                                   "force {} differ by more than 1 %",
-                                                   stepped, apart)});
+    findings.push_back(
+        {"loop_atlas",
+         fmt::format("The limit there moves with {}{}.", fmt::join(moved, ", "),
+                     still.empty() ? "" : fmt::format("; not with {}", fmt::join(still, ", "))),
+         "loop-atlas-grip", place_of(worst), hand_text(results.surfaces.front()) + ", one varied at a time",
+         stepped == 0
+             ? ""
+             : fmt::format(
+                   "of {} limits of all surfaces stepped through the surface's own force {} differ by more than 1 %",
+                   stepped, apart)});
 }
 
 // Of a diagram: the loops that are foreseen to come to rest, and those that are not.
@@ -332,14 +331,14 @@ void add_couplings(std::vector<Finding>& findings, const LoopResults& results) {
                                 ? ""
                                 : fmt::format(" (the best one whose speed is filtered over {} samples {})",
                                               kUsualFilter, felt(*filtered)));
-    findings.push_back({"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
-                        hand_text(results.surfaces.front()),
-                        fmt::format("of {} couplings stepped through the surface's own force {} rest 2 % softer and "
-                                    "grow 2 % stiffer{}",
-                                    stepped, foreseen,
-                                    loops.any ? fmt::format("; of {} in loop-coupling {} do as foreseen", loops.all(),
-                                                            loops.as_foreseen())
-                                              : "")});
+    findings.push_back(
+        {"loop_couplings", text, "loop-couplings", "at rest at all places, in all holds",
+         hand_text(results.surfaces.front()),
+         fmt::format(
+             "of {} couplings stepped through the surface's own force {} rest 2 % softer and grow 2 % stiffer{}",
+             stepped, foreseen,
+             loops.any ? fmt::format("; of {} in loop-coupling {} do as foreseen", loops.all(), loops.as_foreseen())
+                       : "")});
 }
 
 // "; with grip and delay, on all surfaces, ...".
@@ -369,11 +368,11 @@ void add_basin(std::vector<Finding>& findings, const LoopResults& results) {
     };
     findings.push_back(
         {"loop_basin",
-         fmt::format("Without any damping {:.3g} N of friction lets a kick die out up to 8 f_c / (pi K T w), w = "
-                     "sqrt(K / m): {:.2g} mm on "
-                     "1000 N/m, {:.2g} mm on 5000 N/m; a larger one grows. That is of a flat wall; other places "
-                     "stand in the interval, and where the force is a sample late it is up to a third of that.",
-                     cell.hand.coulomb, basin(1000), basin(5000)),
+         fmt::format(
+             "Without any damping {:.3g} N of friction lets a kick die out up to 8 f_c / (pi K T w), w = sqrt(K / m): "
+             "{:.2g} mm on 1000 N/m, {:.2g} mm on 5000 N/m; a larger one grows. That is of a flat wall; other places "
+             "stand in the interval, and where the force is a sample late it is up to a third of that.",
+             cell.hand.coulomb, basin(1000), basin(5000)),
          "loop-basin", fmt::format("{}, a wall", loops.any->surface),
          hand_text(results.surfaces.front()) + ", no damping",
          fmt::format("{} of {} stepped loops do as foreseen{}", loops.as_foreseen(), loops.all(),
@@ -386,10 +385,9 @@ void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
         return;
     findings.push_back(
         {"loop_rounding",
-         fmt::format(
-             "With a rounded position, {} of {} loops within K <= min(2 b / T, 2 f_c / quantum) come to rest, and "
-             "{} of {} beyond.",
-             loops.kept, loops.foreseen, loops.rest, loops.others),
+         fmt::format("With a rounded position, {} of {} loops within K <= min(2 b / T, 2 f_c / quantum) come to rest, "
+                     "and {} of {} beyond.",
+                     loops.kept, loops.foreseen, loops.rest, loops.others),
          "loop-rounding", fmt::format("{}, the worst place", loops.any->surface),
          fmt::format("{}, K = {}", hand_text(results.surfaces.front()), newtons(loops.any->cell.stiffness)), ""});
 }

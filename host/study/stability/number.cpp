@@ -227,8 +227,7 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
          {"refused", "", "Why the field was refused; empty: it was not.", [](const R& r) { return r.errors.refused; }}},
         rows));
     const char* const largest = "Largest error of a voxel's force over the largest force, away from edges. A point "
-                                "that is missing has no force "
-                                "in that precision. Errors of 0 are shown at 1e-17.";
+                                "that is missing has no force in that precision. Errors of 0 are shown at 1e-17.";
     const FigureAxis error{"error_shown", "largest error / largest force", true};
     data.figures.insert(
         data.figures.end(),
@@ -355,33 +354,31 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, 
     std::size_t evaluations = 0;
     for (const LawRounding& one : found)
         evaluations += one.same_facet ? one.evaluations : 0;
-    std::string text =
-        fmt::format("Single precision of a field differs from double by up to {:.2g} of the largest force "
-                    "where both meet the same facet",
-                    same->error);
+    std::string text = fmt::format("Single precision of a field differs from double by up to {:.2g} of the largest "
+                                   "force where both meet the same facet",
+                                   same->error);
     if (other)
-        text += fmt::format(
-            ", and by up to {:.2g} times that force where two facets are equally near and rounding chooses: the static "
-            "field jumps there whatever the shading",
-            other->error);
+        text += fmt::format(", and by up to {:.2g} times that force where two facets are equally near and rounding "
+                            "chooses: the static field jumps there whatever the shading",
+                            other->error);
     std::string laws = same->law + (other ? "; " + other->law : std::string());
     if (const LawRounding* stroke = worst(true, true)) {
         text += fmt::format(". A god-object's differs by up to {:.2g} of it at the ends of strokes", stroke->error);
         laws += "; " + stroke->law;
     }
     if (const LawRounding* fork = worst(true, false)) {
-        text += fmt::format(
-            ", and by up to {:.2g} times it where two strokes fork at an edge. It does not jump between facets that "
-            "are equally near, but further on, where its proxy slides over the ridge",
-            fork->error);
+        text +=
+            fmt::format(", and by up to {:.2g} times it where two strokes fork at an edge. It does not jump between "
+                        "facets that are equally near, but further on, where its proxy slides over the ridge",
+                        fork->error);
         laws += "; " + fork->law;
     }
-    data.figures.push_back(make_figure(
-        "worst-rounding", "Largest error of single precision that a search found, law by law",
-        "Largest difference of the forces that a search found, over the largest force. Where rounding chooses another "
-        "facet of a tie, a law whose direction jumps from facet to facet jumps with it.",
-        FigureKind::bars, "worst_rounding", {}, {"law", "law"},
-        {"error_1", "difference of the forces / largest force", true}, "facet"));
+    data.figures.push_back(
+        make_figure("worst-rounding", "Largest error of single precision that a search found, law by law",
+                    "Largest difference of the forces that a search found, over the largest force. Where rounding "
+                    "chooses another facet of a tie, a law whose direction jumps from facet to facet jumps with it.",
+                    FigureKind::bars, "worst_rounding", {}, {"law", "law"},
+                    {"error_1", "difference of the forces / largest force", true}, "facet"));
     data.findings.push_back({"worst_rounding", text + ".", "worst-rounding", laws,
                              own ? "R = 2 a, probe 0.02 to 2 mm deep" : "as deep as a hand goes",
                              fmt::format("the worst of {} evaluations of {} laws: a search, not a bound", evaluations,

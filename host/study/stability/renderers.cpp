@@ -217,10 +217,8 @@ Finding finding_of(const LoopSurface& surface, const std::vector<RendererLimit>&
     finding.figure = "loop-renderers";
     finding.place = place_text(least->there);
     if (high > 0)
-        finding.interval =
-            fmt::format("where both have a limit, the renderer's is {:.3g} to {:.3g} of the own law's; each to "
-                        "1 %",
-                        low, high);
+        finding.interval = fmt::format(
+            "where both have a limit, the renderer's is {:.3g} to {:.3g} of the own law's; each to 1 %", low, high);
     return finding;
 }
 

@@ -13,20 +13,17 @@ namespace {
 // Of a row that has a place: `first`, where it is, `then`.
 template <typename Row>
 std::vector<ColumnOf<Row>> place_columns(std::vector<ColumnOf<Row>> first, std::initializer_list<ColumnOf<Row>> then) {
-    first.insert(
-        first.end(),
-        {{"kind", "",
-          "flat, crest, hollow (nearly upright, turning inwards), slope; edge and foot: the direction of the force "
-          "jumps "
-          "outwards or inwards",
-          [](const Row& r) { return name_of(r.place.kind); }},
-         {"depth_mm", "mm", "of the probe: force over stiffness, its depth in a wall",
-          [](const Row& r) { return 1e3 * r.place.depth; }},
-         {"x_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.x; }},
-         {"y_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.y; }},
-         {"z_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.z; }},
-         {"beside_um", "um", "from a jump of the direction, if the place was found by one",
-          [](const Row& r) { return 1e6 * r.place.edge_distance.value_or(NAN); }}});
+    first.insert(first.end(), {{"kind", "",
+                                "flat, crest, hollow (nearly upright, turning inwards), slope; edge and foot: the "
+                                "direction of the force jumps outwards or inwards",
+                                [](const Row& r) { return name_of(r.place.kind); }},
+                               {"depth_mm", "mm", "of the probe: force over stiffness, its depth in a wall",
+                                [](const Row& r) { return 1e3 * r.place.depth; }},
+                               {"x_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.x; }},
+                               {"y_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.y; }},
+                               {"z_mm", "mm", "of the probe", [](const Row& r) { return 1e3 * r.place.at.z; }},
+                               {"beside_um", "um", "from a jump of the direction, if the place was found by one",
+                                [](const Row& r) { return 1e6 * r.place.edge_distance.value_or(NAN); }}});
     first.insert(first.end(), then);
     return first;
 }
@@ -205,26 +202,27 @@ Table swing_table(const LoopResults& results) {
     };
     return table_of<R>(
         "loop_edges", "Probes that rest on a jump of the direction",
-        place_columns<R>(
-            {{"surface", "", "pressed by the hand", &R::surface},
-             {"series", "", "surface, kind and depth",
-              [](const R& r) {
-                  return fmt::format("{}, {}, {:.3g} mm", r.surface, name_of(r.place.kind), 1e3 * r.place.depth);
-              }}},
-            {{"jump_deg", "deg", "between the directions of the force on both sides",
-              [](const R& r) { return r.place.jump / kDegree; }},
-             {"stiffness_N_per_m", "N/m", "of the surface", &R::stiffness},
-             {"state", "", "as in loop_states; slid aside: at rest more than a tenth of its depth away",
-              [](const R& r) {
-                  const bool slid = r.outcome.state == LoopState::stable && r.outcome.moved > 0.1 * r.place.depth;
-                  return slid ? "slid aside" : word_of(r.outcome.state);
-              }},
-             {"moved_um", "um", "from its place to the middle of that swing; empty: the probe left",
-              micro(&LoopOutcome::moved)},
-             {"swing_um", "um",
-              "between the farthest positions in the last quarter of the time, along the axis of the largest; empty: "
-              "the probe left",
-              micro(&LoopOutcome::swing)}}),
+        place_columns<R>({{"surface", "", "pressed by the hand", &R::surface},
+                          {"series", "", "surface, kind and depth",
+                           [](const R& r) {
+                               return fmt::format("{}, {}, {:.3g} mm", r.surface, name_of(r.place.kind),
+                                                  1e3 * r.place.depth);
+                           }}},
+                         {{"jump_deg", "deg", "between the directions of the force on both sides",
+                           [](const R& r) { return r.place.jump / kDegree; }},
+                          {"stiffness_N_per_m", "N/m", "of the surface", &R::stiffness},
+                          {"state", "", "as in loop_states; slid aside: at rest more than a tenth of its depth away",
+                           [](const R& r) {
+                               const bool slid =
+                                   r.outcome.state == LoopState::stable && r.outcome.moved > 0.1 * r.place.depth;
+                               return slid ? "slid aside" : word_of(r.outcome.state);
+                           }},
+                          {"moved_um", "um", "from its place to the middle of that swing; empty: the probe left",
+                           micro(&LoopOutcome::moved)},
+                          {"swing_um", "um",
+                           "between the farthest positions in the last quarter of the time, along the axis of the "
+                           "largest; empty: the probe left",
+                           micro(&LoopOutcome::swing)}}),
         results.swings);
 }
 
@@ -249,8 +247,7 @@ Table coupling_table(const LoopResults& results) {
           [](const R& r) { return r.coupling.weakest ? name_of(r.coupling.weakest->place.kind) : ""; }},
          {"stepped", "",
           "through the surface's own force at that place: as foreseen, if a coupling 2 % softer rests and one 2 % "
-          "stiffer "
-          "grows",
+          "stiffer grows",
           [](const R& r) { return !r.foreseen   ? ""
                                   : *r.foreseen ? "as foreseen"
                                                 : "otherwise"; }}},
@@ -263,8 +260,8 @@ Table state_table(const LoopResults& results) {
         "loop_states", "States of sampled loops",
         {{"diagram", "",
           "damping: over stiffness and damping at the surface's lowest limit; coupling: over stiffness and damping of "
-          "a virtual coupling to a scene of 1e7 N/m; rounding: over the step of the measured "
-          "position and friction; basin: over stiffness and kick, without damping",
+          "a virtual coupling to a scene of 1e7 N/m; rounding: over the step of the measured position and friction; "
+          "basin: over stiffness and kick, without damping",
           &R::diagram},
          {"surface", "", "pressed by the hand", &R::surface},
          {"stiffness_N_per_m", "N/m", "K of the surface", [](const R& r) { return r.cell.stiffness; }},
@@ -291,8 +288,7 @@ Table state_table(const LoopResults& results) {
           [](const R& r) { return word_of(r.outcome.state); }},
          {"foreseen", "",
           "rests or grows, by the linearised loop; with rounding: rests where K <= min(2 b / T, 2 f_c / quantum); "
-          "basin: "
-          "by describing functions",
+          "basin: by describing functions",
           [](const R& r) { return r.foreseen                ? Cell("rests")
                                   : r.diagram == "rounding" ? Cell()
                                                             : Cell("grows"); }}},
@@ -429,19 +425,19 @@ std::vector<Figure> figures_of(const LoopResults& results) {
         figures.push_back(make_figure(
             "loop-presses", "Largest stable stiffness by the direction of the press, at each surface's weakest place",
             fmt::format(
-                "With a {}. A press counts for a limit where the surface supports it with a fifth of its force "
-                "and of a wall's stiffness; further aside the limit of a curved or shaded one may fall on to 0.",
+                "With a {}. A press counts for a limit where the surface supports it with a fifth of its force and of "
+                "a wall's stiffness; further aside the limit of a curved or shaded one may fall on to 0.",
                 hand_text(first)),
             FigureKind::scatter, "loop_presses", {{"drawn", "yes"}}, {"press_deg", "press, from straight down / deg"},
             {"limit_N_per_m", "largest stable stiffness / (N/m)"}, "surface", "", {.shape = "counts", .joined = true}));
     if (!results.swings.empty())
-        figures.push_back(make_figure(
-            "loop-edges", "Swing of a probe that rests on a jump of the direction",
-            "Peak to peak over the surface's stiffness, the hand pressed down. A point that is missing: the probe left "
-            "its place.",
-            FigureKind::scatter, "loop_edges", {{"kind", "foot"}, {"depth_mm", Cell(1e3 * first.depths()[2]).text()}},
-            {"stiffness_N_per_m", "stiffness / (N/m)", true}, {"swing_um", "swing / um", true}, "series", "",
-            {.joined = true}));
+        figures.push_back(make_figure("loop-edges", "Swing of a probe that rests on a jump of the direction",
+                                      "Peak to peak over the surface's stiffness, the hand pressed down. A point that "
+                                      "is missing: the probe left its place.",
+                                      FigureKind::scatter, "loop_edges",
+                                      {{"kind", "foot"}, {"depth_mm", Cell(1e3 * first.depths()[2]).text()}},
+                                      {"stiffness_N_per_m", "stiffness / (N/m)", true},
+                                      {"swing_um", "swing / um", true}, "series", "", {.joined = true}));
     const auto any = [&](const char* diagram) {
         return std::ranges::find(results.diagrams, diagram, &DiagramLoop::diagram);
     };
@@ -465,26 +461,24 @@ std::vector<Figure> figures_of(const LoopResults& results) {
             figures.push_back(make_figure(
                 fmt::format("loop-atlas-{}", quantity), title,
                 "At the worst place of each surface with the hand's own; T is a sample, b the damping of device and "
-                "hand. "
-                "2 is what is passive without delay. The table has the worst place of each kind.",
+                "hand. 2 is what is passive without delay. The table has the worst place of each kind.",
                 FigureKind::scatter, "loop_atlas", {{"varied", quantity}, {"worst", "yes"}}, x,
                 {"K_T_over_b_1", "limit K T / b", true}, "surface", "", {.joined = true}));
     if (!results.atlas.empty())
-        figures.push_back(make_figure(
-            "loop-atlas-depth", "Where the grip gives way: the limit over depth, in groups without units",
-            "At the worst place of each surface with the hand's own, where the force turns outwards with radius R. "
-            "cos(t)^2 is where the grip's spring gives way, t the angle between hold and force; less: the sampled loop "
-            "grows before. On a flat wall nothing turns.",
-            FigureKind::scatter, "loop_atlas", {{"varied", "depth"}, {"worst", "yes"}},
-            {"d_over_R_1", "depth d / R", true}, {"K_d_over_kg_R_1", "limit K d / (k_g R)"}, "surface", "",
-            {.joined = true}));
+        figures.push_back(
+            make_figure("loop-atlas-depth", "Where the grip gives way: the limit over depth, in groups without units",
+                        "At the worst place of each surface with the hand's own, where the force turns outwards with "
+                        "radius R. cos(t)^2 is where the grip's spring gives way, t the angle between hold and force; "
+                        "less: the sampled loop grows before. On a flat wall nothing turns.",
+                        FigureKind::scatter, "loop_atlas", {{"varied", "depth"}, {"worst", "yes"}},
+                        {"d_over_R_1", "depth d / R", true}, {"K_d_over_kg_R_1", "limit K d / (k_g R)"}, "surface", "",
+                        {.joined = true}));
     if (!results.couplings.empty())
         figures.push_back(
             make_figure("loop-couplings", "Stiffness displayed through a virtual coupling, in a scene of 1e7 N/m",
-                        "At rest, through the stiffest coupling that holds. Safe: a spring alone, "
-                        "passive on a wall; stiffest: with a "
-                        "damper, too, but its impacts may give energy; filtered: the damper's speed through a low pass "
-                        "of 5 samples. All at rest at all places.",
+                        "At rest, through the stiffest coupling that holds. Safe: a spring alone, passive on a wall; "
+                        "stiffest: with a damper, too, but its impacts may give energy; filtered: the damper's speed "
+                        "through a low pass of 5 samples. All at rest at all places.",
                         FigureKind::bars, "loop_couplings", {{"scene_N_per_m", Cell(1e7).text()}},
                         {"surface", "surface"}, {"displayed_N_per_m", "displayed / (N/m)", true}, "coupling"));
     if (const auto loop = any("coupling"); loop != results.diagrams.end())
@@ -517,12 +511,11 @@ std::string disagreement_note(const LoopResults& results) {
         (kick ? kicks : limits) += 1;
         (kick ? other : apart) += one.apart();
     }
-    return fmt::format(
-        "Of {} limits that were stepped {} differ by more than 1 % from the linearised loop or the closed form{}; of "
-        "{} "
-        "kicks that friction alone lets die out {} do, from the closed form, which has one mode along the force. "
-        "loop_disagreements lists both.",
-        limits, apart, apart == 0 ? " (none of loop_limits, loop_mesh_edges and loop_atlas)" : "", kicks, other);
+    return fmt::format("Of {} limits that were stepped {} differ by more than 1 % from the linearised loop or the "
+                       "closed form{}; of {} kicks that friction alone lets die out {} do, from the closed form, which "
+                       "has one mode along the force. loop_disagreements lists both.",
+                       limits, apart, apart == 0 ? " (none of loop_limits, loop_mesh_edges and loop_atlas)" : "", kicks,
+                       other);
 }
 
 } // namespace
@@ -535,12 +528,12 @@ void add_loops(StudyData& data, const LoopResults& results) {
         data.tables.push_back(edge_limit_table(results));
     data.figures = figures_of(results);
     data.notes = {
-        fmt::format("The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's "
-                    "force there; its spring acts across the direction of the hold, or on all sides. Presses along "
-                    "which it has less than a fifth of that force, or of a wall's stiffness, are left out: further "
-                    "aside limits of what is curved or shaded may fall on to 0. The device's "
-                    "largest force is left out.",
-                    data.scene.empty() ? "a scene that names none" : "the scene", hand_text(results.surfaces.front())),
+        fmt::format(
+            "The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's force "
+            "there; its spring acts across the direction of the hold, or on all sides. Presses along which it has less "
+            "than a fifth of that force, or of a wall's stiffness, are left out: further aside limits of what is "
+            "curved or shaded may fall on to 0. The device's largest force is left out.",
+            data.scene.empty() ? "a scene that names none" : "the scene", hand_text(results.surfaces.front())),
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
         "and the force held over a sample. At the worst place of each kind the loop is stepped through the surface's "
         "own force, too, from a disturbance of a millionth of the depth; kick_um is the largest one that decays at "
