@@ -18,6 +18,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/error.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::device {
 
@@ -133,9 +134,7 @@ private:
     std::atomic<std::uint32_t> between_ = 2;
 };
 
-inline bool is_finite(const glm::dvec3& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
+using reference::is_finite;
 
 inline constexpr std::int64_t kSecond = 1'000'000'000; /* ns */
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -12,6 +11,7 @@
 
 #include "device/backends/devices.h"
 #include "device/backends/shared_library.h"
+#include "host/text.h"
 
 namespace forceshade::device {
 
@@ -182,11 +182,9 @@ const char* cause_in_words(int cause) {
 }
 
 int index_of(std::string_view text) {
-    int index = -1;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
-    if (error != std::errc{} || end != text.data() + text.size() || index < 0 || index > 127)
-        throw UsageError("dhd:{}: a device's index is a whole number from 0 to 127", text);
-    return index;
+    if (const auto index = number_in(text, 0, 127))
+        return *index;
+    throw UsageError("dhd:{}: a device's index is a whole number from 0 to 127", text);
 }
 
 // Opens the device of this index; of -1 the first that is free.

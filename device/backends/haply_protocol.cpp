@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
+#include "host/text.h"
 
 namespace forceshade::device {
 
@@ -20,9 +21,7 @@ namespace {
 }
 
 std::string checked_port(std::string_view url, std::string_view port) {
-    unsigned number = 0;
-    const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-    if (error != std::errc() || end != port.data() + port.size() || number == 0 || number > 65535)
+    if (!number_in(port, 1u, 65535u))
         refuse(url, fmt::format("has the port '{}', which is not from 1 to 65535", port));
     return std::string(port);
 }

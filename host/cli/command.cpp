@@ -153,13 +153,6 @@ std::string full_path(const std::filesystem::path& file) {
     return std::filesystem::absolute(file).lexically_normal().string();
 }
 
-std::vector<std::string> split(std::string_view text, char mark) {
-    std::vector<std::string> parts;
-    for (std::size_t begin = 0; begin <= text.size(); begin += parts.back().size() + 1)
-        parts.emplace_back(text.substr(begin, text.find(mark, begin) - begin));
-    return parts;
-}
-
 void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names) {
     const std::string_view meant = nearest(word, names);
     throw UsageError("no {} \"{}\"{}; there are {}", what, word,

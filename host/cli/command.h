@@ -1,7 +1,6 @@
 // The commands of the program, and their common parts: flags, scenes, the engine, where text goes.
 #pragma once
 
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -23,6 +22,7 @@
 #include "host/program.h"
 #include "host/scene/study.h"
 #include "host/scene/value.h"
+#include "host/text.h"
 
 namespace CLI {
 class App;
@@ -232,17 +232,6 @@ void refuse_replacing(const std::vector<std::pair<std::string, std::filesystem::
 
 /// The whole path of a file, as notes give it.
 std::string full_path(const std::filesystem::path& file);
-
-/// The number that a text is, and nothing else; none where it is no number, or not from `least` to `most`.
-template <typename T> std::optional<T> number_in(std::string_view text, T least, T most) {
-    T number{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    return whole && number >= least && number <= most ? std::optional(number) : std::nullopt;
-}
-
-/// The parts of a text between marks, at least one.
-std::vector<std::string> split(std::string_view text, char mark);
 
 /// `no study "omision", did you mean omission?; there are ...`. \throws UsageError.
 [[noreturn]] void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <ctime>
 #include <fcntl.h>
@@ -22,6 +21,7 @@
 #include "host/output/raw_formats.h"
 #include "host/paths/path_reader.h"
 #include "host/program.h"
+#include "host/text.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -30,11 +30,9 @@ using Json = nlohmann::ordered_json;
 using namespace std::string_view_literals;
 
 template <typename T> bool parsed(std::string_view text, T& value) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if constexpr (std::is_floating_point_v<T>)
-        if (!std::isfinite(value))
-            return false;
-    return error == std::errc() && end == text.data() + text.size();
+    const std::optional<T> number = number_in<T>(text);
+    value = number.value_or(value);
+    return number.has_value();
 }
 
 // A column of the data: what stands in it, and how it is read back. `read` is false for what it cannot be.

@@ -100,7 +100,7 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
             probe->begin_path();
             lag = -1;
         }
-        const PathContact<double> found = probe->at(reading.position);
+        const reference::LawContact<double> found = probe->at(reading.position);
         sample.tick = static_cast<std::uint64_t>(&sample - samples.data());
         sample.time = static_cast<double>(sample.tick) / manner.rate;
         sample.path = static_cast<std::uint32_t>(path);

@@ -91,10 +91,9 @@ ShapeComparison::Nearest ShapeComparison::above(const glm::dvec3& place) const n
     const double x = place.x, half = *half_width_;
     if (!(std::abs(x) < half))
         return {{0, 0, 1}, -place.z};
-    const double rise = std::sqrt((radius_ - x) * (radius_ + x));
-    const double height = (half - x) * (half + x) / (rise + std::sqrt((radius_ - half) * (radius_ + half)));
-    const glm::dvec3 normal(x / radius_, 0, rise / radius_);
-    return {normal, (height - place.z) * (reading_ == DepthReading::normal ? normal.z : 1)};
+    const glm::dvec3 normal(x / radius_, 0, reference::circle_rise(radius_, x) / radius_);
+    return {normal, (reference::cylinder_height(half, radius_, x) - place.z) *
+                        (reading_ == DepthReading::normal ? normal.z : 1)};
 }
 
 ShapeComparison::Nearest ShapeComparison::nearest_on_mesh(const glm::dvec3& place, layout::uint& hint) const noexcept {

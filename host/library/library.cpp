@@ -22,6 +22,7 @@
 #include "host/limits/critical_stiffness.h"
 #include "host/mesh/mesh_file.h"
 #include "host/reference/chunks.h"
+#include "host/text.h"
 
 namespace forceshade {
 namespace {
@@ -92,10 +93,6 @@ void store(const glm::dvec3& vector, double* numbers) noexcept {
         numbers[i] = vector[i];
 }
 
-bool is_finite(const glm::dvec3& place) noexcept {
-    return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
-}
-
 /// `place`: of the probe, m, in the world.
 fs_touch touch_of(const Pose& pose, const ProbeContact& contact, const glm::dvec3& place) noexcept {
     fs_touch touch{};
@@ -112,7 +109,7 @@ fs_touch no_answer(const glm::dvec3& place) noexcept {
     fs_touch touch{};
     store(place, touch.proxy);
     touch.facet = -1;
-    touch.status = is_finite(place) ? FS_OUT_OF_RANGE : FS_NOT_A_NUMBER;
+    touch.status = reference::is_finite(place) ? FS_OUT_OF_RANGE : FS_NOT_A_NUMBER;
     return touch;
 }
 
@@ -189,10 +186,6 @@ template <typename Pointer> Pointer required(Pointer pointer, const char* name) 
 /// Lines "key = value".
 std::vector<Override> overrides_of(const char* text) {
     std::vector<Override> overrides;
-    const auto trimmed = [](std::string_view part) {
-        const std::size_t first = part.find_first_not_of(" \t\r"), last = part.find_last_not_of(" \t\r");
-        return first == std::string_view::npos ? std::string() : std::string(part.substr(first, last - first + 1));
-    };
     for (std::string_view rest = text ? text : ""; !rest.empty();) {
         const std::string_view line = rest.substr(0, rest.find('\n'));
         rest.remove_prefix(std::min(rest.size(), line.size() + 1));
@@ -378,7 +371,7 @@ fs_error fs_scene_pose(fs_scene* scene, const double rotation[9], const double t
         return fail(FS_ARGUMENT, "a pose's rotation is no mirror: its determinant is positive");
     if (translation)
         pose.translation = vector_of(translation);
-    if (!is_finite(pose.translation))
+    if (!reference::is_finite(pose.translation))
         return fail(FS_ARGUMENT, "a pose's translation is finite");
     pose.moved = rotation || translation;
     *scene->pose = pose;
@@ -460,7 +453,7 @@ fs_error fs_probe_set_state(fs_probe* probe, const fs_probe_state* state) {
         return fail(FS_ARGUMENT, "the probe's state is of another scene");
     const glm::dvec3 place = vector_of(state->proxy);
     const std::size_t triangles = probe->tables->triangles();
-    bool possible = state->begun <= 1 && state->cornered <= 1 && state->count <= 3 && is_finite(place);
+    bool possible = state->begun <= 1 && state->cornered <= 1 && state->count <= 3 && reference::is_finite(place);
     possible = possible && (state->begun == 0 || triangles > 0) && (state->cornered == 0 || state->count > 0);
     for (std::uint32_t i = 0; i < 3 && possible; ++i)
         possible = i >= state->count || state->triangles[i] < triangles;

@@ -212,8 +212,7 @@ DisjointSets sets_by_group(std::span<const FacetCorner> corners, std::span<const
 DisjointSets sets_by_crease(std::span<const FacetCorner> corners, std::span<const glm::dvec3> normals, double angle) {
     DisjointSets sets(corners.size());
     const auto angle_between = [&](std::uint32_t one, std::uint32_t other) {
-        const glm::dvec3 &a = normals[corners[one].facet], &b = normals[corners[other].facet];
-        return std::atan2(reference::length(cross(a, b)), dot(a, b));
+        return reference::angle_between(normals[corners[one].facet], normals[corners[other].facet]);
     };
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides; // the vertex at the edge's other end, corner
     for (std::uint32_t i = 0; i < corners.size(); ++i)

@@ -143,12 +143,6 @@ void for_each_bundle(const std::vector<uint>& corners, const std::vector<uint>& 
     forceshade::for_each_bundle(places.size(), corners.size(), ends, use);
 }
 
-/// The angle between two edges, good for needles too.
-double angle_between(const glm::dvec3& u, const glm::dvec3& v) {
-    const glm::dvec3 normal = reference::cross(u, v);
-    return std::atan2(std::sqrt(reference::dot(normal, normal)), reference::dot(u, v));
-}
-
 /// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
 void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
     std::vector<uint>& across = parts.triangle_neighbours;
@@ -185,7 +179,7 @@ void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const s
             at[i] = vector_at(reals.vertices, corners[i]);
         const glm::dvec3 normal = vector_at(reals.triangle_normals, triangle);
         for (std::size_t i = 0; i < 3; ++i) {
-            const double angle = angle_between(at[(i + 1) % 3] - at[i], at[(i + 2) % 3] - at[i]);
+            const double angle = reference::angle_between(at[(i + 1) % 3] - at[i], at[(i + 2) % 3] - at[i]);
             double* sum = &sums[3 * std::size_t(places[corners[i]])];
             sum[0] += angle * normal.x;
             sum[1] += angle * normal.y;

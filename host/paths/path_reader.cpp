@@ -10,6 +10,7 @@
 
 #include "host/numbers.h"
 #include "host/spelling.h"
+#include "host/text.h"
 
 namespace forceshade {
 
@@ -294,10 +295,8 @@ std::uint64_t PathReader::path_id() const {
     if (cells_[kPath] == kNone)
         return 0;
     const std::string_view text = csv_.text(cells_[kPath]);
-    std::uint64_t id = 0;
-    if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-        error == std::errc() && end == text.data() + text.size())
-        return id;
+    if (const auto id = number_in<std::uint64_t>(text))
+        return *id;
     const double value = number(kPath);
     if (value < 0)
         refuse(kPath, fmt::format("{} is negative; expected {}", shown(text), kWanted[kPath]));

@@ -90,10 +90,6 @@ namespace {
 constexpr std::size_t kPoints = 401;          // of a curve; more would not show
 constexpr std::uint32_t kMostVertices = 2000; // beyond that facets do not show either, and the circle is drawn
 
-double circle_height(double half_width, double radius, double x) {
-    return reference::cylinder_height(half_width, radius, std::sqrt((radius - half_width) * (radius + half_width)), x);
-}
-
 double image_height(const HeightMapSpec& map, const HeightImage& image, double x, double y) {
     if (2 * std::abs(x) > map.size[0] || 2 * std::abs(y) > map.size[1])
         return 0;
@@ -113,9 +109,9 @@ double image_height(const HeightMapSpec& map, const HeightImage& image, double x
 double map_height(const HeightMapSpec& map, const HeightImage* image, double x, double y) {
     switch (map.function) {
     case MapFunction::cylinder:
-        return circle_height(map.width / 2, map.radius, x);
+        return reference::cylinder_height(map.width / 2, map.radius, x);
     case MapFunction::dip:
-        return -circle_height(map.width / 2, map.radius, x);
+        return -reference::cylinder_height(map.width / 2, map.radius, x);
     case MapFunction::sine:
         return map.height * std::sin(2 * std::numbers::pi * std::fmod(x / map.width, 1.0));
     case MapFunction::gaussian:
@@ -142,7 +138,7 @@ std::vector<picture::LinePoint> facet_line(const SurfaceSpec& surface, const Sec
         points.push_back({x.from, 0});
     for (const double vertex :
          facet_vertices<double>(surface.facets, half_width, surface.radius, surface.facet_spacing))
-        points.push_back({vertex, circle_height(half_width, surface.radius, vertex)});
+        points.push_back({vertex, reference::cylinder_height(half_width, surface.radius, vertex)});
     if (x.to > half_width)
         points.push_back({x.to, 0});
     return points;
@@ -173,7 +169,7 @@ std::vector<picture::LinePoint> mesh_section(const Mesh& mesh, double y) {
 picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionSpan& x) {
     const Scene& scene = prepared.one.scene;
     const SurfaceSpec& surface = scene.surface;
-    const auto circle = [&](double at) { return circle_height(surface.width / 2, surface.radius, at); };
+    const auto circle = [&](double at) { return reference::cylinder_height(surface.width / 2, surface.radius, at); };
     picture::SurfaceLines lines;
     switch (surface.kind) {
     case SurfaceKind::bump:

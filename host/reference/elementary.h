@@ -79,6 +79,11 @@ template <typename T> T length(const Vector<T>& v) noexcept {
     return sqrt(dot(v, v));
 }
 
+/// The angle between two vectors of any length but 0, rad; good however small it is.
+inline double angle_between(const Vector<double>& u, const Vector<double>& v) noexcept {
+    return std::atan2(length(cross(u, v)), dot(u, v));
+}
+
 // G1: the reference cylinder, step for step as shaders/laws/elementary.glsl.
 
 /// sqrt(R^2 - x^2), m: how far the circle stands above its axis at x, |x| <= R.
@@ -92,6 +97,11 @@ template <typename T> T cylinder_height(T half_width, T radius, T centre_depth, 
     if (!(product > T(0)))
         return T(0);
     return product / (circle_rise(radius, x) + centre_depth);
+}
+
+/// The same from R and a alone.
+template <typename T> T cylinder_height(T half_width, T radius, T x) noexcept {
+    return cylinder_height(half_width, radius, circle_rise(radius, half_width), x);
 }
 
 // cos and exp out of + - * and exact steps only, step for step as shaders/laws/elementary.glsl.

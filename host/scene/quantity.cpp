@@ -15,6 +15,7 @@
 
 #include "host/error.h"
 #include "host/spelling.h"
+#include "host/text.h"
 
 namespace forceshade {
 
@@ -141,15 +142,18 @@ const LookAlike* find_word(std::span<const LookAlike> words, std::string_view na
                        ? fmt::format(", \"{}/{}\" for {}", first, second, wanted.with_article)
                        : "");
     }
-    std::vector<std::string> names;
-    for (const Symbol& symbol : kSymbols) {
-        names.emplace_back(symbol.name);
-        for (const char prefix : symbol.prefixes)
-            names.push_back(fmt::format("{}{}", prefix, symbol.name));
+    for (const bool any : {false, true}) { // those of the quantity itself first
+        std::vector<std::string> names;
+        for (const Symbol& symbol : kSymbols) {
+            if (!any && symbol.unit.powers != wanted.powers)
+                continue;
+            names.emplace_back(symbol.name);
+            for (const char prefix : symbol.prefixes)
+                names.push_back(fmt::format("{}{}", prefix, symbol.name));
+        }
+        if (const std::string_view near = nearest(name, names); !near.empty())
+            refuse("unknown unit \"{}\": did you mean \"{}\"?", name, near);
     }
-    const std::string_view near = nearest(name, names);
-    if (!near.empty())
-        refuse("unknown unit \"{}\": did you mean \"{}\"?", name, near);
     refuse(
         "unknown unit \"{}\": known are m, mil, in, kg, g, s, Hz, N, J, rad, deg and SI prefixes, as in \"0.5 N/mm\"",
         name);
@@ -315,11 +319,6 @@ double convert(const Decimal& number, const Unit& unit) {
     if (!text.empty() && is_digit(text[0]) && text.find(',') != std::string_view::npos)
         refuse("\"{}\": write a decimal point, as in \"{}\"", text, info.example);
     refuse("{} is a number and a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text);
-}
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t");
-    return begin == text.npos ? text.substr(0, 0) : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
 struct Blank {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "host/scene/document.h"
 #include "host/scene/schema.h"
 #include "host/spelling.h"
+#include "host/text.h"
 
 namespace forceshade {
 
@@ -71,8 +71,11 @@ public:
             read_vector(node, value);
         else if (!is_vector() || value.one_for_all)
             read_part(node, value);
-        else
+        else {
+            if (node.type == Type::string)
+                read_part(node, value); // which may be none of the list's words
             refuse(node, "{} is a list, for example {}; got {}", key_.name, key_.default_text, describe(node));
+        }
         make_canonical(value);
         return value;
     }
@@ -175,10 +178,7 @@ private:
     static bool is_number(const TomlNode& node) {
         if (node.type != Type::string)
             return node.type == Type::integer || (node.type == Type::real && std::isfinite(node.real));
-        const std::string_view text = node.text;
-        double number = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-        return error == std::errc() && end == text.data() + text.size() && std::isfinite(number);
+        return number_in<double>(node.text).has_value();
     }
 
     // The number with the units that may have been meant: that of the default, that of the example, and SI's.

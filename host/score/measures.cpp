@@ -22,7 +22,7 @@ constexpr double kFelt = 1e-3;       // of it: a force at all
 constexpr double kBackHome = 0.01;   // of a stroke's length: it ends where it began
 
 double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
-    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
+    return reference::angle_between(a, b) * 180 / std::numbers::pi;
 }
 
 struct Squares {
@@ -102,7 +102,7 @@ Truth Yardstick::along(const Stroke& stroke) {
     Truth truth;
     probe.begin_path();
     for (const glm::dvec3& place : stroke.probe) {
-        const PathContact<double> found = probe.at(place);
+        const reference::LawContact<double> found = probe.at(place);
         truth.force.emplace_back(found.contact.force);
         truth.proxy.push_back(probe.law().in_world(found.contact.proxy));
         truth.touching.push_back(found.contact.facet != layout::kNoFacet);

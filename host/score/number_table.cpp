@@ -12,6 +12,7 @@
 #include "host/scene/toml.h"
 #include "host/score/strokes.h"
 #include "host/spelling.h"
+#include "host/text.h"
 
 namespace forceshade::score {
 namespace {
@@ -48,9 +49,7 @@ char separator_of(std::string_view text) {
 double number_of(std::string_view text) {
     if (text.size() > 1 && text[0] == '+' && text[1] != '-')
         text.remove_prefix(1);
-    double value = NAN;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc() && end == text.data() + text.size() ? value : NAN;
+    return number_in<double>(text).value_or(NAN);
 }
 
 // "0,5" as 0.5.
@@ -234,11 +233,6 @@ void read_array(NumberTable& table, std::string_view text) {
 }
 
 } // namespace
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
-    return begin == std::string_view::npos ? "" : text.substr(begin, end - begin + 1);
-}
 
 NumberTable read_numbers(const std::filesystem::path& file) {
     NumberTable table;

@@ -12,6 +12,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/reference/elementary.h"
+
 namespace forceshade::score {
 
 // A table of numbers in a file: CSV with a header, rows of numbers without one, or a NumPy array.
@@ -26,9 +28,6 @@ struct NumberTable {
 
     std::size_t rows() const { return lines.size(); }
 };
-
-/// Without the blanks and the carriage return at both ends.
-std::string_view trimmed(std::string_view text);
 
 /// A file that ends in .npy is an array of f4 or f8, of rows of columns. Another is text: numbers between commas; with
 /// tabs or semicolons in its first row between those, where decimal commas are read, too; else between blanks. Lines
@@ -74,9 +73,7 @@ struct Strokes {
     std::size_t samples() const;
 };
 
-inline bool is_finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
+using reference::is_finite;
 
 /// Forces along strokes: one a sample, N, perhaps not finite.
 using Track = std::vector<std::vector<glm::dvec3>>;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -18,22 +17,15 @@
 #include "host/program.h"
 #include "host/reference/chunks.h"
 #include "host/scene/cases.h"
+#include "host/text.h"
 
 namespace forceshade {
 
 namespace {
 
-std::optional<std::size_t> whole_number(std::string_view text) {
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size())
-        return std::nullopt;
-    return value;
-}
-
 std::size_t slurm_number(const char* name) {
     const char* text = std::getenv(name);
-    const std::optional<std::size_t> value = text ? whole_number(text) : std::nullopt;
+    const std::optional<std::size_t> value = text ? number_in<std::size_t>(text) : std::nullopt;
     if (!value)
         throw UsageError("--shard slurm: {} is {}: say --shard I/N (1/1: everything)", name,
                          text ? fmt::format("\"{}\"", text) : "not set");
@@ -130,8 +122,8 @@ Shard parse_shard(const std::string& text) {
         return slurm_part();
     const std::size_t slash = text.find('/');
     if (slash != std::string::npos) {
-        const auto index = whole_number(std::string_view(text).substr(0, slash));
-        const auto total = whole_number(std::string_view(text).substr(slash + 1));
+        const auto index = number_in<std::size_t>(std::string_view(text).substr(0, slash));
+        const auto total = number_in<std::size_t>(std::string_view(text).substr(slash + 1));
         if (index && total && is_shard({*index, *total}))
             return {*index, *total};
     }

@@ -83,11 +83,7 @@ std::optional<TouchRecord> touched_error(const PreparedCase& prepared);
 
 constexpr double kDegree = std::numbers::pi / 180; /* rad */
 
-/// Between two vectors of any length but 0, rad; good however small it is.
-inline double angle_between(const reference::Vector<double>& u, const reference::Vector<double>& v) {
-    const reference::Vector<double> normal = reference::cross(u, v);
-    return std::atan2(reference::length(normal), reference::dot(u, v));
-}
+using reference::angle_between; /* rad */
 
 /// Two unit vectors across a unit vector, and across each other.
 inline std::pair<reference::Vector<double>, reference::Vector<double>>

@@ -253,6 +253,13 @@ PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift) {
                               : own.kind == SurfaceKind::mesh     ? Shading::mean_value
                                                                   : Shading::reference;
     scene.force.shading = own.shading.value_or(scene.force.shading);
+    if (own.texture > 0) {
+        TextureSpec& sine = scene.texture.emplace();
+        sine.stiffness = own.stiffness;
+        sine.map.function = MapFunction::sine;
+        sine.map.width = 0.002;
+        sine.map.height = own.texture;
+    }
     if (own.kind == SurfaceKind::mesh) {
         surface.mesh.file = "bump";
         prepared.images.mesh = bump_mesh({kOwnHalfWidth, own.radius, own.facets, own.rows}, shift);

@@ -115,6 +115,7 @@ struct OwnSurface {
     std::uint32_t rows = 8;                       /* of a mesh: cells along y */
     double stiffness = 1000;                      /* N/m */
     std::optional<Shading> shading{};             /* other than those that `shaded` chooses */
+    double texture = 0;                           /* m: peak of a sine of 2 mm, as stiff as the surface; 0: none */
 };
 
 /// `shift`, m: of a mesh.

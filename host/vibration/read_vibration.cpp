@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string_view>
@@ -10,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
+#include "host/text.h"
 #include "host/vibration/vibration.h"
 
 namespace forceshade {
@@ -77,12 +77,10 @@ private:
     }
 
     double number(const pugi::xml_node& node) const {
-        const std::string_view text = node.text().get();
-        double value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        const auto value = number_in<double>(node.text().get());
+        if (!value)
             refuse(node, fmt::format("<{}> must be a finite number, got \"{}\"", node.name(), text_of(node)));
-        return value;
+        return *value;
     }
     double not_negative(const pugi::xml_node& node) const {
         const double value = number(node);

@@ -14,7 +14,6 @@ struct StudiedSurface {
     const char* name;
     OwnSurface own;
     glm::dvec3 low, high;      /* m */
-    double texture = 0;        /* m: peak of a sine of 2 mm, K_t = K */
     bool limits_alone = false; // nothing else is examined
 };
 
@@ -26,11 +25,11 @@ constexpr OwnSurface mesh_of(Shading shading) {
 }
 const StudiedSurface kStudied[] = {
     {"plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
-    {"textured plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}, 1e-5},
+    {"textured plane", {.facets = 1, .texture = 1e-5}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
     {"bump", {.radius = kOwnRadius, .facets = 2}, kBumpLow, kBumpHigh},
     {"shaded bump", {.shaded = true, .radius = kOwnRadius, .facets = 2}, kBumpLow, kBumpHigh},
-    {"bump of 8 facets", {.radius = kOwnRadius}, kBumpLow, kBumpHigh, 0, true},
-    {"shaded bump of 8 facets", {.shaded = true, .radius = kOwnRadius}, kBumpLow, kBumpHigh, 0, true},
+    {"bump of 8 facets", {.radius = kOwnRadius}, kBumpLow, kBumpHigh, true},
+    {"shaded bump of 8 facets", {.shaded = true, .radius = kOwnRadius}, kBumpLow, kBumpHigh, true},
     {"height map of a bump",
      {.kind = SurfaceKind::height_map, .shaded = true},
      {-0.0152, -0.005, -0.003},
@@ -41,9 +40,9 @@ const StudiedSurface kStudied[] = {
      {0.0152, 0.005, 0.002}},
     {"mesh", mesh_of(Shading::none), kMeshLow, kMeshHigh},
     {"shaded mesh", mesh_of(Shading::mean_value), kMeshLow, kMeshHigh},
-    {"morgenbesser mesh", mesh_of(Shading::morgenbesser), kMeshLow, kMeshHigh, 0, true},
-    {"barycentric mesh", mesh_of(Shading::barycentric), kMeshLow, kMeshHigh, 0, true},
-    {"two_pass mesh", mesh_of(Shading::two_pass), kMeshLow, kMeshHigh, 0, true},
+    {"morgenbesser mesh", mesh_of(Shading::morgenbesser), kMeshLow, kMeshHigh, true},
+    {"barycentric mesh", mesh_of(Shading::barycentric), kMeshLow, kMeshHigh, true},
+    {"two_pass mesh", mesh_of(Shading::two_pass), kMeshLow, kMeshHigh, true},
 };
 
 // Of each kind of place of a mesh: the least limit next to an edge, and the least at or next to a vertex; stepped, too.
@@ -157,18 +156,11 @@ template <typename T> std::vector<T> joined(std::deque<std::vector<T>>& parts) {
 
 std::vector<LoopSurface> own_surfaces() {
     std::vector<LoopSurface> surfaces;
-    for (const auto& [name, own, low, high, texture, limits_alone] : kStudied) {
+    for (auto [name, own, low, high, limits_alone] : kStudied) {
         LoopSurface& surface = surfaces.emplace_back();
         surface.name = name;
+        own.stiffness = 1;
         surface.prepared = own_case(own);
-        surface.prepared.one.scene.force.stiffness = 1;
-        if (texture > 0) {
-            TextureSpec& sine = surface.prepared.one.scene.texture.emplace();
-            sine.stiffness = 1;
-            sine.map.function = MapFunction::sine;
-            sine.map.width = 0.002;
-            sine.map.height = texture;
-        }
         surface.low = low;
         surface.high = high;
         surface.limits_alone = limits_alone;
