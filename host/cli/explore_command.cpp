@@ -55,53 +55,8 @@ double share(std::uint64_t part, std::uint64_t whole) {
     return whole > 0 ? double(part) / double(whole) : 0;
 }
 
-// Recorded positions in open loop on the CPU: sample by sample, in the order of the file, whatever its length.
-bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common, const Scene& scene,
-                 const std::string& recorded) {
-    return common.engine == "cpu" && !recorded.empty() && !(scene.paths && scene.paths->closed()) && !scene.compare &&
-           !scene.rubs() && !arguments.metrics_only && arguments.also.empty() && arguments.renderer.empty() &&
-           std::filesystem::path(arguments.out).extension() == ".csv";
-}
-
-constexpr std::uint64_t kMegabyte = 1000000;
-
-int stream(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared,
-           const std::string& recorded) {
-    if (!may_write({arguments.out, arguments.summary()}, common))
-        return 0;
-    std::optional<Stage> stage(std::in_place, "exploring " + recorded, 0, "MB");
-    const auto show = [&](std::uint64_t done, std::uint64_t total) {
-        stage->update(done / kMegabyte, total / kMegabyte);
-    };
-    const PathRegion region = recorded_region(prepared);
-    const ExploreResult result =
-        explore(prepared, recorded, std::filesystem::absolute(arguments.out), single_stretch(region), show);
-    stage.reset();
-    print_warnings(result.warnings, common);
-    note(common, "{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
-         plural(result.samples, "sample"), plural(result.paths, "path"), 100 * share(result.in_contact, result.samples),
-         result.largest_force, 1e9 * result.law_seconds / double(result.samples));
-    if (common.json) {
-        nlohmann::ordered_json json;
-        json["out"] = arguments.out;
-        json["samples"] = result.samples;
-        json["paths"] = result.paths;
-        json["samples_in_contact"] = result.in_contact;
-        json["contact_share"] = share(result.in_contact, result.samples);
-        json["largest_force_N"] = result.largest_force;
-        json["stretch_m"] = region.stretch;
-        json["unfinished"] = result.unfinished;
-        json["seconds_per_sample"] = result.law_seconds / double(result.samples);
-        print_data(json.dump(2) + "\n");
-    }
-    if (result.unfinished > 0)
-        throw Error(ExitCode::failed, fmt::format("{}: at {} of {} samples the proxy did not come to rest within its "
-                                                  "limit of steps; do not trust their forces",
-                                                  arguments.out, result.unfinished, result.samples));
-    return 0;
-}
-
-std::string as_json(const PathRecord& record, const ExploreArguments& arguments, const EngineReport& engine) {
+std::string as_json(const PathRecord& record, const ExploreArguments& arguments, const EngineReport& engine,
+                    Scene scene) {
     nlohmann::ordered_json json;
     json["out"] = arguments.metrics_only ? nlohmann::ordered_json() : nlohmann::ordered_json(arguments.out);
     json["files"] = nlohmann::ordered_json::array();
@@ -109,6 +64,8 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
         json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
     json["engine"] = {{"kind", engine.engine}, {"device", engine.device}, {"driver", engine.driver}};
     json.update(paths_json(record));
+    scene.field = false;
+    json["omitted"] = omissions(scene);
     json["contact_share"] = share(record.in_contact, record.samples);
     json["steps_per_second"] = record.steps_per_second();
     return json.dump(2) + "\n";
@@ -205,7 +162,7 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
         print_outcome(record, out, engine->report(), scene);
     note(common, "wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
     if (common.json)
-        print_data(as_json(record, arguments, engine->report()));
+        print_data(as_json(record, arguments, engine->report(), scene));
     if (const std::string wrong = error_text(record, out, engine->report().device);
         !wrong.empty() && arguments.renderer.empty())
         throw Error(ExitCode::failed, wrong);
@@ -243,8 +200,6 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     const Scene& scene = prepared.one.scene;
     if (prepared.images.mesh)
         print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
-    if (is_streamed(arguments, common, scene, recorded))
-        return stream(arguments, common, prepared, recorded);
     return run_all(arguments, common, prepared);
 }
 

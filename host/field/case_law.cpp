@@ -41,19 +41,15 @@ reference::Contact<T> CaseLaw<T>::at_rounded(const reference::Vector<T>& place, 
 }
 
 template <typename T>
-PathContact<T> CaseLaw<T>::follow(Path& path, reference::Neighbourhood<T>& around,
-                                  const glm::dvec3& probe) const noexcept {
+reference::LawContact<T> CaseLaw<T>::follow(Path& path, reference::Neighbourhood<T>& around,
+                                            const glm::dvec3& probe) const noexcept {
     const reference::Vector<T> place = from_origin(probe);
     if (!on_mesh()) // L1 to L5: no history
-        return {{reference::evaluate(law_, place)}};
+        return {reference::evaluate(law_, place)};
     const reference::Vector<T> local = reference::to_mesh_frame(law_.mesh.params, place);
-    bool inside = false;
-    if (!path.begun) {
-        const layout::ProxyStart<T> start = reference::proxy_start(law_, around, local);
-        path = {reference::god_object_at(start), true};
-        inside = start.inside != 0;
-    }
-    return {reference::follow(law_, path.proxy, around, place, local), inside};
+    if (!path.begun)
+        path = {reference::god_object_at(reference::proxy_start(law_, around, local)), true};
+    return reference::follow(law_, path.proxy, around, place, local);
 }
 
 template <typename T> ProbeContact CaseLaw<T>::widened(const reference::LawContact<T>& found) const noexcept {
@@ -95,7 +91,7 @@ public:
         coupling_ = coupling_of<T>(hand_, scale * stiffness_, period);
     }
     ProbeContact at(const glm::dvec3& probe) noexcept override {
-        PathContact<T> found = probe_.at(probe);
+        reference::LawContact<T> found = probe_.at(probe);
         if (surface_)
             surface_->add_to(found.contact, probe_.law().from_origin(probe));
         begun_ = true;

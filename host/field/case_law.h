@@ -16,11 +16,6 @@
 
 namespace forceshade {
 
-/// The contact of a sample of a path, places in m from the case's origin.
-template <typename T> struct PathContact : reference::LawContact<T> {
-    bool begins_inside = false; /* first sample, behind the surface: its proxy begins at the nearest place of it */
-};
-
 /// A contact in either precision: each float is exact here.
 struct ProbeContact {
     glm::dvec3 proxy;    /* m, in the world; out of contact the probe */
@@ -82,9 +77,11 @@ public:
         reference::GodObject<T> proxy;
         bool begun = false;
     };
-    /// The next sample of a path, at a probe, m, in the world, that the law reaches; each coordinate, from the case's
-    /// origin, is rounded once to T. `around` is any one, best that of the sample before.
-    PathContact<T> follow(Path& path, reference::Neighbourhood<T>& around, const glm::dvec3& probe) const noexcept;
+    /// The contact of the next sample of a path, places in m from the case's origin, at a probe, m, in the world, that
+    /// the law reaches; each coordinate, from the case's origin, is rounded once to T. A path that begins behind a
+    /// mesh's surface begins at the nearest place of it. `around` is any one, best that of the sample before.
+    reference::LawContact<T> follow(Path& path, reference::Neighbourhood<T>& around,
+                                    const glm::dvec3& probe) const noexcept;
 
 private:
     bool on_mesh() const { return mesh_ != nullptr; }
@@ -114,7 +111,7 @@ public:
         around_.close.forget();
     }
     /// As CaseLaw::follow.
-    PathContact<T> at(const glm::dvec3& probe) noexcept { return law_.follow(path_, around_, probe); }
+    reference::LawContact<T> at(const glm::dvec3& probe) noexcept { return law_.follow(path_, around_, probe); }
 
 private:
     CaseLaw<T> law_;

@@ -93,12 +93,6 @@ PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared) {
     return region;
 }
 
-PathRegion recorded_region(const PreparedCase& prepared) {
-    PathsSpec paths = prepared.one.scene.paths.value_or(PathsSpec{});
-    paths.kind = PathKind::recorded;
-    return path_region(paths, prepared);
-}
-
 float single_stretch(const PathRegion& region) {
     constexpr double kLeast = 1e-18, kMost = 1e18;
     return static_cast<float>(std::clamp(region.stretch, kLeast, kMost));

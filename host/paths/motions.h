@@ -30,9 +30,6 @@ struct PathRegion {
 /// than its largest.
 PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared);
 
-/// That of paths which a file gives in place of the scene's.
-PathRegion recorded_region(const PreparedCase& prepared);
-
 /// The stretch, m, as kernels have it in either precision: its square is a number of single precision.
 float single_stretch(const PathRegion& region);
 

@@ -142,15 +142,17 @@ VolumeResult PathSummary::finish() {
     return publish_raw(file_);
 }
 
-PathWriter::PathWriter(const std::filesystem::path& path, const glm::dvec3& origin, bool compared, std::size_t buffers)
-    : file_(path, true, buffers), origin_(origin) {
+PathCsvWriter::PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels, const glm::dvec3& origin,
+                             bool compared)
+    : file_(path, true, kBuffers), origin_(origin), labels_(labels), blocks_(32 * most_threads()),
+      texts_(most_threads()) {
     file_.write(
         fmt::format("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet{}\n", compared ? ",angle,magnitude_error" : ""));
 }
 
 namespace {
 
-/// A sample, places in m from the origin; `compared` as PathWriter::add has it.
+/// A sample, places in m from the origin; `compared`: the two columns of [compare], or none.
 template <typename T>
 void add_sample(NumberRows& row, SampleTexts& texts, NumberText& time_text, const glm::dvec3& origin,
                 std::uint64_t path, double time, const reference::Vector<T>& probe,
@@ -175,25 +177,6 @@ void add_sample(NumberRows& row, SampleTexts& texts, NumberText& time_text, cons
         std::isnan(number) ? row.add_empty() : row.add(number);
     row.end_row();
 }
-
-} // namespace
-
-template <typename T>
-void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>& probe,
-                     const reference::Contact<T>& contact, std::span<const T> compared) {
-    constexpr std::size_t kMost = 1 << 16; // bytes
-    if (rows_.size() > kMost) {
-        rows_.write(file_);
-        texts_.forget_rows();
-    }
-    add_sample(rows_, texts_, texts_.times.front(), origin_, path, time, probe, contact, compared);
-}
-template void PathWriter::add<float>(std::uint64_t, double, const reference::Vector<float>&,
-                                     const reference::Contact<float>&, std::span<const float>);
-template void PathWriter::add<double>(std::uint64_t, double, const reference::Vector<double>&,
-                                      const reference::Contact<double>&, std::span<const double>);
-
-namespace {
 
 /// Samples of rows, counted path after path, from `first` to before `last`; `ends` of the paths.
 template <typename T>
@@ -237,11 +220,11 @@ void PathCsvWriter::write(const AnyPathRows& any) {
             std::size_t written = 0; // blocks
             const auto write_ready = [&] {
                 for (; written < ready.size() && ready[written]; ++written)
-                    blocks_[written].write(writer_.file_);
+                    blocks_[written].write(file_);
             };
             crew_.share_out((end - done + kBlock - 1) / kBlock, [&](std::size_t thread, std::size_t block) {
                 const std::size_t first = done + block * kBlock;
-                add_samples(blocks_[block], texts_[thread], labels_, writer_.origin_, rows, ends_, first,
+                add_samples(blocks_[block], texts_[thread], labels_, origin_, rows, ends_, first,
                             std::min(first + kBlock, end));
                 ready[block] = true;
                 if (thread == 0) // which may throw

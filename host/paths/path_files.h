@@ -243,58 +243,29 @@ std::string path_summary_header();
 
 // Explored paths as a CSV file: where the probe was, and the contact there.
 
-/// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); x, y, z are where the law was evaluated, g is the
-/// proxy, both in the world; facet -1 out of contact. The final name appears with publish() or finish().
-class PathWriter {
-public:
-    /// `origin`, m, in the world: what places are measured from; on axes on which it is not 0 they are written as
-    /// doubles. `compared`: with columns angle (deg) and magnitude_error (N) of [compare], empty where there is no
-    /// number. `buffers` as TemporaryFile has them. \throws IoError, as do the others.
-    explicit PathWriter(const std::filesystem::path& path, const glm::dvec3& origin = glm::dvec3(0),
-                        bool compared = false, std::size_t buffers = 3);
-    /// `compared`: those two columns, if `compared` was set.
-    template <typename T>
-    void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact,
-             std::span<const T> compared = {});
-    void publish() {
-        rows_.write(file_);
-        file_.publish();
-    }
-    VolumeResult finish() {
-        rows_.write(file_);
-        return publish_raw(file_);
-    }
-
-private:
-    friend class PathCsvWriter;
-
-    TemporaryFile file_;
-    NumberRows rows_;
-    SampleTexts texts_;
-    glm::dvec3 origin_; /* m */
-};
-
 /// What a sample of the rows that are being written is called by. Any thread may ask.
 struct PathLabels {
     std::function<std::uint64_t(std::uint64_t path)> id;
     std::function<double(std::uint64_t path, std::uint64_t step)> time; /* s */
 };
 
-/// Rows as PathWriter's, path after path. Needs all five channels.
+/// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N), path after path; x, y, z are where the law was
+/// evaluated, g is the proxy, both in the world; facet -1 out of contact. Needs all five channels.
 class PathCsvWriter final : public PathSink {
 public:
-    /// Throws IoError, as do the others.
+    /// `origin`, m, in the world: what places are measured from; on axes on which it is not 0 they are written as
+    /// doubles. `compared`: with columns angle (deg) and magnitude_error (N) of [compare], empty where there is no
+    /// number. \throws IoError, as do the others.
     PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels, const glm::dvec3& origin = glm::dvec3(0),
-                  bool compared = false)
-        : writer_(path, origin, compared, kBuffers), labels_(labels), blocks_(32 * most_threads()),
-          texts_(most_threads()) {}
+                  bool compared = false);
     void write(const AnyPathRows& rows) override;
-    VolumeResult finish() override { return writer_.finish(); }
+    VolumeResult finish() override { return publish_raw(file_); }
 
 private:
     static constexpr std::size_t kBuffers = 8; // 4 MiB: the disk has work while samples are computed
 
-    PathWriter writer_;
+    TemporaryFile file_;
+    glm::dvec3 origin_; /* m */
     PathLabels labels_;
     std::vector<std::size_t> ends_;  // of the rows' paths, in samples
     std::vector<NumberRows> blocks_; // written by the crew

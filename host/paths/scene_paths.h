@@ -50,7 +50,7 @@ public:
     /// Paths of a mesh that began behind its surface, of those whose batch was made.
     std::uint64_t begins_inside() const { return inside_; }
 
-    /// What is remarkable in the recorded file, `file:line:column: ...`, or in what is generated; and where T is too
+    /// Warnings about the recorded file, `file:line:column: ...`, or in what is generated; and where T is too
     /// coarse for the steps or the depth.
     std::vector<std::string> warnings() const;
     /// The most samples of a batch of recorded paths, each path counted as long as the longest.

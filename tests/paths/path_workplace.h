@@ -8,8 +8,8 @@
 #include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 
+#include "host/cases/case_pipeline.h"
 #include "host/error.h"
-#include "host/paths/recorded.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::testing {
@@ -36,12 +36,19 @@ protected:
         return CasePreparation().prepare(parse_scene(scene, "scene", folder_.path(), replaced));
     }
 
-    ExploreResult explore(const PreparedCase& prepared, const std::string& paths,
-                          const std::string& out = "out.csv") const {
-        return forceshade::explore(prepared, path(paths), path(out), 1e-3f, [](std::uint64_t, std::uint64_t) {});
+    PathRecord explore(const PreparedCase& prepared, const std::string& paths,
+                       const std::string& out = "out.csv") const {
+        EngineOptions engine;
+        engine.cpu = true;
+        PathRunOptions options;
+        options.recorded = path(paths);
+        options.samples = path(out);
+        options.stem = path(out).replace_extension();
+        options.threads = 1;
+        return run_paths(*make_engine(engine), prepared, options);
     }
 
-    /// The text that a scene makes of a text.
+    /// The text that a scene makes of a text, path after path.
     std::string felt(const PreparedCase& prepared, const std::string& paths) const {
         write("in.csv", paths);
         explore(prepared, "in.csv");
