@@ -138,10 +138,10 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
         if (plain.contains(kElements) && plain.at(kElements) != row) {
             const study::Interval ratio = time_ratio(rounds, row, plain.at(kElements));
             time = was_busy(ways) ? "not known: the machine was busy"
-                   : study::is_significant(ratio)
+                   : study::is_clear(ratio)
                        ? study::ratio_text(ratio)
-                       : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(ratio) ? "open" : "no difference",
-                                     ratio.low, ratio.high);
+                       : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(ratio) ? "open" : "about 1", ratio.low,
+                                     ratio.high);
         }
         const std::string cells[] = {fmt::format("{}{}", shown(ways.needed(row, "direction_rms_deg")), draws),
                                      percent(ways.needed(row, "size_median_1")),
@@ -176,8 +176,8 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
         return text;
     const study::Interval ratio = time_ratio(rounds, enough->second, shaded.at(kElements));
     return text + fmt::format(", and take {} as {} shaded",
-                              study::is_significant(ratio) ? study::ratio_text(ratio) + " times as long"
-                                                           : std::string("about as long"),
+                              study::is_clear(ratio) ? study::ratio_text(ratio) + " times as long"
+                                                     : std::string("about as long"),
                               fmt::format(fmt::runtime(of), kElements));
 }
 

@@ -99,7 +99,7 @@ std::string ratio_text(const Interval& ratio) {
 }
 
 std::string times_as_long(const Interval& ratio, const char* other) {
-    if (is_significant(ratio))
+    if (is_clear(ratio))
         return fmt::format("takes {} times as long as {}", ratio_text(ratio), other);
     if (was_busy(ratio))
         return fmt::format("takes [{:.2f}, {:.2f}] times as long as {}, which leaves open whether more or less",

@@ -195,7 +195,7 @@ TEST(Verdict, SetsSchemesSideBySide) {
                              "times as long as 8 x 8 cells shaded"})
         EXPECT_TRUE(says(slower, cell)) << cell;
     EXPECT_FALSE(says(slower, "mesh, two_pass"));
-    EXPECT_TRUE(says(with_times(1), "no difference [0.98, 1.02]"));
+    EXPECT_TRUE(says(with_times(1), "about 1 [0.98, 1.02]"));
     busy = "yes";
     part.data.tables[0] = ways_table();
     EXPECT_TRUE(says(with_times(1.5), "not known: the machine was busy"));

@@ -262,6 +262,37 @@ TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
     }
 }
 
+// K at which the balance of the shaded bump's force and of the grip's spring turns, the least over places under `depth`
+// and over presses: where det(K S + G) = 0, S from the force d (x / R, sqrt(1 - x^2 / R^2)) by hand, G = k_g (1 - p
+// p^T).
+double least_balance(double radius, double half, double depth, double grip) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 4000; ++i) {
+        const double x = half * i / 4000, rise = std::sqrt(radius * radius - x * x), up = rise / radius;
+        const double aside = x / radius, falls = -x / rise;
+        const double xx = -(falls * aside + depth / radius), xz = aside, zz = up;
+        const double zx = -(falls * up - depth * x / (radius * rise)), turning = xx * zz - xz * zx;
+        for (double degrees = -115; degrees <= 115; degrees += 0.5) {
+            const double px = std::sin(degrees * kDegree), pz = std::cos(degrees * kDegree);
+            const double along = px * (xx * px + xz * pz) + pz * (zx * px + zz * pz);
+            if (px * aside + pz * up < 0.2 || along < 0.2 || !(turning < 0))
+                continue;
+            const double mixed = grip * (xx * (1 - pz * pz) + zz * (1 - px * px) + (xz + zx) * px * pz);
+            least = std::min(least, std::max(0.0, -mixed / turning));
+        }
+    }
+    return least;
+}
+
+TEST(LeastLimits, OfAnyPressIsWhereTheStaticBalanceTurns) {
+    const LoopSurface& bump = own("shaded bump");
+    double found = std::numeric_limits<double>::infinity();
+    for (const LeastLimit& one : least_limits(bump, places_on(bump.name), {{bump.hand, bump.rate, 1}}, true))
+        if (one.any_press && one.place.depth == bump.deepest)
+            found = std::min(found, one.any_press->limit);
+    EXPECT_NEAR(found / least_balance(kOwnRadius, kOwnHalfWidth, bump.deepest, bump.hand.grip_stiffness), 1, 0.01);
+}
+
 TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     const LoopSurface& map = own("height map of a bump");
     const std::vector<LeastLimit> limits = least_limits(map, places_on(map.name), settings_of(map, true));

@@ -199,7 +199,8 @@ struct AsMet {
 
 inline constexpr double kLoopRate = 1000; /* Hz */
 
-/// Of each thorough, shaded law the direct evaluation, the god-object and each kind of look-up at its finest spacing.
+/// Of each thorough law the direct evaluation and the god-object, of a shaded one each kind of look-up at its finest
+/// spacing, too.
 std::vector<std::size_t> met_methods(const std::vector<Method>& methods);
 
 /// Methods take turns, one a tick, in an order of their own each time.

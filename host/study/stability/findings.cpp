@@ -91,7 +91,10 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     }
     if (worst.any_press && *worst.limit > 0 && worst.any_press->limit < 0.99 * *worst.limit)
         finding.text += fmt::format(" Pressed {} instead of {} it is stable up to {}.", worst.any_press->hold.name,
-                                    worst.hold.name, newtons(worst.any_press->limit));
+                                    worst.hold.name, newtons(worst.any_press->limit)) +
+                        (surface.stiffness > worst.any_press->limit && surface.stiffness < *worst.limit
+                             ? " So its own is unstable there."
+                             : "");
     return finding;
 }
 
