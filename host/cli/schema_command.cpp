@@ -13,6 +13,7 @@
 #include "host/long_run.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
+#include "host/numbers.h"
 #include "host/output/files.h"
 #include "host/scene/schema_json.h"
 #include "host/scene/value.h"
@@ -91,12 +92,11 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
     }
     const double metres = across * parse_quantity(fmt::format("1 {}", unit), Dimension::length);
     if (metres >= 1e-3 && metres <= 10)
-        note(common, "unit = \"{0}\" is a guess: the mesh is {1:.3g} across, and {1:.3g} {0} is what a hand can hold\n",
-             unit, across);
+        note(common, "unit = \"{0}\" is a guess: the mesh is {1} across, and {1} {0} is nearest to what a hand holds\n",
+             unit, numbers::three_digits(across));
     else if (across > 0)
-        note(common,
-             "unit = \"{}\" is a guess: the mesh is {:.3g} across, which no unit makes as large as a hand holds\n",
-             unit, across);
+        note(common, "unit = \"{}\" is a guess: the mesh is {} across, which no unit makes as large as a hand holds\n",
+             unit, numbers::three_digits(across));
     return 0;
 }
 

@@ -97,7 +97,7 @@ FORCESHADE_API void fs_scene_free(fs_scene* scene);
 /* The scene as complete TOML; lives as long as the scene. */
 FORCESHADE_API const char* fs_scene_toml(const fs_scene* scene);
 
-/* What is remarkable in the scene or its mesh, a line each; "" if nothing is. Lives as long as the scene. */
+/* Warnings about the scene or its mesh, a line each; "" without any. Lives as long as the scene. */
 FORCESHADE_API const char* fs_scene_warnings(const fs_scene* scene);
 
 /* Where the object is: world = rotation * object + translation, m, rotation by rows and orthonormal to 1e-6; NULL: not

@@ -110,7 +110,7 @@ Imf::FrameBuffer frame_of(const Part& part, std::uint64_t width, std::uint64_t f
     return frame;
 }
 
-// Sees to it that OpenEXR's workers, which all files share, are at least `threads`.
+// OpenEXR's workers, which all files share, become at least `threads`.
 void require_workers(int threads) {
     static std::mutex mutex;
     const std::lock_guard lock(mutex);

@@ -258,6 +258,8 @@ TEST_F(SceneFile, ErrorsOfAnExperimentAreToldWithThoseOfItsStimuli) {
     expect_failure(2, {"experiment", "plan", "e.toml"},
                    {"e.toml:2:1: unknown key \"trails\"", "e.toml:3:10: blocks", "e.toml:5:10: radius", "e.toml:7:9",
                     "e.toml:9:8", "5 errors in e.toml"});
+    expect_success({"init", "experiment", "--out", "whole.toml"});
+    expect_failure(2, {"experiment", "plan", "whole.toml", "--compare", "one"}, {"--compare wants two conditions"});
 }
 
 TEST_F(SceneFile, AMeshGivenAsASceneIsToldHowToBecomeOne) {

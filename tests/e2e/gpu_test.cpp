@@ -31,6 +31,13 @@ TEST_F(Gpu, ALostDeviceEndsASweepThatTheNextRunContinues) {
     EXPECT_GT(said["computed"], 0);
 }
 
+TEST_F(Gpu, RunsUnderTheValidationLayers) {
+    write("one.toml", kOneCase);
+    expect_success({"field", "one.toml", "--out", "a.exr", "--gpu", "llvmpipe", "--vulkan-validation"});
+    expect_success({"field", "one.toml", "--out", "b.exr", "--gpu", "llvmpipe"});
+    EXPECT_EQ(read_text(path("a.exr")), read_text(path("b.exr")));
+}
+
 TEST_F(Gpu, LimitsAreReadOrRefused) {
     const Outcome wrong = with_limits("no-f16", {"gpus"});
     EXPECT_NE(wrong.code, 0);

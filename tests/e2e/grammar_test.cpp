@@ -1,5 +1,7 @@
 // The command line's grammar: what is wrong with a line and where to read on, short forms, help and its examples.
 #include <algorithm>
+#include <filesystem>
+#include <set>
 
 #include "tests/e2e/renderers.h"
 #include "tests/e2e/workplace.h"
@@ -160,6 +162,21 @@ TEST_F(GrammarTest, GivesExamplesThatWork) {
             ++tried;
         }
     EXPECT_GT(tried, 18u);
+}
+
+TEST_F(GrammarTest, HasATestOfEveryOption) {
+    std::string tests;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(in_source("tests")))
+        if (const std::string kind = entry.path().extension(); kind == ".cpp" || kind == ".h" || kind == ".sh")
+            tests += read_text(entry.path());
+    std::set<std::string> options;
+    for (const auto& command : commands())
+        for (const std::string& line : lines_of(help(command, "100")))
+            if (const std::size_t at = line.find("--"); at == 2 || (at == 6 && line[2] == '-'))
+                options.insert(line.substr(at, line.find_first_of(" ,[", at) - at));
+    EXPECT_GT(options.size(), 70u);
+    for (const std::string& option : options)
+        EXPECT_TRUE(says(tests, option + '"') || says(tests, option + ' ') || says(tests, option + '=')) << option;
 }
 
 // A field, a mesh, paths and a sweep: the same bytes, whatever the threads.

@@ -1,5 +1,7 @@
 // Meshes from the command line: the command mesh, fields over them, what is refused.
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -225,6 +227,39 @@ TEST_F(MeshCommand, ListsPieces) {
     }
     EXPECT_TRUE(says(expect_success({"mesh", "three.obj"}).out,
                      "pieces   1: 4 facets, 1 file units^3, outward; 2: 4 facets, -0.125 file units^3, cavity; 3: "));
+}
+
+TEST_F(MeshCommand, IsKeptPreparedUnlessThatIsUnwanted) {
+    constexpr int kSide = 160; // squares: 51 200 triangles
+    fmt::memory_buffer text;
+    for (int j = 0; j <= kSide; ++j)
+        for (int i = 0; i <= kSide; ++i)
+            fmt::format_to(std::back_inserter(text), "v {} {} {}\n", i, j, (i * j) % 7);
+    for (int j = 0; j < kSide; ++j)
+        for (int i = 0; i < kSide; ++i) {
+            const int a = 1 + j * (kSide + 1) + i, d = a + kSide + 1;
+            fmt::format_to(std::back_inserter(text), "f {0} {1} {3}\nf {0} {3} {2}\n", a, a + 1, d, d + 1);
+        }
+    write("large.obj", fmt::to_string(text));
+    write("large.toml", scene("large.obj", "[grid]\nsamples = 8\n"));
+    const auto field = [&](const std::string& out, const std::vector<std::string>& more) {
+        Launch launch = this->launch(with({"field", "large.toml", "--out", out}, more));
+        launch.environment["XDG_CACHE_HOME"] = path("cache").string();
+        const Outcome outcome = run(launch);
+        EXPECT_EQ(outcome.code, 0) << outcome.error;
+        return read_text(path(out));
+    };
+    const auto kept = [&] {
+        std::size_t files = 0;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(path("")))
+            files += entry.path().filename().string().starts_with("mesh-");
+        return files;
+    };
+    const std::string first = field("a.exr", {"--no-cache"});
+    EXPECT_EQ(kept(), 0u);
+    EXPECT_EQ(field("b.exr", {}), first);
+    EXPECT_EQ(kept(), 1u);
+    EXPECT_EQ(field("c.exr", {}), first);
 }
 
 TEST_F(MeshCommand, DrawsTheMesh) {

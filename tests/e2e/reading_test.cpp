@@ -124,6 +124,12 @@ TEST_F(Reading, FindsPicturesAsTheyWereAskedFor) {
     expect_success({"field", "scene.toml", "--out", "b.exr", "--also", "png", "--quiet"});
     EXPECT_EQ(size_of_png(read_text(path("b.arrows.png"))).first, 1400u);
     EXPECT_FALSE(std::filesystem::exists(path("b.arrows.svg")));
+    expect_success(
+        {"field", "scene.toml", "--out", "b.exr", "--also", "png", "--quiet", "--full-scale", "50 N", "--overwrite"});
+    const std::string paler = read_text(path("b.mosaic.png"));
+    expect_success(
+        {"field", "scene.toml", "--out", "b.exr", "--also", "png", "--quiet", "--full-scale", "1 N", "--overwrite"});
+    EXPECT_NE(read_text(path("b.mosaic.png")), paler) << "colours end at that force";
 }
 
 TEST_F(Reading, WithOpenexrsToolsFindsNothingWrong) {

@@ -38,7 +38,7 @@ FilePath = Union[str, "os.PathLike[str]"]
 
 
 class SceneWarning(UserWarning):
-    """What is remarkable in a scene or its mesh."""
+    """A warning about a scene or its mesh."""
 
 
 def angle(one: ArrayLike, other: ArrayLike) -> Array:
