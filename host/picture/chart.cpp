@@ -112,15 +112,24 @@ struct Cells {
         const double part = (value - values[above - 1]) / (values[above] - values[above - 1]);
         return (static_cast<double>(above) - 0.5 + part) / count;
     }
-    // Every word has a tick, and every value of a few; of more, round numbers between them.
+    // From the first to the last of three values or more; logarithmic where their steps grow.
+    static Range range_between(const std::vector<double>& values) {
+        constexpr double kGrowth = 1.5;
+        const double low = values.front(), high = values.back();
+        return {low, high, low > 0 && high - *(values.end() - 2) > kGrowth * (values[1] - low)};
+    }
+    // Every word has a tick, and so has each of two values and of a few equal steps of counts; else round numbers lie
+    // between the values.
     static Axis axis(const ChartAxis& of, const std::vector<double>& values, std::size_t most) {
-        if (of.words.empty() && values.size() > most) {
-            const double low = values.front(), high = values.back();
-            const Range range{low, high, low > 0 && high > 8 * low};
+        const Range range = values.size() > 2 ? range_between(values) : Range{};
+        const bool few_counts = values.size() <= most && !range.logarithmic &&
+                                std::ranges::all_of(values, [](double value) { return value == std::floor(value); });
+        if (of.words.empty() && values.size() > 2 && !few_counts) {
             Axis axis = number_axis(of.label, range, most);
             for (AxisTick& tick : axis.ticks)
-                tick.fraction = fraction(values, range.logarithmic ? low * std::pow(high / low, tick.fraction)
-                                                                   : low + (high - low) * tick.fraction);
+                tick.fraction =
+                    fraction(values, range.logarithmic ? range.low * std::pow(range.high / range.low, tick.fraction)
+                                                       : std::lerp(range.low, range.high, tick.fraction));
             return axis;
         }
         Axis axis{of.label, {}};

@@ -130,6 +130,19 @@ TEST(Chart, HasRoundTicksBetweenManyCells) {
     EXPECT_EQ(std::ranges::count(texts, "130"), 0) << "the value of the first column";
 }
 
+TEST(Chart, HasRoundTicksBetweenFewCells) {
+    for (const int rows : {3, 4, 8, 16}) {
+        Chart map = map_sample(false);
+        map.cells.clear();
+        for (int i = 0; i < rows; ++i) // from 0.6 to 60 at equal ratios
+            map.cells.push_back({double(i), 0.6 * std::pow(100, i / (rows - 1.0)), 1, ""});
+        const std::vector<std::string> texts = texts_of(map);
+        EXPECT_EQ(std::ranges::count(texts, "10"), rows > 10 ? 2 : 1) << rows << " rows";
+        EXPECT_EQ(std::ranges::count(texts, "0.6") + std::ranges::count(texts, "60"), 0) << rows << " rows";
+        EXPECT_GE(std::ranges::count(texts, "2"), 1) << rows << " counted columns";
+    }
+}
+
 TEST(Chart, KeepsLabelsClearOfLines) {
     Chart chart = named({"way"});
     chart.series[0].points = {
