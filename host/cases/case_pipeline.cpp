@@ -119,8 +119,11 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
     const picture::FieldSlice &slice = slices_->slice(), &unshaded = slices_->unshaded();
     const picture::SurfaceLines lines =
         choice.axis == 1 ? surface_lines(prepared, slice.axes.at) : picture::SurfaceLines{};
-    constexpr double kPressed = 2e-3, kVoxels = 4;                                             /* m */
-    const double deep = std::max(kPressed, kVoxels * *std::ranges::max_element(grid.spacing)); /* m */
+    constexpr double kPressed = 2e-3, kVoxels = 4;                                /* m */
+    const double voxel = *std::ranges::max_element(grid.spacing);                 /* m */
+    const double deep = std::max(kPressed, kVoxels * voxel);                      /* m */
+    const double touching = std::clamp(voxel, pressed_depth(prepared), kPressed); // m: a line of samples is in contact
+    const picture::Touch touch{touching, output_.scene().force.stiffness * touching};
     const auto look = [&](bool with_shading, const char* more = "") {
         picture::Look chosen = output_.look(picture::title_of(prepared.one, with_shading) + more);
         if (chosen.full_scale == 0)
@@ -129,7 +132,7 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
     };
     if (depends_on_y(output_.scene()))
         output_.draw(".mosaic", picture::draw_mosaic(look(true), slices_->tiles(), choice.quantity), record);
-    output_.draw(".arrows", picture::draw_arrows(look(true), slice, lines, choice.quantity, unshaded), record);
+    output_.draw(".arrows", picture::draw_arrows(look(true), slice, touch, lines, choice.quantity, unshaded), record);
     const std::uint64_t middle = (grid.size[1] - 1) / 2; // sample, rounded down
     const double y =
         choice.axis == 1 ? slice.axes.at : grid.origin[1] + grid.spacing[1] * static_cast<double>(middle); /* m */
@@ -145,7 +148,8 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
     if (draws_turns(prepared.one))
         add_turns(record);
     if (!unshaded.force.empty())
-        output_.draw(".shading", picture::draw_shading(look(false, ": what shading changes"), unshaded, slice, lines),
+        output_.draw(".shading",
+                     picture::draw_shading(look(false, ": what shading changes"), unshaded, slice, touch, lines),
                      record);
 }
 

@@ -24,13 +24,16 @@ struct PanelSheet {
     std::vector<Panel> panels;      // at least one
     std::vector<ColourScale> scales;
     SurfaceLines lines; // over every panel
+    Touch touch{};      // where arrows stand along
+    std::vector<std::vector<ContourPoint>> touched{};
 };
 
 constexpr double kRoomForOne = 860, kRoomForMany = 1100; // pixels: the height of all panels together
 constexpr double kLeastPanelSide = 8;
 constexpr std::size_t kShownTiles = 12;
 constexpr double kLeastArrowPitch = 44; // pixels between arrows
-constexpr double kLongestArrow = 36;
+constexpr double kLongestArrow = 36, kShortestArrow = 20;
+constexpr double kLeastInPlane = 0.5; // of the force: it points out of the plane by 60 degrees
 constexpr double kLeastBarHeight = 180;
 constexpr double kBarHeight = 500; // pixels: for which the width of bars is known well enough
 constexpr TextStyle kPanelStyle{kSmallTextSize, false, Horizontal::left, Vertical::bottom, false};
@@ -75,13 +78,6 @@ public:
     explicit Layout(const PanelSheet& sheet)
         : sheet_(sheet), axes_(plan_axes(sheet.panels[0].values.axes)), heading_(plan_heading(sheet.look, sheet.notes)),
           width_(sheet.look.width - 2 * kMargin) {
-        constexpr double kOutOfPlane = 0.2; // of the force
-        for (const Panel& panel : sheet.panels)
-            for (const auto& force : panel.force.force)
-                if (const auto direction = direction_of(force)) {
-                    any_force_ = true;
-                    leaves_plane_ = leaves_plane_ || std::fabs((*direction)[axes_.samples.axis[2]]) > kOutOfPlane;
-                }
         plan(sheet.panels.size() == 1 ? kRoomForOne : kRoomForMany);
         if (const int excess = height() - sheet.look.most_height; sheet.look.most_height > 0 && excess > 0)
             plan(std::max(grid_height() - excess, kLeastPanelSide));
@@ -200,19 +196,70 @@ private:
         row_pitch_ = panel_height_ + label_height_ + 10;
     }
 
+    // Where arrows stand in a panel, and how long all of them are: they touch neither each other nor leave the panel.
     void plan_arrows() {
-        const ArrowRow across(axes_.samples.u.size(), panel_width_), up(axes_.samples.v.size(), panel_height_);
-        arrow_columns_ = across.samples;
-        arrow_rows_ = up.samples;
-        longest_arrow_ = std::min({across.longest, up.longest, kLongestArrow});
+        arrows_.clear();
+        const Box panel{0, 0, panel_width_, panel_height_};
+        for (const auto& line : sheet_.touched)
+            add_arrows_along(line, panel);
+        along_surface_ = !arrows_.empty();
+        longest_arrow_ = kLongestArrow;
+        if (!along_surface_) {
+            const SliceAxes& s = axes_.samples;
+            const ArrowRow across(s.u.size(), panel_width_), up(s.v.size(), panel_height_);
+            longest_arrow_ = std::min({across.longest, up.longest, kLongestArrow});
+            for (const std::size_t row : up.samples)
+                for (const std::size_t column : across.samples)
+                    arrows_.push_back(
+                        {place(panel, s.u[column] - s.u[0], s.v[row] - s.v[0]), row * s.u.size() + column});
+        }
+        any_arrow_ = any_dot_ = false;
+        for (const Panel& one : sheet_.panels)
+            for (const ArrowPlace& arrow : arrows_)
+                if (const auto along = arrow_of(one, arrow)) {
+                    (along->x == 0 && along->y == 0 ? any_dot_ : any_arrow_) = true;
+                    if (along_surface_)
+                        for (const auto& [at, step, end] :
+                             {std::tuple(arrow.at.x, along->x, panel.width), {arrow.at.y, along->y, panel.height}})
+                            if (step != 0)
+                                longest_arrow_ = std::min(longest_arrow_, (step > 0 ? end - at : -at) / step);
+                }
+        if (along_surface_)
+            longest_arrow_ = std::max(longest_arrow_, kShortestArrow);
+    }
+
+    // At equal steps, half a step from both ends.
+    void add_arrows_along(const std::vector<ContourPoint>& line, const Box& panel) {
+        std::vector<Point> points;
+        std::vector<double> lengths; // up to each point, pixels
+        for (const ContourPoint& point : line) {
+            points.push_back(place(panel, point.u, point.v));
+            const Point &from = points[points.size() - std::min<std::size_t>(points.size(), 2)], &to = points.back();
+            lengths.push_back((lengths.empty() ? 0 : lengths.back()) + std::hypot(to.x - from.x, to.y - from.y));
+        }
+        const double count = std::round(lengths.back() / kLeastArrowPitch);
+        std::size_t next = 1;
+        for (double i = 0; i < count; ++i) {
+            const double along = (i + 0.5) * lengths.back() / count;
+            while (lengths[next] < along)
+                ++next;
+            const double share = (along - lengths[next - 1]) / (lengths[next] - lengths[next - 1]);
+            const Point &from = points[next - 1], &to = points[next];
+            arrows_.push_back({{std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share)},
+                               line[share < 0.5 ? next - 1 : next].sample});
+        }
     }
 
     void plan_legend() {
         legend_.clear();
-        if (any_force_) {
-            const char* shorter = leaves_plane_ ? " (shorter: it points out of the plane)" : "";
-            legend_.push_back({std::string("direction of the force") + shorter, longest_arrow_, draw_arrow});
-        }
+        const std::string where = along_surface_ ? fmt::format(" {} below the surface, at equal steps along it",
+                                                               quantity_text(sheet_.touch.depth, "m"))
+                                                 : "";
+        if (any_arrow_)
+            legend_.push_back({"direction of the force" + where, longest_arrow_, draw_arrow});
+        if (any_dot_)
+            legend_.push_back({"force that points out of the plane by more than 60°", kLeastArrowLength,
+                               [](Canvas& canvas, Point left, Point) { draw_arrow(canvas, left, left); }});
         const Box sample{0, 0, panel_width_, panel_height_};
         if (!pieces(sample, sheet_.lines.nominal).empty())
             legend_.push_back(line_item("surface", surface_stroke(false)));
@@ -230,11 +277,10 @@ private:
         canvas.image(static_cast<int>(plot.x), static_cast<int>(plot.y), width, height,
                      rasterise(panel.values, width, height, sheet_.scales[panel.scale]));
         canvas.begin_clip(plot);
-        if (!panel.force.force.empty())
-            draw_arrows_of(canvas, panel, plot);
         for (const bool smooth : {false, true})
             for (const auto& piece : pieces(plot, smooth ? sheet_.lines.smooth : sheet_.lines.nominal))
                 draw_surface_line(canvas, piece, smooth);
+        draw_arrows_of(canvas, panel, plot);
         canvas.end_clip();
         const bool lowest = i + columns_ >= sheet_.panels.size();
         draw_axes(canvas, plot, horizontal_, vertical_, {lowest, i % columns_ == 0});
@@ -253,17 +299,31 @@ private:
                 }
     }
 
+    struct ArrowPlace {
+        Point at; // in a panel at (0, 0)
+        std::size_t sample;
+    };
+
+    // Of length 1; 0 where the force hardly lies in the plane. Empty without a force.
+    std::optional<Point> arrow_of(const Panel& panel, const ArrowPlace& arrow) const {
+        if (panel.force.force.empty())
+            return std::nullopt;
+        const auto direction = direction_of(panel.force.force[arrow.sample]);
+        if (!direction)
+            return std::nullopt;
+        const double x = (*direction)[axes_.samples.axis[0]], y = -(*direction)[axes_.samples.axis[1]];
+        const double in_plane = std::hypot(x, y);
+        return in_plane < kLeastInPlane ? Point{} : Point{x / in_plane, y / in_plane};
+    }
+
+    // From the probe along a surface, centred on the sample in a grid.
     void draw_arrows_of(Canvas& canvas, const Panel& panel, const Box& plot) const {
-        const SliceAxes& s = axes_.samples;
-        for (const std::size_t row : arrow_rows_)
-            for (const std::size_t column : arrow_columns_) {
-                const auto direction = direction_of(panel.force.force[row * s.u.size() + column]);
-                if (!direction)
-                    continue;
-                const double x = (*direction)[s.axis[0]] * longest_arrow_ / 2,
-                             y = (*direction)[s.axis[1]] * longest_arrow_ / 2;
-                const Point middle = place(plot, s.u[column] - s.u[0], s.v[row] - s.v[0]);
-                draw_arrow(canvas, {middle.x - x, middle.y + y}, {middle.x + x, middle.y - y});
+        const double before = along_surface_ ? 0 : longest_arrow_ / 2, after = longest_arrow_ - before;
+        for (const ArrowPlace& arrow : arrows_)
+            if (const auto along = arrow_of(panel, arrow)) {
+                const Point at{plot.x + arrow.at.x, plot.y + arrow.at.y};
+                draw_arrow(canvas, {at.x - before * along->x, at.y - before * along->y},
+                           {at.x + after * along->x, at.y + after * along->y});
             }
     }
 
@@ -271,14 +331,14 @@ private:
     PlaneAxes axes_;
     Heading heading_;
     double width_; // between the margins
-    bool any_force_ = false, leaves_plane_ = false;
+    bool along_surface_ = false, any_arrow_ = false, any_dot_ = false;
     double longest_arrow_ = 0; /* pixels */
     std::size_t columns_ = 1, rows_ = 1;
     double panel_width_ = 0, panel_height_ = 0, column_pitch_ = 0, row_pitch_ = 0, label_height_ = 0; // whole pixels
     double top_ = 0, body_ = 0, below_ = 0;
     Point first_{}; // upper left corner of the first panel
     Axis horizontal_{}, vertical_{};
-    std::vector<std::size_t> arrow_columns_, arrow_rows_;
+    std::vector<ArrowPlace> arrows_;
     std::vector<LegendItem> legend_;
 };
 
@@ -307,12 +367,13 @@ std::optional<std::array<double, 2>> reach_of(const SurfaceLines& lines, const S
     return reach[0] <= reach[1] ? std::optional(reach) : std::nullopt;
 }
 
-// Slices of one plane with arrows; panels have their scales in order.
+// Slices of one plane with arrows where `touched` has the touching force; panels have their scales in order.
 Picture draw_slices(const Look& look, std::vector<Panel> panels, const std::vector<Quantity>& quantities,
-                    const SurfaceLines& lines, const std::vector<std::string>& more_notes) {
+                    const FieldSlice& touched, const Touch& touch, const SurfaceLines& lines,
+                    const std::vector<std::string>& more_notes) {
     std::vector<ValueSlice> values;
     std::vector<double> largest(quantities.size());
-    PanelSheet sheet{look, {}, {}, {}, lines};
+    PanelSheet sheet{look, {}, {}, {}, lines, touch};
     for (const Panel& panel : panels) {
         assert(panel.values.value.size() == panel.values.axes.u.size() * panel.values.axes.v.size());
         values.push_back(panel.values);
@@ -324,11 +385,13 @@ Picture draw_slices(const Look& look, std::vector<Panel> panels, const std::vect
     const Window window = contact_window(values, reach_of(lines, whole));
     for (Panel& panel : panels)
         sheet.panels.push_back({panel.label, cropped(panel.values, window), panel.scale, cropped(panel.force, window)});
+    if (touch.force > 0)
+        sheet.touched = contours(cropped(touched, window), touch.force);
     const PlaneAxes axes = plan_axes(sheet.panels[0].values.axes);
     const auto [u, v, normal] = whole.axis;
     sheet.notes.push_back(fmt::format(
-        "{}–{} slice at {}: {} as colour{}, its direction as arrows centred on their samples", kAxisNames[u],
-        kAxisNames[v], position_labels(kAxisNames[normal], {whole.at}, whole.at_spacing, axes.longer_unit).front(),
+        "{}–{} slice at {}: {} as colour{}, its direction as arrows of equal length", kAxisNames[u], kAxisNames[v],
+        position_labels(kAxisNames[normal], {whole.at}, whole.at_spacing, axes.longer_unit).front(),
         sheet.scales[0].words, largest_note(sheet.scales[0], largest[0])));
     sheet.notes.insert(sheet.notes.end(), more_notes.begin(), more_notes.end());
     add_axes_notes(axes, true, sheet.notes);
@@ -384,12 +447,13 @@ Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantit
     return draw_panels(sheet);
 }
 
-Picture draw_arrows(const Look& look, const FieldSlice& slice, const SurfaceLines& lines, Quantity quantity,
-                    const FieldSlice& unshaded) {
-    return draw_slices(look, {{"", values_of(slice, quantity, unshaded), 0, slice}}, {quantity}, lines, {});
+Picture draw_arrows(const Look& look, const FieldSlice& slice, const Touch& touch, const SurfaceLines& lines,
+                    Quantity quantity, const FieldSlice& unshaded) {
+    return draw_slices(look, {{"", values_of(slice, quantity, unshaded), 0, slice}}, {quantity},
+                       unshaded.force.empty() ? slice : unshaded, touch, lines, {});
 }
 
-Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded,
+Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded, const Touch& touch,
                      const SurfaceLines& lines) {
     assert(unshaded.force.size() == shaded.force.size());
     const ValueSlice before = values_of(unshaded, Quantity::magnitude), after = values_of(shaded, Quantity::magnitude),
@@ -399,7 +463,7 @@ Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSl
                        {{"unshaded", before, 0, unshaded},
                         {"shaded", after, 0, shaded},
                         {"angle between unshaded and shaded force", angle, 1}},
-                       {Quantity::magnitude, Quantity::angle}, lines,
+                       {Quantity::magnitude, Quantity::angle}, unshaded, touch, lines,
                        {turn > 0 ? fmt::format("shading turns the force by up to {}°; the magnitude {}",
                                                three_digits(turn), magnitude_note(before, after))
                                  : "shading turns the force nowhere in this slice"});

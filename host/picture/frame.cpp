@@ -274,8 +274,8 @@ void draw_arrow(Canvas& canvas, Point tail, Point tip) {
     const double length = std::hypot(tip.x - tail.x, tip.y - tail.y);
     if (length < kLeastArrowLength) {
         const Point middle{(tail.x + tip.x) / 2, (tail.y + tip.y) / 2};
-        canvas.disc(middle, 2.2, kInk);
-        canvas.disc(middle, 1.2, kPaper);
+        canvas.disc(middle, 3, kInk);
+        canvas.disc(middle, 1.8, kPaper);
         return;
     }
     const double along_x = (tip.x - tail.x) / length, along_y = (tip.y - tail.y) / length;

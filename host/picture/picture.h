@@ -69,17 +69,25 @@ struct SurfaceLines {
     std::vector<LinePoint> smooth;  // the shape that the shading imitates, dashed
 };
 
+/// How deep a hand touches, and the size of the force there.
+struct Touch {
+    double depth = 0; /* m */
+    double force = 0; /* N */
+};
+
 /// A quantity over x and y at each z (at least one, increasing; axes x and y common to all), one colour scale for all.
 /// Shown are the part of the grid and the slices, at most 12, where there is a force.
 Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantity quantity = Quantity::magnitude);
 
-/// A slice: a quantity as colour, the force in the plane as arrows. `lines` are of its own plane, u and v. An angle
-/// needs `unshaded`.
-Picture draw_arrows(const Look& look, const FieldSlice& slice, const SurfaceLines& lines = {},
+/// A slice: a quantity as colour, the force in the plane as arrows of equal length. They stand at equal steps along the
+/// surface, where the force (unshaded, if given) has the size that it has at `touch`; on a grid where it has it
+/// nowhere. `lines` are of its own plane, u and v. An angle needs `unshaded`.
+Picture draw_arrows(const Look& look, const FieldSlice& slice, const Touch& touch, const SurfaceLines& lines = {},
                     Quantity quantity = Quantity::magnitude, const FieldSlice& unshaded = {});
 
-/// What shading changes: unshaded and shaded force to one scale, and the angle between them.
-Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded,
+/// What shading changes: unshaded and shaded force to one scale with arrows at the same places, and the angle between
+/// them.
+Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded, const Touch& touch,
                      const SurfaceLines& lines = {});
 
 /// A path to draw: sample i was at way[i]; direction[i] is the force's, NaN without force.

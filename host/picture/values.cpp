@@ -1,8 +1,10 @@
 #include "host/picture/values.h"
 
 #include <algorithm>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -77,6 +79,60 @@ double largest_of(const ValueSlice& slice) {
         if (value != kNoForce)
             largest = std::max(largest, std::fabs(value));
     return largest;
+}
+
+// Marching squares. Edge 2 i lies between sample i and the next one along u, edge 2 i + 1 along v.
+std::vector<std::vector<ContourPoint>> contours(const FieldSlice& slice, double force) {
+    const std::vector<double>&u = slice.axes.u, &v = slice.axes.v;
+    const std::size_t columns = u.size();
+    std::vector<double> size;
+    for (const Force& one : slice.force)
+        size.push_back(length(one));
+    std::map<std::size_t, std::size_t> next; // each edge that a line crosses has one line into it, and one out of it
+    std::set<std::size_t> reached;
+    for (std::size_t cell = 0; cell + columns + 1 < size.size(); ++cell) {
+        if (cell % columns + 1 == columns)
+            continue;
+        const std::array corner{cell, cell + 1, cell + columns + 1, cell + columns};
+        const std::array edge{2 * cell, 2 * (cell + 1) + 1, 2 * (cell + columns), 2 * cell + 1};
+        const auto within = [&](std::size_t i) { return size[corner[i % 4]] >= force; };
+        for (std::size_t first = 0; first < 4; ++first)
+            if (!within(first) && within(first + 1)) { // around the corners within, up to the next one without
+                std::size_t last = first + 1;
+                while (within(last + 1))
+                    ++last;
+                next[edge[first]] = edge[last % 4];
+                reached.insert(edge[last % 4]);
+            }
+    }
+    const auto point = [&](std::size_t edge) -> ContourPoint {
+        std::size_t inside = edge / 2, outside = inside + (edge % 2 == 0 ? 1 : columns);
+        if (size[inside] < force)
+            std::swap(inside, outside);
+        const double share = (force - size[outside]) / (size[inside] - size[outside]);
+        const auto between = [&](const std::vector<double>& at, std::size_t from, std::size_t to) {
+            return std::lerp(at[from] - at[0], at[to] - at[0], share);
+        };
+        return {between(u, outside % columns, inside % columns), between(v, outside / columns, inside / columns),
+                inside};
+    };
+    std::vector<std::vector<ContourPoint>> lines;
+    const auto follow = [&](std::size_t edge) {
+        std::vector<ContourPoint>& line = lines.emplace_back(1, point(edge));
+        for (auto at = next.find(edge); at != next.end(); at = next.find(edge)) {
+            edge = at->second;
+            line.push_back(point(edge));
+            next.erase(at);
+        }
+    };
+    std::vector<std::size_t> begins; // of lines that come from the slice's border
+    for (const auto& [edge, to] : next)
+        if (!reached.contains(edge))
+            begins.push_back(edge);
+    std::ranges::for_each(begins, follow);
+    while (!next.empty())
+        follow(next.begin()->first);
+    return lines;
 }
 
 Rgb8 ColourScale::of(double value) const {

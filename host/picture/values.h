@@ -85,6 +85,16 @@ ValueSlice values_of(const FieldSlice& slice, Quantity quantity, const FieldSlic
 /// The largest of the values without their signs; 0 without a force.
 double largest_of(const ValueSlice& slice);
 
+/// A point on a line of equal force.
+struct ContourPoint {
+    double u = 0, v = 0;    /* m, from the slice's first sample */
+    std::size_t sample = 0; // next to it on the side of larger forces
+};
+
+/// The lines on which |F| is `force`, N, linear between samples: along a surface, at the depth of that force. They run
+/// with larger forces on one side; closed ones end where they begin.
+std::vector<std::vector<ContourPoint>> contours(const FieldSlice& slice, double force);
+
 /// How values become colours.
 struct ColourScale {
     Quantity quantity = Quantity::magnitude;

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 #include <map>
 #include <png.h>
+#include <regex>
 
 #include "host/mesh/mesh.h"
+#include "host/picture/canvas.h"
 
 namespace forceshade::picture {
 namespace {
@@ -32,6 +34,11 @@ void expect_sound(const Picture& picture, int width = 1400) {
     EXPECT_LT(picture.height, 1400);
     EXPECT_LT(picture.png.size(), 500'000U);
     test::expect_clear_texts(picture);
+}
+
+/// A depth at which the force is a 20th of the largest.
+Touch touch_of(const FieldSlice& slice) {
+    return {1e-3, largest_of(values_of(slice, Quantity::magnitude)) / 20};
 }
 
 const test::Case& case_named(const std::string& file) {
@@ -89,7 +96,7 @@ TEST(Picture, OfEveryCaseHasNoTextThatIsCutOrDrawnOver) {
         SCOPED_TRACE(one.file);
         const test::Slices slices = test::collect(one.grid, one.law);
         expect_sound(draw_mosaic({one.name}, slices.tiles));
-        expect_sound(draw_arrows({one.name}, slices.xz, one.lines));
+        expect_sound(draw_arrows({one.name}, slices.xz, touch_of(slices.xz), one.lines));
     }
 }
 
@@ -98,7 +105,7 @@ TEST(Picture, SameInputSameBytesInAnyLocale) {
     const auto draw = [&] {
         const test::Slices slices = test::collect(usual.grid, usual.law, true);
         return std::pair(draw_mosaic({usual.name}, slices.tiles).png,
-                         draw_arrows({usual.name}, slices.xz, usual.lines).png);
+                         draw_arrows({usual.name}, slices.xz, touch_of(slices.xz), usual.lines).png);
     };
     const auto first = draw();
     std::setlocale(LC_ALL, "de_DE.UTF-8");
@@ -109,7 +116,7 @@ TEST(Picture, SameInputSameBytesInAnyLocale) {
 
 TEST(Picture, HoldsNoDateAndNoProgramName) {
     const test::Case& usual = case_named("shaded");
-    const auto png = draw_arrows({""}, test::collect(usual.grid, usual.law, true).xz).png;
+    const auto png = draw_arrows({""}, test::collect(usual.grid, usual.law, true).xz, {}).png;
     for (const std::string_view chunk : {"tIME", "tEXt", "iTXt", "zTXt"})
         EXPECT_EQ(std::search(png.begin(), png.end(), chunk.begin(), chunk.end()), png.end()) << chunk;
 }
@@ -171,11 +178,103 @@ const FieldSlice& xz_of(const std::string& file) {
     return all[file].xz;
 }
 
+// On the bump of 1000 N/m the force is 1 N at 1 mm below the facets.
+TEST(Contours, LieAtTheDepthOfTheForceFromOneSideToTheOther) {
+    const FieldSlice& slice = xz_of("unshaded");
+    const auto lines = contours(slice, 1);
+    ASSERT_EQ(lines.size(), 1U);
+    const SliceAxes& axes = slice.axes;
+    const double across = axes.u.back() - axes.u.front();
+    EXPECT_NEAR(std::fabs(lines[0].back().u - lines[0].front().u), across, 1e-9);
+    const double top = test::two_facet_lines().nominal[2].z, half_width = test::two_facet_lines().nominal[3].x;
+    for (const ContourPoint& point : lines[0]) {
+        const double x = axes.u[0] + point.u, surface = std::max(0.0, top * (1 - std::fabs(x) / half_width));
+        EXPECT_NEAR(axes.v[0] + point.v, surface - 1e-3, 1e-4) << x;
+        EXPECT_NEAR(axes.u[point.sample % axes.u.size()], x, 2e-4) << "its sample is next to it";
+        EXPECT_NE(slice.force[point.sample][2], 0);
+    }
+}
+
+TEST(Contours, AreClosedAroundASolidAndNoneWithoutItsForce) {
+    FieldSlice slice{{{}, {}, 1, 1, 1, 0}, {}};
+    for (int i = 0; i < 21; ++i)
+        slice.axes.u.push_back(i), slice.axes.v.push_back(i);
+    for (const double z : slice.axes.v)
+        for (const double x : slice.axes.u) // two discs of radius 4
+            slice.force.push_back(
+                {0, std::max({0.0, 4 - std::hypot(x - 5, z - 5), 4 - std::hypot(x - 15, z - 14)}), 0});
+    const auto lines = contours(slice, 1);
+    ASSERT_EQ(lines.size(), 2U);
+    for (const auto& line : lines) {
+        EXPECT_EQ(line.front().u, line.back().u);
+        EXPECT_EQ(line.front().v, line.back().v);
+    }
+    for (const ContourPoint& point : lines[0])
+        EXPECT_NEAR(std::hypot(point.u - 5, point.v - 5), 3, 0.2);
+    EXPECT_TRUE(contours(slice, 10).empty());
+}
+
+bool says(const Picture& picture, const std::string& words) {
+    return std::ranges::any_of(picture.texts,
+                               [&](const PlacedText& text) { return text.text.find(words) != std::string::npos; });
+}
+
+TEST(Picture, OfArrowsSaysWhereTheyStandAndWhichForcesLeaveThePlane) {
+    const char *const along = "1 mm below the surface", *const out = "out of the plane by more than 60°";
+    FieldSlice slice = xz_of("shaded");
+    const Picture touched = draw_arrows({"A bump"}, slice, {1e-3, 1}),
+                  deep = draw_arrows({"A bump"}, slice, {1e-3, 1e9});
+    EXPECT_TRUE(says(touched, along));
+    EXPECT_FALSE(says(touched, out));
+    EXPECT_FALSE(says(deep, along));
+    EXPECT_TRUE(says(deep, "direction of the force")) << "on a grid";
+    for (auto& force : slice.force)
+        force[1] = 3 * force[2];
+    EXPECT_TRUE(says(draw_arrows({"A bump"}, slice, {1e-3, 1}), out));
+}
+
+struct DrawnArrow {
+    Point tail, tip;
+};
+
+/// Of the vectors: white polygons of seven corners. The last is the legend's.
+std::vector<DrawnArrow> arrows_of(const Picture& picture) {
+    static const std::string corner = "([0-9.]+) ([0-9.]+) ", next = "L " + corner;
+    static const std::regex arrow("fill:rgb\\(100%,100%,100%\\)[^>]*d=\"M " + corner + next + next + next + next +
+                                  next + next + "Z");
+    const std::string svg = picture.svg();
+    std::vector<DrawnArrow> arrows;
+    for (std::sregex_iterator it(svg.begin(), svg.end(), arrow), end; it != end; ++it) {
+        const auto at = [&](std::size_t i) { return std::stod((*it)[i]); };
+        arrows.push_back({{(at(1) + at(13)) / 2, (at(2) + at(14)) / 2}, {at(7), at(8)}});
+    }
+    return arrows;
+}
+
+TEST(Picture, OfArrowsHasThemOfEqualLengthAtEqualStepsAlongASlope) {
+    const test::Law slope = [](double x, double, double z) { // half as steep as wide; on one side 45 degrees aside
+        const double force = 1000 * std::max(0.0, x / 2 - z) / std::sqrt(x > 0 ? 2 : 1);
+        return std::array<double, 3>{-force / 2, x > 0 ? std::hypot(force, force / 2) : 0.0, force};
+    };
+    const FieldSlice slice = test::collect({}, slope, true).xz;
+    std::vector<DrawnArrow> arrows = arrows_of(draw_arrows({"A slope"}, slice, {1e-3, 1}));
+    ASSERT_GT(arrows.size(), 10U);
+    arrows.pop_back();
+    const auto apart = [](Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); };
+    const double length = apart(arrows[0].tail, arrows[0].tip), step = apart(arrows[0].tail, arrows[1].tail);
+    for (std::size_t i = 0; i < arrows.size(); ++i) {
+        const auto& [tail, tip] = arrows[i];
+        EXPECT_NEAR(apart(tail, tip), length, 0.05);
+        EXPECT_NEAR((tip.x - tail.x) / (tail.y - tip.y), -0.5, 0.01) << "in the force's direction in the plane";
+        EXPECT_NEAR(i == 0 ? step : apart(arrows[i - 1].tail, tail), step, 1) << i;
+    }
+}
+
 TEST(Picture, KeepsToTheSizeThatIsAskedFor) {
     const test::Slices slices = test::collect(case_named("shaded").grid, case_named("shaded").law, true);
     for (const Look& look : {Look{"narrow", 700, 0}, Look{"flat", 1000, 420}, Look{"wide", 2400, 900}})
-        for (const Picture& picture : {draw_mosaic(look, slices.tiles), draw_arrows(look, slices.xz),
-                                       draw_shading(look, xz_of("unshaded"), slices.xz)}) {
+        for (const Picture& picture : {draw_mosaic(look, slices.tiles), draw_arrows(look, slices.xz, {1e-3, 1}),
+                                       draw_shading(look, xz_of("unshaded"), slices.xz, {1e-3, 1})}) {
             expect_sound(picture, look.width);
             EXPECT_TRUE(look.most_height == 0 || picture.height <= look.most_height) << look.title;
         }
@@ -184,11 +283,12 @@ TEST(Picture, KeepsToTheSizeThatIsAskedFor) {
 TEST(Picture, ShowsEveryQuantityInEveryPlane) {
     const test::Case& usual = case_named("textured");
     for (std::size_t q = 0; q < kQuantityNames.size(); ++q) {
-        expect_sound(draw_arrows({"A bump"}, xz_of("textured"), {}, static_cast<Quantity>(q), xz_of("unshaded")));
+        expect_sound(
+            draw_arrows({"A bump"}, xz_of("textured"), {1e-3, 1}, {}, static_cast<Quantity>(q), xz_of("unshaded")));
     }
     for (const std::size_t axis : {0, 2}) {
         const test::Slices slices = test::collect(usual.grid, usual.law, false, {axis, 0.001, Quantity::magnitude});
-        expect_sound(draw_arrows({"A bump"}, slices.xz));
+        expect_sound(draw_arrows({"A bump"}, slices.xz, {1e-3, 1}));
     }
 }
 
