@@ -190,13 +190,15 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
         sweeps += sweep_section(folder, sweep);
     const std::size_t taken = studies.size() + sweeps.size() + page_script(true).size();
     const std::size_t room = kPageBudget - std::min(taken, kPageBudget - kLeastForViewer);
-    const std::string viewer = viewer_section(folder, contents, contents.troubles, room);
+    std::vector<NamedScene> scenes;
+    for (const StudyPart& part : contents.studies)
+        scenes.push_back(
+            {"the scene of study " + (part.folder.empty() ? part.data.study : part.folder), part.data.scene});
+    const std::string viewer = viewer_section(folder, contents, contents.troubles, room, scenes);
     const std::string no_results = contents.studies.empty() && contents.sweeps.empty()
                                        ? "<p>This folder has no sweep and no study that this program can read.</p>\n"
                                        : "";
-    // The page fills it in.
-    const std::string device =
-        no_results.empty() && !is_score(contents) ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
+    const std::string device = no_results.empty() && !is_score(contents) ? device_section(scenes) : "";
     const std::string verdict = verdict_section(contents), first_device = verdict.empty() ? "" : device;
     const std::string body =
         fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Folder {}, written "

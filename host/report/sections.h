@@ -156,6 +156,15 @@ nlohmann::ordered_json surface_data(const SampledVolume& volume);
 /// The loop of the scene: {mass, damping, grip, delay, period, stiffness} in SI; null where the scene does not say.
 nlohmann::ordered_json loop_data(const std::string& scene);
 
+/// What a loop is on, by the name that readers know.
+struct NamedScene {
+    std::string name, scene; /* resolved TOML */
+};
+
+/// "My device", which the page fills in: of the first of `scenes` that says so the loop to begin with, and the places
+/// of their surfaces where any hand's loop is the least stable; without one the page takes the paper's bump.
+std::string device_section(std::span<const NamedScene> scenes);
+
 /// s: between samples of a scene's paths; NaN where it does not say, as of recorded ones.
 double path_period(const std::string& scene);
 
@@ -170,8 +179,8 @@ PackedPaths pack_paths(const std::filesystem::path& path, std::size_t budget);
 
 /// The interactive viewer of force volumes: their data, packed into the page, and the place it draws in. Empty where
 /// neither a sweep nor a study has a volume that can be read; one that cannot is added to the troubles. Volumes are
-/// thinned until all fit into `budget` characters, and the page says so.
+/// thinned until all fit into `budget` characters, and the page says so. Adds their scenes to `shown`.
 std::string viewer_section(const std::filesystem::path& root, const Contents& contents,
-                           std::vector<std::string>& troubles, std::size_t budget);
+                           std::vector<std::string>& troubles, std::size_t budget, std::vector<NamedScene>& shown);
 
 } // namespace forceshade::report

@@ -11,7 +11,6 @@
 #include "host/error.h"
 #include "host/field/comparison.h"
 #include "host/field/prepared_case.h"
-#include "host/limits/limits.h"
 #include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/picture/picture.h"
@@ -416,52 +415,6 @@ Json surface_data(const SampledVolume& volume) {
     return surface;
 }
 
-Json loop_data(const std::string& scene) {
-    const std::optional<Case> one = stated_scene(scene);
-    if (!one)
-        return {};
-    const HandSpec& hand = one->scene.hand;
-    const double stiffness = one->scene.force.stiffness; /* N/m */
-    return {{"mass", hand.mass},
-            {"damping", hand.damping},
-            {"grip", hand.grip_damping},
-            {"spring", hand.grip_stiffness},
-            {"delay", hand.delay_samples},
-            {"period", 1 / (one->scene.paths ? one->scene.paths->rate : PathsSpec().rate)},
-            {"stiffness", coupled_share(hand, stiffness) * stiffness}};
-}
-
-// Where a loop on the surfaces of a few scenes is the least stable, for the page to compute the limits of any hand
-// from: of the first case with shading and the first without; nothing of a scene whose files are not there.
-Json weak_places_data(const std::vector<Packed>& packed) {
-    Json all = Json::array();
-    bool known[2]{};
-    CasePreparation preparation; // both may be of the same mesh
-    for (const Packed& one : packed) {
-        check_interrupt();
-        const std::optional<Case> stated = stated_scene(one.scene);
-        if (!stated || std::exchange(known[stated->scene.force.shading != Shading::none], true))
-            continue;
-        try {
-            for (const WeakPlace& weak : weak_places(preparation.prepare(*stated))) {
-                Json slope = Json::array(); // columns
-                for (int i = 0; i < 9; ++i)
-                    slope.push_back(weak.place.slope[i / 3][i % 3]);
-                const glm::dvec3& along = weak.hold.along;
-                all.push_back({{"case", one.about["name"]},
-                               {"place", name_of(weak.place.kind)},
-                               {"depth_m", weak.place.depth},
-                               {"held", weak.hold.name},
-                               {"along", {along.x, along.y, along.z}},
-                               {"usual", weak.usual},
-                               {"slope", std::move(slope)}});
-            }
-        } catch (const Error&) { // a file that is not there or has changed
-        }
-    }
-    return all;
-}
-
 double path_period(const std::string& scene) {
     const std::optional<Case> one = stated_scene(scene);
     return one && one->scene.paths && one->scene.paths->kind != PathKind::recorded ? 1 / one->scene.paths->rate : NAN;
@@ -487,7 +440,7 @@ PackedPaths pack_paths(const std::filesystem::path& path, std::size_t budget) {
 }
 
 std::string viewer_section(const std::filesystem::path& root, const Contents& contents,
-                           std::vector<std::string>& troubles, std::size_t budget) {
+                           std::vector<std::string>& troubles, std::size_t budget, std::vector<NamedScene>& shown) {
     std::vector<Wanted> wanted = wanted_volumes(root, contents);
     const std::size_t left_out = wanted.size() - std::min(wanted.size(), kMostVolumes);
     wanted.resize(wanted.size() - left_out);
@@ -496,7 +449,7 @@ std::string viewer_section(const std::filesystem::path& root, const Contents& co
     const std::vector<Packed> packed = pack_within(root, wanted, budget - for_paths, troubles);
     if (packed.empty())
         return "";
-    Json about{{"cases", Json::array()}, {"surfaces", Json::array()}, {"weak", weak_places_data(packed)}};
+    Json about{{"cases", Json::array()}, {"surfaces", Json::array()}};
     std::string data;
     for (std::size_t i = 0; i < packed.size(); ++i) {
         const auto add = [&](const std::string& id, const std::string& text) {
@@ -509,6 +462,7 @@ std::string viewer_section(const std::filesystem::path& root, const Contents& co
             one["surface"] = place_in(about["surfaces"], packed[i].surface);
         if (!wanted[i].paths.empty())
             add_paths(root, wanted[i].paths, for_paths / static_cast<std::size_t>(with_paths), one, add, troubles);
+        shown.push_back({wanted[i].name, packed[i].scene});
         about["cases"].push_back(std::move(one));
     }
     return fmt::format("<section id=\"viewer\">\n<h2>Viewer</h2>\n{}<p class=\"note\">{}</p>\n"

@@ -140,9 +140,10 @@ std::vector<CaseRecord> write_sample_sweep(const std::filesystem::path& folder) 
     return records;
 }
 
-void write_sample_study(const std::filesystem::path& folder) {
+void write_sample_study(const std::filesystem::path& folder, const std::string& scene) {
     std::filesystem::create_directories(folder);
     study::StudyData data = sample_study();
+    data.scene = scene;
     data.findings = {{"sample", "A sample study finds this.", data.figures.front().name, "here", "now", "for sure"}};
     study::write_data(folder, data, study::figure_files(data));
 }

@@ -31,7 +31,7 @@ void write_sample_manifest(const std::filesystem::path& folder, const std::vecto
 /// Two cases that differ in shading, and their manifest.
 std::vector<CaseRecord> write_sample_sweep(const std::filesystem::path& folder);
 
-/// The sample study with its files, as the program writes them.
-void write_sample_study(const std::filesystem::path& folder);
+/// The sample study with its files, as the program writes them; of a scene (resolved TOML), or of its own.
+void write_sample_study(const std::filesystem::path& folder, const std::string& scene = {});
 
 } // namespace forceshade::testing

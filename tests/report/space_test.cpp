@@ -161,13 +161,28 @@ TEST_F(Space, DeviceComputesTheLimitsOfTheScenesSurface) {
                 fmt::format("{{mass: {}, damping: {}, grip: {}, spring: {}, period: {}, delay: {}}}", hand.mass,
                             hand.damping, hand.grip_damping, hand.grip_stiffness, 1 / rate, hand.delay_samples);
             EXPECT_NEAR(number("weakest(" + values +
-                               ", JSON.parse(document.getElementById('volumes').textContent).weak.filter((one) => "
+                               ", JSON.parse(document.getElementById('device-data').textContent).weak.filter((one) => "
                                "one.usual), 1e7).limit"),
                         least, 1e-3 * least)
                 << values;
         }
     const double said = *scene_limits(prepared).least->limit;
     EXPECT_NEAR(least_of(own, 1000), said, 1e-3 * said);
+}
+
+// Without a volume, too.
+TEST_F(Space, DeviceTakesTheSceneOfAStudy) {
+    const Folder folder;
+    write_sample_study(folder / "stability", kScene);
+    browser_->open(write_report(folder.path()).file);
+    const std::string verdict = browser_->text("document.getElementById('device-verdict').textContent");
+    EXPECT_TRUE(says(verdict, "2000 N/m on a wall")) << verdict;
+    EXPECT_TRUE(says(verdict, "On the scene of study stability, ")) << verdict;
+    EXPECT_EQ(number("document.querySelectorAll('#device-radius').length"), 0) << "the scene has it";
+    write_sample_study(folder / "stability");
+    browser_->open(write_report(folder.path()).file);
+    EXPECT_TRUE(
+        says(browser_->text("document.getElementById('device-verdict').textContent"), "On the shaded cylinder"));
 }
 
 TEST_F(Space, DeviceSaysWhetherAWallIsStable) {

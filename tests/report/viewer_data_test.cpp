@@ -106,10 +106,11 @@ TEST(Viewers, KeepToTheirBudget) {
         sweep.cases.push_back(write_sample_case(folder.path(), {.name = name, .size = {64, 16, 32}, .noise = true}));
     const Contents contents{{sweep}, {}, {}};
     std::vector<std::string> troubles;
-    const std::string whole = viewer_section(folder.path(), contents, troubles, 7'000'000);
+    std::vector<NamedScene> shown;
+    const std::string whole = viewer_section(folder.path(), contents, troubles, 7'000'000, shown);
     EXPECT_GT(whole.size(), 600'000u);
     EXPECT_EQ(whole.find("thinned"), std::string::npos);
-    const std::string small = viewer_section(folder.path(), contents, troubles, 100'000);
+    const std::string small = viewer_section(folder.path(), contents, troubles, 100'000, shown);
     EXPECT_LT(small.size(), 120'000u); // the frame is a few kilobytes
     EXPECT_GT(small.size(), 30'000u) << "the budget is used";
     EXPECT_NE(small.find("3 of 3 volumes are thinned"), std::string::npos);
@@ -118,7 +119,8 @@ TEST(Viewers, KeepToTheirBudget) {
 
 TEST(Viewers, AreLeftOutWithoutVolumes) {
     std::vector<std::string> troubles;
-    EXPECT_EQ(viewer_section(".", {}, troubles, 1'000'000), "");
+    std::vector<NamedScene> shown;
+    EXPECT_EQ(viewer_section(".", {}, troubles, 1'000'000, shown), "");
 }
 
 // A row for each scheme that error-time has; a ratio of times that is told from 1, or none.

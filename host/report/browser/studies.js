@@ -200,7 +200,7 @@ function weakest(hand, places, most) {
 }
 
 class Device {
-  constructor(element, loop, weak) {
+  constructor(element, { loop, weak }) {
     this.weak = weak;
     this.element = d3.select(element);
     const form = this.element.append("form").attr("class", "controls").attr("autocomplete", "off").on("submit", () => d3.event.preventDefault());
@@ -258,7 +258,7 @@ class Device {
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
       : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. " + (surface
         ? "On " + surface.case + ", " + (surface.usual ? "held " : "pressed ") + surface.held + ", it " + (stiffness < surface.limit ? "comes to rest: below " : "does not: it does so below ") + numberText(surface.limit, 4) + " N/m."
-        : this.weak.length ? "On the surfaces of these cases no lower limit was found."
+        : this.weak.length ? "On the scene's surface no lower limit was found."
           : "On the shaded cylinder the grip " + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m."));
     this.mark();
   }
@@ -278,16 +278,16 @@ class Device {
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
     d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.weak.length
-      ? "On a case's surface: the loop linearised at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of the first case with shading and the first without. The sliders begin with the scene's hand."
+      ? "On a scene's surface: the loop linearised at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of several scenes the first with shading and the first without. The sliders begin with the scene's hand."
       : "Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the default hand, at the rim of the paper's bump.") +
       (maps ? ` A cross marks it on ${marked} of ${maps} diagram${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));
   }
 }
 
 function startDevice() {
-  const section = document.getElementById("device"), volumes = document.getElementById("volumes");
-  if (section)
-    new Device(section, volumes && JSON.parse(volumes.textContent).cases.map((one) => one.loop).find((loop) => loop), volumes && JSON.parse(volumes.textContent).weak || []);
+  const data = document.getElementById("device-data");
+  if (data)
+    new Device(data.parentElement, JSON.parse(data.textContent));
 }
 
 startDevice();

@@ -1,0 +1,77 @@
+// "My device": what the page computes the limits of any hand's loop from.
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/field/prepared_case.h"
+#include "host/limits/limits.h"
+#include "host/program.h"
+#include "host/report/sections.h"
+#include "host/scene/study.h"
+
+namespace forceshade::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Where a loop on the surfaces of the scenes is the least stable: of the first scene with shading and the first
+// without; nothing of a scene whose files are not there.
+Json weak_places_data(std::span<const NamedScene> scenes) {
+    Json all = Json::array();
+    bool known[2]{};
+    CasePreparation preparation; // both may be of the same mesh
+    for (const auto& [name, scene] : scenes) {
+        check_interrupt();
+        const std::optional<Case> stated = stated_scene(scene);
+        if (!stated || std::exchange(known[stated->scene.force.shading != Shading::none], true))
+            continue;
+        try {
+            for (const WeakPlace& weak : weak_places(preparation.prepare(*stated))) {
+                Json slope = Json::array(); // columns
+                for (int i = 0; i < 9; ++i)
+                    slope.push_back(weak.place.slope[i / 3][i % 3]);
+                const glm::dvec3& along = weak.hold.along;
+                all.push_back({{"case", name},
+                               {"place", name_of(weak.place.kind)},
+                               {"depth_m", weak.place.depth},
+                               {"held", weak.hold.name},
+                               {"along", {along.x, along.y, along.z}},
+                               {"usual", weak.usual},
+                               {"slope", std::move(slope)}});
+            }
+        } catch (const Error&) { // a file that is not there or has changed
+        }
+    }
+    return all;
+}
+
+} // namespace
+
+Json loop_data(const std::string& scene) {
+    const std::optional<Case> one = stated_scene(scene);
+    if (!one)
+        return {};
+    const HandSpec& hand = one->scene.hand;
+    const double stiffness = one->scene.force.stiffness; /* N/m */
+    return {{"mass", hand.mass},
+            {"damping", hand.damping},
+            {"grip", hand.grip_damping},
+            {"spring", hand.grip_stiffness},
+            {"delay", hand.delay_samples},
+            {"period", 1 / (one->scene.paths ? one->scene.paths->rate : PathsSpec().rate)},
+            {"stiffness", coupled_share(hand, stiffness) * stiffness}};
+}
+
+std::string device_section(std::span<const NamedScene> scenes) {
+    Json data{{"loop", nullptr}, {"weak", weak_places_data(scenes)}};
+    for (const NamedScene& one : scenes)
+        if (data["loop"].is_null())
+            data["loop"] = loop_data(one.scene);
+    return fmt::format("<section id=\"device\">\n<h2>My device</h2>\n<script type=\"application/json\" "
+                       "id=\"device-data\">{}</script>\n</section>\n",
+                       script_text(data));
+}
+
+} // namespace forceshade::report
