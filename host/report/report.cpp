@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -50,18 +51,16 @@ bool is_score(const Contents& contents) {
     return contents.sweeps.empty() && contents.studies.size() == 1 && contents.studies.front().data.study == "score";
 }
 
-std::string contents_list(const Contents& contents, bool viewer) {
+// A part of the page; without a title it is not in the contents.
+struct PagePart {
+    std::string id, title, html;
+};
+
+std::string contents_list(const std::vector<PagePart>& parts) {
     std::string html;
-    if (!contents.troubles.empty())
-        html += entry("troubles", "What is missing or damaged");
-    for (const StudyPart& part : contents.studies)
-        html += entry(anchor(part), title(part));
-    for (const Sweep& sweep : contents.sweeps)
-        html += entry(anchor(sweep), title(sweep));
-    if (viewer)
-        html += entry("viewer", "Viewer");
-    if ((!contents.studies.empty() || !contents.sweeps.empty()) && !is_score(contents))
-        html += entry("device", "My device");
+    for (const PagePart& part : parts)
+        if (!part.title.empty())
+            html += entry(part.id, part.title);
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
 }
 
@@ -182,34 +181,66 @@ std::string heading(const Contents& contents) {
                                       : "Studies and sweeps of force fields";
 }
 
-std::string page_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
-    std::string studies, sweeps;
-    for (const StudyPart& part : contents.studies)
-        studies += study_section(folder, part);
-    for (const Sweep& sweep : contents.sweeps)
-        sweeps += sweep_section(folder, sweep);
-    const std::size_t taken = studies.size() + sweeps.size() + page_script(true).size();
-    const std::size_t room = kPageBudget - std::min(taken, kPageBudget - kLeastForViewer);
+// In their order: findings first, and the words that they use once, after the first of them.
+std::vector<PagePart> parts_of(const std::filesystem::path& folder, Contents& contents) {
+    if (contents.studies.empty() && contents.sweeps.empty())
+        return {{"troubles", "What is missing or damaged", troubles_section(contents.troubles)},
+                {"", "", "<p>This folder has no sweep and no study that this program can read.</p>\n"}};
+    std::vector<PagePart> studies, sweeps;
     std::vector<NamedScene> scenes;
-    for (const StudyPart& part : contents.studies)
+    std::size_t taken = page_script(true).size();
+    for (const StudyPart& part : contents.studies) {
+        taken += studies.emplace_back(anchor(part), title(part), study_section(folder, part)).html.size();
         scenes.push_back(
             {"the scene of study " + (part.folder.empty() ? part.data.study : part.folder), part.data.scene});
-    const std::string viewer = viewer_section(folder, contents, contents.troubles, room, scenes);
-    const std::string no_results = contents.studies.empty() && contents.sweeps.empty()
-                                       ? "<p>This folder has no sweep and no study that this program can read.</p>\n"
-                                       : "";
-    const std::string device = no_results.empty() && !is_score(contents) ? device_section(scenes) : "";
-    const std::string verdict = verdict_section(contents), first_device = verdict.empty() ? "" : device;
-    const std::string body =
+    }
+    for (const Sweep& sweep : contents.sweeps)
+        taken += sweeps.emplace_back(anchor(sweep), title(sweep), sweep_section(folder, sweep)).html.size();
+    const std::size_t room = kPageBudget - std::min(taken, kPageBudget - kLeastForViewer);
+    const PagePart viewer{"viewer", "Viewer", viewer_section(folder, contents, contents.troubles, room, scenes)};
+    const PagePart verdict{"verdict", "", verdict_section(contents)};
+    PagePart device{"device", "My device", is_score(contents) ? "" : device_section(scenes)};
+    PagePart words{"words", "Words", words_section(is_score(contents))};
+
+    std::vector<PagePart> parts;
+    const auto add = [&](const PagePart& part) {
+        if (!part.html.empty())
+            parts.push_back(part);
+        return !part.html.empty();
+    };
+    const auto add_once = [&](PagePart& part) { add(std::exchange(part, {})); };
+    add({"troubles", "What is missing or damaged", troubles_section(contents.troubles)});
+    if (add(verdict)) {
+        add_once(device);
+        add_once(words);
+    }
+    if (add({"glance", "", glance(contents.studies)}))
+        add_once(words);
+    for (const PagePart& study : studies) {
+        add(study);
+        add_once(words);
+    }
+    for (const PagePart& sweep : sweeps)
+        add(sweep);
+    add(viewer);
+    add_once(words);
+    add_once(device);
+    return parts;
+}
+
+std::string page_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
+    const std::vector<PagePart> parts = parts_of(folder, contents);
+    const auto has = [&](const char* id) { return std::ranges::count(parts, id, &PagePart::id) > 0; };
+    std::string body =
         fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Folder {}, written "
                     "by forceshade {}.</p>\n</header>\n",
-                    heading(contents), escaped(name), escaped(version())) +
-        (no_results.empty() ? opening(contents, !verdict.empty()) : "") + contents_list(contents, !viewer.empty()) +
-        "<main>\n" + troubles_section(contents.troubles) + no_results + verdict + first_device +
-        (contents.studies.empty() ? "" : words_section(is_score(contents))) + glance(contents.studies) + studies +
-        sweeps + (contents.studies.empty() && no_results.empty() ? words_section(false) : "") + viewer +
-        (first_device.empty() ? device : "") + "</main>\n";
-    return page(name + " – forceshade", body, page_script(!viewer.empty()));
+                    heading(contents), escaped(name), escaped(version()));
+    if (!contents.studies.empty() || !contents.sweeps.empty())
+        body += opening(contents, has("verdict"));
+    body += contents_list(parts) + "<main>\n";
+    for (const PagePart& part : parts)
+        body += part.html;
+    return page(name + " – forceshade", body + "</main>\n", page_script(has("viewer")));
 }
 
 // A report.html of another program stays.

@@ -277,6 +277,28 @@ TEST_F(Report, TellsOfTablesAndFiguresThatAreMissingOrAltered) {
     }
 }
 
+TEST_F(Report, OpensWithFindingsAndThenWords) {
+    const auto expect_order = [&](const std::vector<std::string>& ids) {
+        write();
+        std::size_t last = 0;
+        for (const std::string& id : ids) {
+            const std::size_t at = html_.find("<section id=\"" + id);
+            EXPECT_NE(at, std::string::npos) << id;
+            EXPECT_GT(at, last) << id;
+            last = at;
+        }
+    };
+    write_sample_study(path("energy"));
+    expect_order({"study-energy", "words", "device"});
+    write_sample_sweep(path());
+    expect_order({"study-energy", "words", "sweep-", "viewer", "device"});
+    write_sample_study(path("stability"));
+    expect_order({"glance", "words", "study-energy", "study-stability", "sweep-", "viewer", "device"});
+    std::filesystem::remove_all(path("energy"));
+    std::filesystem::remove_all(path("stability"));
+    expect_order({"sweep-", "viewer", "words", "device"});
+}
+
 // Of a study that --only chose a part of, nothing is missing.
 TEST_F(Report, CallsAPartThatWasChosenNoDamage) {
     write_sample_sweep(path());
