@@ -1,6 +1,7 @@
 #include "host/report/report.h"
 
 #include <algorithm>
+#include <cctype>
 #include <span>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "host/picture/canvas.h"
 #include "host/program.h"
 #include "host/report/sections.h"
+#include "host/spelling.h"
 #include "report_assets.h"
 
 namespace forceshade::report {
@@ -94,19 +96,25 @@ std::string opening(const Contents& contents, bool table_follows) {
         escaped(buys_and_costs));
 }
 
-// The terms that the page assumes.
-std::string words_section(bool of_score) {
-    using Words = std::vector<std::pair<const char*, const char*>>;
-    static const Words of_scores{
-        {"oracle", "the scene's own law in double precision: on a mesh a god-object"},
-        {"god-object", "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is "
-                       "pressed in, and the force pulls the probe to it"},
-        {"RMS", "root mean square: the square root of the mean of the squares"},
-        {"pop-through",
-         "the probe comes out on the other side: the force does not come back in this contact, or is turned round"},
-        {"drop-out", "a contact of the oracle in which the force is lost for a while"},
-        {"phantom", "a force in the air: where the oracle has no contact"}};
-    static const Words of_studies{
+// Whether one of the words, between commas, stands in a text in lower case: by itself, or in the plural.
+bool has_word(std::string_view text, std::string_view words) {
+    const auto ends = [&](std::size_t at) {
+        return at >= text.size() || (std::isalnum(static_cast<unsigned char>(text[at])) == 0 && text[at] != '_');
+    };
+    const std::size_t comma = words.find(", ");
+    const std::string word = lower_case(words.substr(0, comma));
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string_view::npos; ++at)
+        if (const std::size_t end = at + word.size();
+            (at == 0 || ends(at - 1)) && (ends(end) || (text[end] == 's' && ends(end + 1))))
+            return true;
+    return comma != std::string_view::npos && has_word(text, words.substr(comma + 2));
+}
+
+// The terms that the page assumes, of those that occur in its text.
+std::string words_section(std::string_view page) {
+    static constexpr std::pair<const char*, const char*> kWords[]{
+        {"oracle", "the scene's own law as the processor computes it, which other forces are held against; on a mesh a "
+                   "god-object"},
         {"rim", "where the smooth shape itself has an edge: the foot of the bump"},
         {"RMS", "root mean square: the square root of the mean of the squares"},
         {"god-object", "the probe's stand-in on a mesh (also: proxy): it stays on the surface while the probe is "
@@ -114,14 +122,22 @@ std::string words_section(bool of_score) {
         {"height map", "a surface given by its height over x and y"},
         {"look-up volume", "forces computed beforehand on a grid, between which a loop interpolates"},
         {"octree", "a look-up volume of bricks that are finer near the surface"},
+        {"narrow band", "a look-up volume that holds bricks of samples near the surface alone"},
         {"trilinear", "between eight samples, linear along each axis"},
+        {"tricubic", "between 64 samples, cubic along each axis"},
         {"tessellation", "the facets that stand for a smooth shape, and where they lie"},
         {"bootstrap", "an interval from drawing the same measurements again, with repetition"},
         {"front", "the methods than which no other is both faster and closer"},
         {"crest", "the highest place of a shape, where the surface turns away on both sides"},
+        {"hollow", "the lowest place of a shape, where the surface turns upwards on both sides"},
+        {"winding number", "how often a mesh goes around a point: inside it is above one half, also where the mesh has "
+                           "holes"},
         {"virtual coupling", "a spring, and perhaps a damper, between the device and the probe that the law sees"},
         {"K_crit", "the stiffness up to which a loop on a flat wall comes to rest"},
+        {"Z-width", "the range of stiffness and damping that a device can display without becoming unstable"},
         {"limit cycle", "a swing that neither grows nor dies out"},
+        {"quantisation limit cycle", "a swing that the steps of the measured position keep up, of one step at most"},
+        {"lag", "the time constant with which a device's force follows the one that it is given"},
         {"kernel", "a program that a Vulkan device runs for many voxels or paths at a time"},
         {"reference", "shading of the bump: the direction of the cylinder that its facets stand for"},
         {"none", "no shading: the direction is the facet's normal"},
@@ -139,12 +155,21 @@ std::string words_section(bool of_score) {
         {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
         {"closed stroke", "of the probe: out at one depth and back at another, to where it began"},
         {"gain, effort", "the energy that a closed stroke gives the hand, and the integral of |F dl| along it"},
-        {"loop", "of control: the position is sampled, the force computed and played, over and over"}};
+        {"loop", "of control: the position is sampled, the force computed and played, over and over"},
+        {"linearised loop", "the loop for displacements so small that the force changes in proportion to them"},
+        {"curl", "the work round a small closed path over its area: where it is not 0 the force has no potential"},
+        {"pop-through",
+         "the probe comes out on the other side: the force does not come back in this contact, or is turned round"},
+        {"drop-out", "a contact of the oracle in which the force is lost for a while"},
+        {"phantom", "a force in the air: where the oracle has no contact"}};
+    const std::string text = lower_case(page);
     std::string words;
-    for (const auto& [word, meaning] : of_score ? of_scores : of_studies)
-        words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);
-    return "<section id=\"words\">\n" + folded("Words", "<dl class=\"meanings\">\n" + words + "</dl>\n", true) +
-           "</section>\n";
+    for (const auto& [word, meaning] : kWords)
+        if (has_word(text, word))
+            words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);
+    return words.empty() ? words
+                         : "<section id=\"words\">\n" +
+                               folded("Words", "<dl class=\"meanings\">\n" + words + "</dl>\n", true) + "</section>\n";
 }
 
 // Of several studies the first finding of each, next to its figure, which the page draws.
@@ -189,6 +214,7 @@ std::vector<PagePart> parts_of(const std::filesystem::path& folder, Contents& co
     std::vector<PagePart> studies, sweeps;
     std::vector<NamedScene> scenes;
     std::size_t taken = page_script(true).size();
+    std::string text(is_score(contents) ? "" : assets::studies_js); // of the page, but for volumes
     for (const StudyPart& part : contents.studies) {
         taken += studies.emplace_back(anchor(part), title(part), study_section(folder, part)).html.size();
         scenes.push_back(
@@ -200,7 +226,10 @@ std::vector<PagePart> parts_of(const std::filesystem::path& folder, Contents& co
     const PagePart viewer{"viewer", "Viewer", viewer_section(folder, contents, contents.troubles, room, scenes)};
     const PagePart verdict{"verdict", "", verdict_section(contents)};
     PagePart device{"device", "My device", is_score(contents) ? "" : device_section(scenes)};
-    PagePart words{"words", "Words", words_section(is_score(contents))};
+    for (const auto* some : {&studies, &sweeps})
+        for (const PagePart& part : *some)
+            text += part.html;
+    PagePart words{"words", "Words", words_section(text + verdict.html)};
 
     std::vector<PagePart> parts;
     const auto add = [&](const PagePart& part) {

@@ -299,6 +299,19 @@ TEST_F(Report, OpensWithFindingsAndThenWords) {
     expect_order({"sweep-", "viewer", "words", "device"});
 }
 
+TEST_F(Report, ExplainsTheWordsThatOccur) {
+    write_sample_study(path("energy"));
+    write();
+    EXPECT_TRUE(says("<dt>loop</dt>"));
+    for (const char* word : {"hollow", "lag", "tricubic", "pop-through"})
+        EXPECT_FALSE(says(fmt::format("<dt>{}</dt>", word))) << word;
+    write_sample_study(path("energy"), "# In hollows: Tricubic, with a flag; gap-through, lag_s");
+    write();
+    EXPECT_TRUE(says("<dt>hollow</dt>"));
+    EXPECT_TRUE(says("<dt>tricubic</dt>"));
+    EXPECT_FALSE(says("<dt>lag</dt>"));
+}
+
 // Of a study that --only chose a part of, nothing is missing.
 TEST_F(Report, CallsAPartThatWasChosenNoDamage) {
     write_sample_sweep(path());
