@@ -398,9 +398,13 @@ void add_touch_figures(const Sweep& sweep, study::StudyData& data) {
 
 namespace {
 
-// Of cases that another engine than the oracle's computed.
+// The CPU engine is the oracle: compared with itself it says nothing.
+bool is_oracle(R one) {
+    return one->engine.engine == "cpu";
+}
+
 std::string agreement(Rows cases) {
-    std::erase_if(cases, [](R one) { return one->engine.engine == "cpu"; });
+    std::erase_if(cases, is_oracle);
     if (cases.empty())
         return "";
     const std::uint64_t compared = sum_of(cases, [](const CaseRecord& one) { return one.error.compared; });
@@ -477,6 +481,15 @@ std::string paths(const Sweep& sweep) {
                        unstable == 1 ? "its" : "their");
 }
 
+// Of a comparison with the oracle: empty for cases that it computed itself, and left out if it computed all.
+Columns compared_columns(const Rows& rows, Columns columns) {
+    if (std::ranges::all_of(rows, is_oracle))
+        return {};
+    for (auto& one : columns)
+        one.value = [value = one.value](R r) { return is_oracle(r) ? study::Cell() : value(r); };
+    return columns;
+}
+
 constexpr std::size_t kMostCases = 3000; // a page of more would not open
 
 study::Table cases_table(const Sweep& sweep, const Rows& rows) {
@@ -500,11 +513,13 @@ study::Table cases_table(const Sweep& sweep, const Rows& rows) {
          {"evaluated", "1", "voxels that had to be computed", &CaseRecord::evaluated},
          {"largest force", "N", "", &CaseRecord::largest_force},
          {"largest error", "N", "against the oracle in double precision", [](R r) { return r->error.largest; }},
-         {"relative error", "1", "of the largest force", [](R r) { return r->error.relative(); }},
-         {"differing", "1", "voxels whose bits are not the oracle's in the same precision",
-          [](R r) { return r->error.differing; }},
-         {"beyond bound", "1", "voxels further from the oracle than rounding allows",
-          [](R r) { return r->error.beyond; }}});
+         {"relative error", "1", "of the largest force", [](R r) { return r->error.relative(); }}});
+    study::append(
+        columns,
+        compared_columns(rows, {{{"differing", "1", "voxels whose bits are not the oracle's in the same precision"},
+                                 [](R r) { return r->error.differing; }},
+                                {{"beyond bound", "1", "voxels further from the oracle than rounding allows"},
+                                 [](R r) { return r->error.beyond; }}}));
     return study::table_of("cases", "Cases", columns, rows);
 }
 
@@ -530,21 +545,21 @@ study::Table times_table(const Rows& rows) {
 }
 
 study::Table paths_table(const Rows& rows) {
-    return study::table_of<R>(
-        "paths", "Paths",
-        {{"case", "", "", &CaseRecord::name},
-         {"paths", "1", "", [](R r) { return r->paths->paths; }},
-         {"samples", "1", "", [](R r) { return r->paths->samples; }},
-         {"in contact", "%", "of the samples",
-          [](R r) { return 100 * double(r->paths->in_contact) / std::max(1.0, double(r->paths->samples)); }},
-         {"unstable", "1", "paths that left their bound", [](R r) { return r->paths->unstable; }},
-         {"largest force", "N", "", [](R r) { return r->paths->largest_force; }},
-         {"work", "J", "on the hand, sum over the paths", [](R r) { return r->paths->work; }},
-         {"mean depth", "mm", "in contact", [](R r) { return 1e3 * r->paths->mean_depth; }},
-         {"compared", "1", "samples compared with the oracle", [](R r) { return r->paths->error.samples; }},
-         {"differing", "1", "samples whose bits are not the oracle's", [](R r) { return r->paths->error.differing; }},
-         {"kernel", "ms", "", [](R r) { return 1e3 * r->paths->engine_times.kernel; }}},
-        rows);
+    Columns columns{{"case", "", "", &CaseRecord::name},
+                    {"paths", "1", "", [](R r) { return r->paths->paths; }},
+                    {"samples", "1", "", [](R r) { return r->paths->samples; }},
+                    {"in contact", "%", "of the samples",
+                     [](R r) { return 100 * double(r->paths->in_contact) / std::max(1.0, double(r->paths->samples)); }},
+                    {"unstable", "1", "paths that left their bound", [](R r) { return r->paths->unstable; }},
+                    {"largest force", "N", "", [](R r) { return r->paths->largest_force; }},
+                    {"work", "J", "on the hand, sum over the paths", [](R r) { return r->paths->work; }},
+                    {"mean depth", "mm", "in contact", [](R r) { return 1e3 * r->paths->mean_depth; }}};
+    study::append(columns, compared_columns(rows, {{{"compared", "1", "samples compared with the oracle"},
+                                                    [](R r) { return r->paths->error.samples; }},
+                                                   {{"differing", "1", "samples whose bits are not the oracle's"},
+                                                    [](R r) { return r->paths->error.differing; }}}));
+    columns.push_back({{"kernel", "ms", ""}, [](R r) { return 1e3 * r->paths->engine_times.kernel; }});
+    return study::table_of("paths", "Paths", columns, rows);
 }
 
 // What the page draws of it.

@@ -312,6 +312,20 @@ TEST_F(Report, ExplainsTheWordsThatOccur) {
     EXPECT_FALSE(says("<dt>lag</dt>"));
 }
 
+TEST_F(Report, CountsNoDifferencesOfTheOracleFromItself) {
+    std::vector<CaseRecord> records = write_sample_sweep(path());
+    records[0].engine.engine = "cpu";
+    write_sample_manifest(path(), records);
+    write();
+    EXPECT_TRUE(says("\"differing\""));
+    EXPECT_TRUE(says("[null,0.0]")) << "of the other case alone";
+    records[1].engine.engine = "cpu";
+    write_sample_manifest(path(), records);
+    write();
+    EXPECT_FALSE(says("\"differing\""));
+    EXPECT_FALSE(says("\"beyond bound\""));
+}
+
 // Of a study that --only chose a part of, nothing is missing.
 TEST_F(Report, CallsAPartThatWasChosenNoDamage) {
     write_sample_sweep(path());
