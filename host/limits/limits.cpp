@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "host/field/case_law.h"
 #include "host/reference/path_step.h"
@@ -419,6 +420,24 @@ std::optional<double> dying_kick(const LoopSurface& surface, const LeastLimit& t
         (dies(middle) ? low : high) = middle;
     }
     return std::sqrt(low * high);
+}
+
+std::string weak_places_text(const std::string& name, const PreparedCase& prepared) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const WeakPlace& weak : weak_places(prepared)) {
+        nlohmann::ordered_json slope = nlohmann::ordered_json::array(); // columns
+        for (int i = 0; i < 9; ++i)
+            slope.push_back(weak.place.slope[i / 3][i % 3]);
+        const glm::dvec3& along = weak.hold.along;
+        all.push_back({{"case", name},
+                       {"place", name_of(weak.place.kind)},
+                       {"depth_m", weak.place.depth},
+                       {"held", weak.hold.name},
+                       {"along", {along.x, along.y, along.z}},
+                       {"usual", weak.usual},
+                       {"slope", std::move(slope)}});
+    }
+    return all.dump();
 }
 
 } // namespace forceshade

@@ -183,4 +183,8 @@ struct WeakPlace {
 /// any direction. Empty where nothing is touched, or without damping.
 std::vector<WeakPlace> weak_places(const PreparedCase& prepared);
 
+/// Where a hand's loop on the surface of a case is the least stable, as a JSON array for "my device": from there a page
+/// computes the limits of any hand. `name` is what readers call the case.
+std::string weak_places_text(const std::string& name, const PreparedCase& prepared);
+
 } // namespace forceshade

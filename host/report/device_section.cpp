@@ -17,31 +17,24 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Where a loop on the surfaces of the scenes is the least stable: of the first scene with shading and the first
-// without; nothing of a scene whose files are not there.
+// without; null if there are scenes, but the files of none.
 Json weak_places_data(std::span<const NamedScene> scenes) {
-    Json all = Json::array();
+    Json all = scenes.empty() ? Json::array() : Json();
     bool known[2]{};
     CasePreparation preparation; // both may be of the same mesh
-    for (const auto& [name, scene] : scenes) {
+    for (const auto& [name, scene, weak_places] : scenes) {
         check_interrupt();
         const std::optional<Case> stated = stated_scene(scene);
         if (!stated || std::exchange(known[stated->scene.force.shading != Shading::none], true))
             continue;
         try {
-            for (const WeakPlace& weak : weak_places(preparation.prepare(*stated))) {
-                Json slope = Json::array(); // columns
-                for (int i = 0; i < 9; ++i)
-                    slope.push_back(weak.place.slope[i / 3][i % 3]);
-                const glm::dvec3& along = weak.hold.along;
-                all.push_back({{"case", name},
-                               {"place", name_of(weak.place.kind)},
-                               {"depth_m", weak.place.depth},
-                               {"held", weak.hold.name},
-                               {"along", {along.x, along.y, along.z}},
-                               {"usual", weak.usual},
-                               {"slope", std::move(slope)}});
-            }
+            const Json places =
+                Json::parse(weak_places.empty() ? weak_places_text(name, preparation.prepare(*stated)) : weak_places);
+            for (const Json& place : places)
+                all.push_back(place);
+            all = all.is_null() ? Json::array() : all;
         } catch (const Error&) { // a file that is not there or has changed
+        } catch (const Json::exception&) {
         }
     }
     return all;
@@ -65,7 +58,7 @@ Json loop_data(const std::string& scene) {
 }
 
 std::string device_section(std::span<const NamedScene> scenes) {
-    Json data{{"loop", nullptr}, {"weak", weak_places_data(scenes)}};
+    Json data{{"scene", !scenes.empty()}, {"loop", nullptr}, {"weak", weak_places_data(scenes)}};
     for (const NamedScene& one : scenes)
         if (data["loop"].is_null())
             data["loop"] = loop_data(one.scene);

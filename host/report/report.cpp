@@ -217,8 +217,9 @@ std::vector<PagePart> parts_of(const std::filesystem::path& folder, Contents& co
     std::string text(is_score(contents) ? "" : assets::studies_js); // of the page, but for volumes
     for (const StudyPart& part : contents.studies) {
         taken += studies.emplace_back(anchor(part), title(part), study_section(folder, part)).html.size();
-        scenes.push_back(
-            {"the scene of study " + (part.folder.empty() ? part.data.study : part.folder), part.data.scene});
+        if (!part.data.scene.empty())
+            scenes.push_back({"the scene of study " + (part.folder.empty() ? part.data.study : part.folder),
+                              part.data.scene, part.data.weak_places});
     }
     for (const Sweep& sweep : contents.sweeps)
         taken += sweeps.emplace_back(anchor(sweep), title(sweep), sweep_section(folder, sweep)).html.size();

@@ -158,7 +158,8 @@ nlohmann::ordered_json loop_data(const std::string& scene);
 
 /// What a loop is on, by the name that readers know.
 struct NamedScene {
-    std::string name, scene; /* resolved TOML */
+    std::string name, scene;   /* resolved TOML */
+    std::string weak_places{}; /* study::weak_places_text(), if it is known already */
 };
 
 /// "My device", which the page fills in: of the first of `scenes` that says so the loop to begin with, and the places

@@ -224,7 +224,7 @@ FORCESHADE_FIELDS_READ_BY(NLOHMANN_JSON_FROM_WITH_DEFAULT, Figure, name, title, 
 FORCESHADE_FIELDS(Finding, name, text, figure, place, condition, interval)
 FORCESHADE_FIELDS(RunFacts, engine, device, driver, software, cpu, cores, quick, fingerprint, seconds)
 
-FORCESHADE_FIELDS(StudyData, study, program, scene, notes, findings, tables, figures, files, volumes)
+FORCESHADE_FIELDS(StudyData, study, program, scene, weak_places, notes, findings, tables, figures, files, volumes)
 
 std::string data_json(const StudyData& data) {
     Json json{{"format", kDataFormat}, {"run", static_cast<const RunFacts&>(data)}};

@@ -182,6 +182,7 @@ struct StudyData : RunFacts {
     std::string study;              /* "error-time", "stability", "energy", "omission" */
     std::string program;            /* version */
     std::string scene;              /* resolved TOML; empty: the study's own */
+    std::string weak_places;        /* of the scene's surface (limits.h); empty: not known */
     std::vector<std::string> notes; /* needed to read the numbers, a sentence each */
     std::vector<Table> tables;
     std::vector<Figure> figures;
@@ -230,7 +231,7 @@ double quantile(std::vector<double> values, double share);
 // A study's data as files: study.json holds everything, TABLE.csv each table, FIGURE.svg each figure.
 
 /// Of the layout of study.json; another is refused on reading.
-inline constexpr int kDataFormat = 6;
+inline constexpr int kDataFormat = 7;
 
 std::string data_json(const StudyData& data);
 

@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 
 #include "host/clock.h"
+#include "host/error.h"
+#include "host/limits/limits.h"
 #include "host/long_run.h"
 #include "host/norm.h"
 #include "host/output/files.h"
@@ -194,6 +196,10 @@ StudyData StudyRun::data() const {
     data.fingerprint = fingerprint_;
     data.seconds = seconds_since(start_);
     data.scene = scene_text_;
+    try {
+        data.weak_places = scene_ ? weak_places_text("the scene of study " + study_, *scene_) : "";
+    } catch (const UsageError&) { // a scene without contact
+    }
     if (!std::isnan(load_))
         data.notes.push_back(fmt::format(
             "When it began {:.2g} threads ran or waited on the machine (load, the mean of a minute).", load_));

@@ -200,13 +200,15 @@ function weakest(hand, places, most) {
 }
 
 class Device {
-  constructor(element, { loop, weak }) {
-    this.weak = weak;
+  constructor(element, { loop, weak, scene }) {
+    this.scene = scene;
+    this.unknown = !weak; // the scene's surface: its file was not there
+    this.weak = weak || [];
     this.element = d3.select(element);
     const form = this.element.append("form").attr("class", "controls").attr("autocomplete", "off").on("submit", () => d3.event.preventDefault());
     this.values = {};
     for (const [name, one] of Object.entries(DEVICE)) {
-      if (this.weak.length && ["radius", "slope", "depth"].includes(name))
+      if (this.scene && ["radius", "slope", "depth"].includes(name))
         continue; // the scene has them
       const start = loop && Number.isFinite(loop[name]) ? loop[name] / one.factor : one.value;
       const label = form.append("label").text(one.label + " "), output = label.append("output").attr("for", "device-" + name);
@@ -236,7 +238,7 @@ class Device {
     const late = (samples) => samples === 0 ? "at once" : samples === 1 ? "one sample late" : samples + " samples late";
     const rows = [...new Set([0, 1, delay])].map((samples) => ["a wall comes to rest below; force " + late(samples), criticalStiffness(mass, b, period, samples)]);
     const passive = passiveStiffness(damping, period, delay), critical = criticalStiffness(mass, b, period, delay);
-    const held = this.weak.length ? Infinity : heldStiffness(spring, radius, slope, depth);
+    const held = this.scene ? Infinity : heldStiffness(spring, radius, slope, depth);
     const most = 8 * passiveStiffness(b, period, delay), where = (one) => one.place + ", " + numberText(1e3 * one.depth_m, 2) + " mm deep, " + (one.usual ? "held " : "pressed ") + one.held;
     let surface = null;
     for (const name of new Set(this.weak.map((one) => one.case))) {
@@ -249,7 +251,7 @@ class Device {
       const least = turned && turned.limit < 0.99 * usual.limit ? turned : usual;
       surface = least && (!surface || least.limit < surface.limit) ? least : surface;
     }
-    if (!this.weak.length)
+    if (!this.scene)
       rows.push(["the grip's spring holds a probe on that shaded cylinder below", held]);
     rows.push(["a wall is passive with any hand below (the device's own damping alone); force " + late(delay), passive]);
     const cells = this.table.select("tbody").selectAll("tr").data(rows).join("tr").selectAll("td")
@@ -258,7 +260,8 @@ class Device {
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
       : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. " + (surface
         ? "On " + surface.case + ", " + (surface.usual ? "held " : "pressed ") + surface.held + ", it " + (stiffness < surface.limit ? "comes to rest: below " : "does not: it does so below ") + numberText(surface.limit, 4) + " N/m."
-        : this.weak.length ? "On the scene's surface no lower limit was found."
+        : this.unknown ? "The limits of the scene's surface are not here: its file was not found when this page was made. forceshade study stability SCENE has them."
+          : this.scene ? "On the scene's surface no lower limit was found."
           : "On the shaded cylinder the grip " + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m."));
     this.mark();
   }
@@ -277,7 +280,7 @@ class Device {
       marked += within;
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
-    d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.weak.length
+    d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.scene
       ? "On a scene's surface: the linearised loop at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of several scenes the first with shading and the first without. The sliders begin with the scene's hand."
       : "Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the default hand, at the rim of the paper's bump.") +
       (maps ? ` A cross marks it on ${marked} of ${maps} diagram${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));

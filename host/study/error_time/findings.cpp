@@ -87,14 +87,24 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         });
         return found;
     };
+    bool cured = false; // by a half
+    const auto see = [&](const LookUpErrors& other) {
+        cured = cured || (errors->rim && other.rim && other.rim->median < errors->rim->median / 2);
+    };
     for (const std::size_t i : same("look-up, depth and direction"))
-        if (const auto of_depth = lookup_errors(*measured.methods[i].errors))
+        if (const auto of_depth = lookup_errors(*measured.methods[i].errors)) {
+            see(*of_depth);
             text += fmt::format(" A volume of signed depth and direction errs by {}{}, with {} of such places.",
                                 percents(of_depth->rms), at_the_rim(*of_depth), percent(of_depth->phantom.median));
+        }
     for (const std::size_t i : same("look-up, adaptive")) // how long it takes differs by 1.6 from run to run
-        if (const auto adaptive = lookup_errors(*measured.methods[i].errors))
+        if (const auto adaptive = lookup_errors(*measured.methods[i].errors)) {
+            see(*adaptive);
             text += fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}{}.",
                                 percents(adaptive->rms), at_the_rim(*adaptive));
+        }
+    if (!cured && errors->rim)
+        text += " None of these cures the rim.";
     findings.push_back({"lookup", text, "look-up-" + measured.subjects.front().name, law_name(method),
                         touched_depths(*method.subject),
                         fmt::format("in round brackets the least and largest of {} draws, each of {} places and of the "
