@@ -216,13 +216,13 @@ std::vector<PagePart> parts_of(const std::filesystem::path& folder, Contents& co
     std::size_t taken = page_script(true).size();
     std::string text(is_score(contents) ? "" : assets::studies_js); // of the page, but for volumes
     for (const StudyPart& part : contents.studies) {
-        taken += studies.emplace_back(anchor(part), title(part), study_section(folder, part)).html.size();
+        taken += studies.emplace_back(PagePart{anchor(part), title(part), study_section(folder, part)}).html.size();
         if (!part.data.scene.empty())
             scenes.push_back({"the scene of study " + (part.folder.empty() ? part.data.study : part.folder),
                               part.data.scene, part.data.weak_places});
     }
     for (const Sweep& sweep : contents.sweeps)
-        taken += sweeps.emplace_back(anchor(sweep), title(sweep), sweep_section(folder, sweep)).html.size();
+        taken += sweeps.emplace_back(PagePart{anchor(sweep), title(sweep), sweep_section(folder, sweep)}).html.size();
     const std::size_t room = kPageBudget - std::min(taken, kPageBudget - kLeastForViewer);
     const PagePart viewer{"viewer", "Viewer", viewer_section(folder, contents, contents.troubles, room, scenes)};
     const PagePart verdict{"verdict", "", verdict_section(contents)};

@@ -136,11 +136,12 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
         const std::string draws = low == high ? "" : fmt::format(" ({} to {})", low, high);
         std::string time = "1";
         if (plain.contains(kElements) && plain.at(kElements) != row) {
-            const study::Interval ratio = time_ratio(rounds, row, plain.at(kElements));
+            const study::Interval measured = time_ratio(rounds, row, plain.at(kElements)),
+                                  ratio = study::across_reruns(measured);
             time = was_busy(ways) ? "not known: the machine was busy"
-                   : study::is_clear(ratio)
+                   : study::is_significant(ratio)
                        ? study::ratio_text(ratio)
-                       : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(ratio) ? "open" : "about 1", ratio.low,
+                       : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(measured) ? "open" : "about 1", ratio.low,
                                      ratio.high);
         }
         const std::string cells[] = {fmt::format("{}{}", shown(ways.needed(row, "direction_rms_deg")), draws),
@@ -174,10 +175,10 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
         shown(ways.needed(enough->second, "direction_rms_deg")), percent(ways.needed(enough->second, "typical_rms_1")));
     if (was_busy(ways))
         return text;
-    const study::Interval ratio = time_ratio(rounds, enough->second, shaded.at(kElements));
+    const study::Interval ratio = study::across_reruns(time_ratio(rounds, enough->second, shaded.at(kElements)));
     return text + fmt::format(", and take {} as {} shaded",
-                              study::is_clear(ratio) ? study::ratio_text(ratio) + " times as long"
-                                                     : std::string("about as long"),
+                              study::is_significant(ratio) ? study::ratio_text(ratio) + " times as long"
+                                                           : std::string("about as long"),
                               fmt::format(fmt::runtime(of), kElements));
 }
 

@@ -98,10 +98,11 @@ std::string ratio_text(const Interval& ratio) {
     return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", ratio.median, digits, ratio.low, digits, ratio.high, digits);
 }
 
-std::string times_as_long(const Interval& ratio, const char* other) {
-    if (is_clear(ratio))
+std::string times_as_long(const Interval& measured, const char* other) {
+    const Interval ratio = across_reruns(measured);
+    if (is_significant(ratio))
         return fmt::format("takes {} times as long as {}", ratio_text(ratio), other);
-    if (was_busy(ratio))
+    if (was_busy(measured))
         return fmt::format("takes [{:.2f}, {:.2f}] times as long as {}, which leaves open whether more or less",
                            ratio.low, ratio.high, other);
     return fmt::format("takes about as long as {} ([{:.2f}, {:.2f}] times)", other, ratio.low, ratio.high);

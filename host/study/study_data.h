@@ -206,11 +206,11 @@ inline bool is_significant(const Interval& ratio, double none = 1) {
     return ratio.high < none || ratio.low > none;
 }
 
-/// Of times, whose ratios differ from run to run by up to a tenth where nothing changed: the same shading of a
-/// god-object took 0.91 to 1.25 times as long in the intervals of five runs.
-inline bool is_clear(const Interval& ratio) {
+/// The interval of a ratio of times that holds other runs', too: where nothing changed reruns differ by a tenth more
+/// than rounds do (a god-object without its hint took 1.56 [1.51, 1.61] and 1.72 [1.62, 1.76] times as long in two).
+inline Interval across_reruns(const Interval& ratio) {
     constexpr double kRerun = 1.1;
-    return ratio.high < 1 / kRerun || ratio.low > kRerun;
+    return {ratio.low / kRerun, ratio.median, ratio.high * kRerun};
 }
 
 /// Whether a control, the ratio of the times of two equal sides, is so wide that other ratios say nothing.
@@ -222,8 +222,8 @@ inline bool was_busy(const Interval& control) {
 /// "1.30 [1.21, 1.42]", with as many digits as it takes for its ends to differ from 1.
 std::string ratio_text(const Interval& ratio);
 
-/// "takes 1.30 [1.21, 1.42] times as long as the other", or that it takes about as long: that ratio is not clear.
-std::string times_as_long(const Interval& ratio, const char* other);
+/// "takes 1.30 [1.10, 1.56] times as long as the other", across reruns, or that it takes about as long.
+std::string times_as_long(const Interval& measured, const char* other);
 
 /// The quantile at this share, the middle of neighbours between ranks; 0 without values.
 double quantile(std::vector<double> values, double share);

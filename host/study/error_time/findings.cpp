@@ -9,7 +9,7 @@
 namespace forceshade::study::error_time {
 namespace {
 
-constexpr const char* kBootstrap = "95 % bootstrap interval of paired rounds";
+constexpr const char* kBootstrap = "95 % bootstrap interval of paired rounds, a tenth wider for reruns";
 
 std::string percent(double share) {
     if (share == 0)

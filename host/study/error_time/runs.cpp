@@ -403,7 +403,8 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
                      fine->bytes / coarse->bytes),
          "field-runs", fmt::format("{}, {}", fine->surface, fine->variant->name),
          fmt::format("{}; evaluated, compressed, written and checked", fine->by),
-         "95 % bootstrap interval of paired rounds; in round brackets the least and largest of draws of places and "
+         "95 % bootstrap interval of paired rounds, a tenth wider for reruns; in round brackets the least and largest "
+         "of draws of places and "
          "grid"});
     return findings;
 }
