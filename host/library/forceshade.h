@@ -50,7 +50,7 @@ typedef enum fs_shading {
     FS_SHADING_MORGENBESSER,
     FS_SHADING_BARYCENTRIC,
     FS_SHADING_MEAN_VALUE,
-    FS_SHADING_TWO_PASS
+    FS_SHADING_TWO_PASS /* its force grows by 1/cos of the angle that it is turned by, without a bound */
 } fs_shading;
 
 typedef enum fs_precision { FS_F32, FS_F64 } fs_precision;
