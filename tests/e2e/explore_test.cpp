@@ -113,7 +113,7 @@ TEST_F(Explore, RefusesNamesThatItCannotWrite) {
     expect_refused(to(path("in.csv").string()), {"another name"});
     std::filesystem::create_symlink("in.csv", path("link.csv"));
     expect_refused(to("link.csv"), {"link.csv", "another name"});
-    expect_refused(to("nosuch/out.csv"), {"nosuch/out.csv"}, 4);
+    expect_refused(to("nosuch/out.csv"), {"nosuch/out.paths.csv", "create its folder first"}, 4);
     std::filesystem::create_directory(path("folder.csv"));
     expect_refused(to("folder.csv"), {"folder.csv"}, 4);
 }

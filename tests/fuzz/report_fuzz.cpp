@@ -318,6 +318,12 @@ private:
     const std::filesystem::path& path_ = folder_.path();
 };
 
+// Which words a page explains depends on the words that it has.
+std::string without_words(std::string page) {
+    const std::size_t begin = std::min(page.find("<section id=\"words\">"), page.size());
+    return page.erase(begin, page.find("</section>", begin) - begin);
+}
+
 void check_page(const std::string& text) {
     static const Pages folder;
     const Json json = Json::parse(text, nullptr, false);
@@ -330,7 +336,8 @@ void check_page(const std::string& text) {
     const std::string tame_text = harmless(json).dump(), tame = folder.body(name, tame_text);
     static unsigned inputs = 0;
     if (inputs++ < 40 || inputs % 64 == 0) // it takes long
-        require(Markup(folder.page(name, text)).tags() == Markup(folder.page(name, tame_text)).tags(),
+        require(Markup(without_words(folder.page(name, text))).tags() ==
+                    Markup(without_words(folder.page(name, tame_text))).tags(),
                 "the whole page's tags depend on the input's characters");
     require(Markup(tame).tags() == markup.tags(), "the page's tags depend on the input's characters:\n{}\n---\n{}",
             html, tame);

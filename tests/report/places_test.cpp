@@ -232,11 +232,11 @@ TEST_F(Places, KeysChooseAndRead) {
 TEST_F(Places, NoPictureIsBlankWithoutWords) {
     open();
     const std::vector<std::string> names{"bump", "mesh", "other", "far", "whole", "alike"};
-    for (const std::string& a : names) {
-        choose("a", a);
-        for (const std::string& b : names) {
-            choose("b", b);
-            EXPECT_EQ(browser_->text("silent()"), "") << a << " and " << b;
+    for (std::size_t a = 0; a < names.size(); ++a) {
+        choose("a", names[a]);
+        for (std::size_t b = a; b < names.size(); ++b) {
+            choose("b", names[b]);
+            EXPECT_EQ(browser_->text("silent()"), "") << names[a] << " and " << names[b];
         }
     }
 }
