@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-struct _cairo;
+struct _cairo; // NOLINT(bugprone-reserved-identifier): the name that Cairo gives it
 
 namespace forceshade::picture {
 
