@@ -361,7 +361,7 @@ void add_comparisons(study::StudyData& data, const Answers& answers) {
                                          : fmt::format("Right is what {} names.", experiment.spec.correct)));
     if (std::ranges::any_of(answers.rows, [](const TrialRow& row) { return row.participant.starts_with("observer"); }))
         data.notes.push_back("The observer's comparisons are a model's expectation: it was fitted to names of single "
-                             "stimuli, and nobody has compared two for it.");
+                             "stimuli, and no experiment has compared two for it.");
 }
 
 } // namespace forceshade::experiment

@@ -170,6 +170,9 @@ struct LoopRun {
     double seconds = 0;        /* that a second of a stroke takes, median of the rounds */
 };
 
+/// Places that a batch evaluates at once.
+inline constexpr std::size_t kBatch = 65536;
+
 /// Hz: 64 times the rate of most devices. Its own median error is a third of that of the next rate shown, and its RMS
 /// error half of it, since a stroke that crosses a rim a little later errs by the whole turn meanwhile. A finer rate
 /// gains nothing: strokes advance by whole 2^-32 of a round a step (`phase_of_turns`), which rounds their speed by

@@ -25,7 +25,6 @@ namespace {
 constexpr std::size_t kTimedPlaces = 2048;
 constexpr std::size_t kStride = 617;      // from one place evaluated alone to the next: no neighbour
 constexpr std::size_t kGridPlaces = 2000; // of a grid, at which it is compared with the truth
-constexpr std::size_t kBatch = 65536;     // places of a batch
 constexpr std::size_t kShare = 1024;      // of them that a thread takes at once
 constexpr double kShortest = 1e-3;        // s: of a measurement
 constexpr double kTilt = 2 * kDegree;     // of a volume, at most: more wants much larger ones
