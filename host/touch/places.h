@@ -87,19 +87,7 @@ TouchedShape scene_shape(const PreparedCase& prepared);
 /// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; empty: none.
 std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCase& prepared, double x, double y);
 
-// The surfaces of the studies' own, and closed meshes of the reference cylinder's bump.
-
-struct BumpMesh {
-    double half_width = 0.0127; /* a, m */
-    double radius = 0.0254;     /* R, m: above a */
-    unsigned cells = 8;         /* over 2 a along x */
-    unsigned rows = 8;          /* over 2 a along y */
-};
-
-/// A block of triangles whose top lies on the circle of G1 (z = 0 at |x| = a) between equal arcs, over |y| <= a and, at
-/// least a cell beyond |x| = a, to about 1.5 a; diagonals from (i, j) to (i + 1, j + 1). Deeper than wide, so that a
-/// probe below the top is nearest to it. Moved by `shift`, m.
-std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift = glm::dvec3(0));
+// The surfaces of the studies' own.
 
 inline constexpr double kOwnHalfWidth = 0.0127;  /* a, m: half the width of the paper's bumps */
 inline constexpr double kOwnRadius = 0.01524;    /* R, m: 600 mil, the paper's most curved bump */

@@ -11,6 +11,7 @@
 #include "host/output/files.h"
 #include "host/reference/elementary.h"
 #include "host/study/energy/energy.h"
+#include "host/touch/cylinder_mesh.h"
 #include "host/touch/places.h"
 #include "tests/io/folder.h"
 #include "tests/places.h"
@@ -216,6 +217,28 @@ TEST(EnergyLoops, AsPathsComeDownAndGoRoundTwice) {
             turning.emplace_back(at.z, 0, -at.x);
         EXPECT_NEAR(std::abs(work_of_last(path, turning, round).work), 2 * 0.003 * 0.001, 1e-12);
     }
+}
+
+// Of strokes over the study's own meshes of 8 cells, each in turn tessellated anew; `first`: the first of ten seeds.
+Interval gain_over_patches(std::uint64_t first, bool drawn = true) {
+    constexpr double kHalf = 0.0127, kRadius = 0.01524; // m
+    std::vector<double> gains;
+    const std::vector<Stroke> strokes = drawn_strokes({{-kHalf, -0.01}, {kHalf, 0.01}}, 100);
+    for (std::size_t i = 0; i < strokes.size(); ++i) {
+        const BumpMesh cells{kHalf, kRadius, 8, 8};
+        const EnergyLaw law =
+            mesh_law(drawn ? cylinder_patch(cells, DrawnPatch{0.0191, first + i % 10}) : bump_mesh(cells),
+                     Shading::morgenbesser);
+        gains.push_back(std::abs(work_of(law, strokes[i], 128).work));
+    }
+    return bootstrap_median(gains);
+}
+
+TEST(EnergyLoops, OnMeshesHaveTheGainsOfOtherTessellations) {
+    const Interval one = gain_over_patches(1), other = gain_over_patches(101), aligned = gain_over_patches(1, false);
+    EXPECT_LT(one.low, other.median);
+    EXPECT_GT(one.high, other.median);
+    EXPECT_GT(aligned.median, std::max(one.high, other.high)) << "an accident of alignment";
 }
 
 TEST(EnergyStrokes, AreDrawnAnywhereInTheRegion) {

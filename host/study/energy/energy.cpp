@@ -8,6 +8,7 @@
 #include "host/error.h"
 #include "host/paths/motions.h"
 #include "host/study/energy/energy.h"
+#include "host/touch/cylinder_mesh.h"
 #include "host/touch/places.h"
 
 namespace forceshade::study {
@@ -39,12 +40,18 @@ std::vector<Scheme> schemes_of(const Scene& scene) {
 }
 
 void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<double> elements,
-              const std::vector<Scheme>& schemes) {
+              const std::vector<Scheme>& schemes, const std::vector<std::shared_ptr<const SceneMesh>>& drawn = {}) {
     for (const Scheme& scheme : schemes) {
-        auto prepared = std::make_shared<PreparedCase>(base);
-        prepared->one.scene.force.shading = scheme.shading;
-        prepared->one.scene.force.depth = scheme.depth;
-        surface.laws.push_back({surface.name, scheme.name, elements, scheme.shading == Shading::none, prepared});
+        PreparedCase prepared = base;
+        prepared.one.scene.force.shading = scheme.shading;
+        prepared.one.scene.force.depth = scheme.depth;
+        const auto shared = [&] { return std::make_shared<const PreparedCase>(prepared); };
+        EnergyLaw& law = surface.laws.emplace_back(
+            EnergyLaw{surface.name, scheme.name, elements, scheme.shading == Shading::none, shared()});
+        for (const std::shared_ptr<const SceneMesh>& mesh : drawn) {
+            prepared.images.mesh = mesh;
+            law.drawn.push_back(shared());
+        }
     }
 }
 
@@ -61,14 +68,19 @@ EnergySurface own_bump(bool quick) {
     return surface;
 }
 
-// Meshes of its cylinder over their cells.
+// Meshes of its cylinder over their cells, tessellated anew for each stroke in turn.
 EnergySurface own_mesh(bool quick) {
     constexpr double kAcross = 0.8 * kOwnHalfWidth;
+    const double reach = std::hypot(kOwnRadius * std::asin(kOwnHalfWidth / kOwnRadius), kAcross) + 1e-3; // m
     EnergySurface surface{"mesh", "cells", {{-kOwnHalfWidth, -kAcross}, {kOwnHalfWidth, kAcross}}};
     for (const unsigned cells : quick ? std::vector<unsigned>{8, 16} : std::vector<unsigned>{4, 8, 16, 32}) {
         const PreparedCase mesh =
             own_case({.kind = SurfaceKind::mesh, .radius = kOwnRadius, .facets = cells, .rows = cells});
-        add_laws(surface, mesh, cells, schemes_of(mesh.one.scene));
+        std::vector<std::shared_ptr<const SceneMesh>> drawn;
+        for (std::uint64_t draw = 0; draw < (quick ? 8 : 25); ++draw)
+            drawn.push_back(
+                cylinder_patch({kOwnHalfWidth, kOwnRadius, cells, cells}, DrawnPatch{reach, 1000 * draw + cells}));
+        add_laws(surface, mesh, cells, schemes_of(mesh.one.scene), drawn);
     }
     return surface;
 }
@@ -88,17 +100,18 @@ void add_loops_of(const EnergyLaw& law, const std::vector<Stroke>& strokes, cons
                   std::vector<LoopRow>& rows) {
     constexpr std::size_t kSteps = 256; // by the place alone: what matters is halved
     for (std::size_t i = 0; i < strokes.size(); ++i) {
-        const auto places = places_of_loop(law, strokes[i], kSteps);
-        const auto by_place = places ? work_by_place(law, *places) : std::nullopt;
+        const EnergyLaw own = law.of_stroke(i);
+        const auto places = places_of_loop(own, strokes[i], kSteps);
+        const auto by_place = places ? work_by_place(own, *places) : std::nullopt;
         if (!by_place)
             continue;
         rows.push_back({&law, false, i, std::abs(by_place->work), by_place->effort});
         if (!law.prepared->images.mesh || i >= extents.loops_of_history)
             continue;
-        auto fine = places_of_loop(law, strokes[i], extents.steps);
-        const auto forth = work_by_history(law, *fine);
+        auto fine = places_of_loop(own, strokes[i], extents.steps);
+        const auto forth = work_by_history(own, *fine);
         std::ranges::reverse(*fine);
-        const auto back = work_by_history(law, *fine);
+        const auto back = work_by_history(own, *fine);
         if (forth && back)
             rows.push_back({&law, true, i, std::max(forth->work, back->work), 0.5 * (forth->effort + back->effort)});
     }

@@ -22,6 +22,12 @@ struct EnergyLaw {
     std::optional<double> elements; /* facets of a bump, cells of a mesh over its width */
     bool unshaded = false;
     std::shared_ptr<const PreparedCase> prepared;
+    std::vector<std::shared_ptr<const PreparedCase>> drawn{}; /* on meshes tessellated anew; empty: on `prepared` */
+
+    /// The law on the mesh of one stroke: the drawn meshes take turns.
+    EnergyLaw of_stroke(std::size_t number) const {
+        return {surface, scheme, elements, unshaded, drawn.empty() ? prepared : drawn[number % drawn.size()]};
+    }
 };
 
 /// A stroke out from one place to another, up or down to another depth, and back: depths are vertical, below the
@@ -63,8 +69,8 @@ struct LoopWork {
     }
 };
 
-/// From the position alone, of a mesh the static field: between places by the mean of both forces; steps are halved at
-/// jumps down to rounding error. Empty if the loop leaves contact.
+/// From the position alone, of a mesh the static field: by Simpson's rule between places; steps are halved at jumps
+/// down to rounding error. Empty if the loop leaves contact.
 std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
 
 /// A loop as a path, m: from above the surface down to its begin, then twice round; the second round has as many steps

@@ -44,18 +44,18 @@ std::optional<std::vector<double>> heights_along(const EnergyLaw& law, const Str
     return heights;
 }
 
-// Adds the work between two places whose forces are known.
+// Adds the work between two places whose forces are known: Simpson's rule where the force in the middle is the mean.
 template <typename ForceAt>
 void add_between(LoopWork& sum, ForceAt& force, const glm::dvec3& from, const glm::dvec3& one, const glm::dvec3& to,
                  const glm::dvec3& two, int halvings) {
-    constexpr double kSame = 1e-3; // of the force: less is straight in between
-    if (halvings > 0 && glm::length(two - one) > kSame * (glm::length(one) + glm::length(two))) {
-        const glm::dvec3 middle = 0.5 * (from + to), half = force(middle);
+    constexpr double kSame = 5e-6; // of both forces: less bends no more than a smooth force does in a step
+    const glm::dvec3 middle = 0.5 * (from + to), half = force(middle);
+    if (halvings > 0 && glm::length(half - 0.5 * (one + two)) > kSame * (glm::length(one) + glm::length(two))) {
         add_between(sum, force, from, one, middle, half, halvings - 1);
         add_between(sum, force, middle, half, to, two, halvings - 1);
         return;
     }
-    sum.add(glm::dot(0.5 * (one + two), to - from));
+    sum.add(glm::dot((one + 4.0 * half + two) / 6.0, to - from));
 }
 
 } // namespace

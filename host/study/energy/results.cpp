@@ -236,7 +236,7 @@ void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& resul
          fmt::format("Median energy gained per closed stroke on a mesh of {} cells over the bump: {}{}.", kCells,
                      fmt::join(parts, ", "),
                      ties.empty() ? "" : fmt::format("; no significant difference between {}", fmt::join(ties, ", "))),
-         "energy-mesh", "triangles of the cylinder R = 600 mil", kWhere,
+         "energy-mesh", "triangles of the cylinder R = 600 mil, tessellated anew", kWhere,
          fmt::format("95 % of bootstrap medians: {}", fmt::join(intervals, ", "))});
 }
 
@@ -323,7 +323,7 @@ void add_history_finding(std::vector<Finding>& findings, const EnergyResults& re
         {"energy_history",
          fmt::format("Median energy gained per closed stroke with the god-object, unshaded: {}; with {}: {}.",
                      fmt::join(unshaded, ", "), most->law->scheme, fmt::join(shaded, ", ")),
-         "", first->law->elements ? "meshes of the cylinder R = 600 mil" : "the scene's mesh",
+         "", first->law->elements ? "meshes of the cylinder R = 600 mil, tessellated anew" : "the scene's mesh",
          "the second round, worse direction of travel",
          fmt::format("{}: {}", first->law->scheme, interval_of(*first))});
 }
@@ -362,14 +362,17 @@ void add_energy(StudyData& data, const EnergyResults& results) {
     data.tables = {law_table(results.laws), pair_table(results.loops), stroke_table(results), loop_table(results.loops),
                    curl_table(results.curl)};
     data.figures = figures_of(results);
-    data.notes = {"A closed stroke is a stroke out between two places anywhere in the region, up or down to another "
-                  "depth, back below the same line, and to where it began; depths are log-uniform over a decade and "
-                  "vertical below the facets. The same strokes go over all laws of a surface.",
-                  "The energy gained per closed stroke is that of the worse direction of travel. Where the force "
-                  "depends on the position only, the other direction loses as much; with the god-object's history both "
-                  "directions were travelled twice, and the second round counts.",
-                  "Work is the mean of neighbouring forces times the step, in double precision by the CPU oracle; "
-                  "steps are halved where forces differ, down to rounding error at a jump."};
+    data.notes = {
+        "A closed stroke is a stroke out between two places anywhere in the region, up or down to another "
+        "depth, back below the same line, and to where it began; depths are log-uniform over a decade and "
+        "vertical below the facets. The same strokes go over all laws of a surface; of the study's own meshes "
+        "each stroke in turn has another, tessellated anew: turned and moved at random.",
+        "The energy gained per closed stroke is that of the worse direction of travel. Where the force "
+        "depends on the position only, the other direction loses as much; with the god-object's history both "
+        "directions were travelled twice, and the second round counts.",
+        "Where the force depends on the position only, work is summed by Simpson's rule, steps halved at a "
+        "jump down to rounding error; with history it is the mean of neighbouring forces times the step. "
+        "All is in double precision by the CPU oracle."};
     if (data.scene.empty())
         add_own_findings(data.findings, results);
     else

@@ -8,9 +8,9 @@
 #include <glm/vec2.hpp>
 
 #include "host/error.h"
-#include "host/mesh/mesh.h"
 #include "host/random.h"
 #include "host/reference/elementary.h"
+#include "host/touch/cylinder_mesh.h"
 #include "host/touch/force_errors.h"
 
 namespace forceshade::study::error_time {
@@ -111,59 +111,6 @@ void complete(Subject& subject, const Extents& extents) {
     subject.places = drawn_places(subject, extents, 0);
 }
 
-// Cells on the unrolled cylinder, from its middle: a grid that ends with the patch, or one that is turned and moved and
-// goes further.
-struct Cells {
-    unsigned along, across;    // the number of them
-    glm::dvec2 size, moved{0}; /* m; cells */
-    double cosine = 1, sine = 0;
-
-    glm::dvec2 vertex(unsigned i, unsigned j) const {
-        const glm::dvec2 at = size * (glm::dvec2(i, j) - 0.5 * glm::dvec2(along, across) + moved);
-        return {cosine * at.x - sine * at.y, sine * at.x + cosine * at.y};
-    }
-};
-
-Cells whole_patch(const SmoothCylinder& own, unsigned cells) {
-    return {cells, cells, 2.0 / cells * glm::dvec2(own.radius * std::asin(own.half / own.radius), own.half)};
-}
-
-// About the places that are compared: a disc about the middle, whatever the draw.
-Cells drawn_patch(const SmoothCylinder& own, unsigned cells, std::uint64_t seed) {
-    const double reach = std::hypot(own.radius * std::asin(kMeshHigh.x / own.radius), kMeshHigh.y) + 1e-3; // m
-    Random random(seed);
-    Cells patch = whole_patch(own, cells);
-    const auto enough = [&](double size) { return 2 * static_cast<unsigned>(std::ceil(reach / size) + 1); };
-    patch.along = enough(patch.size.x);
-    patch.across = enough(patch.size.y);
-    patch.moved = {random(0, 1), random(0, 1)};
-    const double turn = random(0, 2 * std::numbers::pi);
-    patch.cosine = std::cos(turn);
-    patch.sine = std::sin(turn);
-    return patch;
-}
-
-// The cylinder's patch as triangles between equal arcs.
-std::shared_ptr<const SceneMesh> cylinder_mesh(const SmoothCylinder& own, const Cells& cells) {
-    PolygonSoup polygons;
-    const auto vertex = [&](unsigned i, unsigned j) { return j * (cells.along + 1) + i; };
-    for (unsigned j = 0; j <= cells.across; ++j)
-        for (unsigned i = 0; i <= cells.along; ++i) {
-            const glm::dvec2 at = cells.vertex(i, j);
-            polygons.vertices.emplace_back(own.radius * std::sin(at.x / own.radius), at.y,
-                                           own.radius * std::cos(at.x / own.radius) - own.centre_depth);
-        }
-    for (unsigned j = 0; j < cells.across; ++j)
-        for (unsigned i = 0; i < cells.along; ++i) {
-            const unsigned a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
-            for (const auto& corners : {std::array{a, b, c}, {a, c, d}}) {
-                polygons.corners.insert(polygons.corners.end(), corners.begin(), corners.end());
-                polygons.end_facet();
-            }
-        }
-    return made_mesh(std::move(polygons));
-}
-
 Subject own_bump(const PreparedCase& own, const Extents& extents) {
     Subject subject{"bump", "facets"};
     subject.first_draw = extents.first_draw;
@@ -194,20 +141,23 @@ Subject own_mesh(const PreparedCase& own, const Extents& extents) {
                      "shape has the force K (R - r) along the radius: the depth is that of the nearest point, as the "
                      "meshes' is."};
     const SmoothCylinder smooth(own.one.scene);
-    const auto on_mesh = [&](const Cells& patch) {
+    const double reach = std::hypot(smooth.radius * std::asin(kMeshHigh.x / smooth.radius), kMeshHigh.y) + 1e-3; // m
+    const auto on_mesh = [&](std::shared_ptr<const SceneMesh> mesh) {
         PreparedCase prepared = own;
         prepared.one.scene.surface.kind = SurfaceKind::mesh;
-        prepared.images.mesh = cylinder_mesh(smooth, patch);
+        prepared.images.mesh = std::move(mesh);
         return prepared;
     };
     for (const unsigned cells : extents.cells) {
+        const BumpMesh patch{smooth.half, smooth.radius, cells, cells};
         std::vector<PreparedCase> drawn;
         for (std::size_t draw = 1; draw < extents.draws; ++draw)
-            drawn.push_back(on_mesh(drawn_patch(smooth, cells, subject.seed(Subject::Random::tessellation, draw))));
+            drawn.push_back(
+                on_mesh(cylinder_patch(patch, DrawnPatch{reach, subject.seed(Subject::Random::tessellation, draw)})));
         const auto thorough = [&](Shading shading) {
             return cells == kThoroughCells && (shading == Shading::none || shading == Shading::mean_value);
         };
-        add_variants(subject, on_mesh(whole_patch(smooth, cells)), cells, thorough, drawn);
+        add_variants(subject, on_mesh(cylinder_patch(patch)), cells, thorough, drawn);
     }
     complete(subject, extents);
     return subject;
