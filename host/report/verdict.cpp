@@ -79,18 +79,28 @@ bool was_busy(const Table& ways) {
     return !ways.rows.empty() && ways.word(0, "busy") == "yes";
 }
 
-// N: K times depth at the least limit of the deepest places; empty: not studied.
-std::optional<double> stable_force(const StudyData& stability, const std::string& surface) {
-    const Table& limits = stability.table("loop_limits");
-    std::optional<double> least;
-    for (std::size_t row = 0; row < limits.rows.size(); ++row)
-        if (limits.word(row, "surface") == surface && limits.word(row, "hand") == "own")
-            if (const auto limit = limits.number(row, "any_press_N_per_m")) {
-                const double force = *limit * 1e-3 * limits.needed(row, "depth_mm");
-                if (limits.needed(row, "depth_mm") > 1 && (!least || force < *least))
-                    least = force;
-            }
-    return least;
+// N: K times depth at the least limit of the deepest places, of each tessellation, the surface's own first.
+std::vector<double> stable_forces(const StudyData& stability, const std::string& surface) {
+    std::map<double, double> least;
+    for (const Table& limits : stability.tables) {
+        const bool anew = limits.name == "loop_tessellations";
+        if (!anew && limits.name != "loop_limits")
+            continue;
+        for (std::size_t row = 0; row < limits.rows.size(); ++row) {
+            const double depth = limits.needed(row, "depth_mm"); // mm
+            const auto limit = limits.number(row, "any_press_N_per_m");
+            if (limits.word(row, "surface") != surface || !(depth > 1) || !limit ||
+                (!anew && limits.word(row, "hand") != "own"))
+                continue;
+            const double force = *limit * 1e-3 * depth;
+            double& smallest = least.emplace(anew ? limits.needed(row, "tessellation") : 0, force).first->second;
+            smallest = std::min(smallest, force);
+        }
+    }
+    std::vector<double> forces;
+    for (const auto& [tessellation, force] : least)
+        forces.push_back(force);
+    return forces;
 }
 
 std::optional<double> gain_of(const StudyData& energy, const Scheme& scheme) {
@@ -107,6 +117,15 @@ std::string shown(std::optional<double> value) {
     return value ? number_text(std::abs(*value) < 1e-6 ? 0 : *value, 2) : "–";
 }
 
+// Of some values the first, and the range of all: "2.4 (2.4 to 8.1)".
+std::string shown_range(const std::vector<double>& values) {
+    if (values.empty())
+        return shown({});
+    const auto [low, high] = std::ranges::minmax(values);
+    const std::string from = shown(low), to = shown(high);
+    return shown(values.front()) + (from == to ? "" : fmt::format(" ({} to {})", from, to));
+}
+
 std::string percent(double share) {
     return number_text(100 * share, 2);
 }
@@ -120,7 +139,7 @@ constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS (of draws)"
                                  {"only the smooth shape or the facets have a force", "% of the places"},
                                  {"error of the force, size and direction", "RMS, % of the RMS force"},
                                  {"time of an evaluation", "times unshaded [95 % interval]"},
-                                 {"largest stable force K·d", "N, 2 mm deep"},
+                                 {"largest stable force K·d", "N, 2 mm deep (of tessellations)"},
                                  {"energy that a closed stroke gives the hand", "mJ, median"}};
 
 std::string verdict_rows(const StudyData& errors, const StudyData* stability, const StudyData* energy) {
@@ -144,14 +163,15 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
                        : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(measured) ? "open" : "about 1", ratio.low,
                                      ratio.high);
         }
-        const std::string cells[] = {fmt::format("{}{}", shown(ways.needed(row, "direction_rms_deg")), draws),
-                                     percent(ways.needed(row, "size_median_1")),
-                                     percent(ways.needed(row, "size_p95_1")),
-                                     percent(ways.needed(row, "one_sided")),
-                                     percent(ways.needed(row, "typical_rms_1")),
-                                     time,
-                                     shown(stability ? stable_force(*stability, scheme.pressed) : std::nullopt),
-                                     shown(energy ? gain_of(*energy, scheme) : std::nullopt)};
+        const std::string cells[] = {
+            fmt::format("{}{}", shown(ways.needed(row, "direction_rms_deg")), draws),
+            percent(ways.needed(row, "size_median_1")),
+            percent(ways.needed(row, "size_p95_1")),
+            percent(ways.needed(row, "one_sided")),
+            percent(ways.needed(row, "typical_rms_1")),
+            time,
+            shown_range(stability ? stable_forces(*stability, scheme.pressed) : std::vector<double>{}),
+            shown(energy ? gain_of(*energy, scheme) : std::nullopt)};
         html += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", scheme.name, scheme.use_when);
         for (std::size_t i = 0; i < std::size(cells); ++i) // the heading again, for narrow screens
             html += fmt::format("<td class=\"n\" data-heading=\"{}, {}\">{}</td>", kHeadings[i].words,
@@ -183,15 +203,15 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
 }
 
 // What shading takes from the largest stable force: "from 7.9 to 2.3 N on the bump, ...".
-std::string stable_forces(const StudyData& stability) {
+std::string fall_of_stable_force(const StudyData& stability) {
     std::string text;
     for (const auto& [plain, shaded, surface] :
          {std::tuple(&kSchemes[0], &kSchemes[1], "bump"), {&kSchemes[2], &kSchemes[3], "mesh"}})
-        if (const auto before = stable_force(stability, plain->pressed),
-            after = stable_force(stability, shaded->pressed);
-            before && after)
-            text += fmt::format("{}from {} to {} N on the {}", text.empty() ? "" : ", ", shown(before), shown(after),
-                                surface);
+        if (const std::vector<double> before = stable_forces(stability, plain->pressed),
+            after = stable_forces(stability, shaded->pressed);
+            !before.empty() && !after.empty())
+            text += fmt::format("{}from {} to {} N on the {}", text.empty() ? "" : ", ", shown_range(before),
+                                shown_range(after), surface);
     return text;
 }
 
@@ -219,7 +239,7 @@ std::string advice(const Table& ways, const Table& rounds, const StudyData* stab
                             shown(ways.needed(shaded.at(kElements), "direction_rms_deg")), change("size_median_1"),
                             change("size_p95_1"), change("one_sided"));
     }
-    if (const std::string forces = stability ? stable_forces(*stability) : ""; !forces.empty())
+    if (const std::string forces = stability ? fall_of_stable_force(*stability) : ""; !forces.empty())
         html += " <strong>Its price is stability:</strong> 2 mm deep the largest stable force falls " + forces + ".";
     std::string finer;
     for (const std::string& one : {more_elements(ways, rounds, "bump", "reference", "{} facets"),
@@ -284,6 +304,13 @@ std::string arrow(Place from, double x, double z) {
     return line_to("M", from) + line_to("L", tip) + line_to("M", barb(1)) + line_to("L", tip) + line_to("L", barb(-1));
 }
 
+std::string figure_of(double height, const std::string& paths, const std::string& words) {
+    // Readers of HTML know the attribute by its small letters, too.
+    return fmt::format("<figure class=\"surface\"><svg viewbox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">{}</svg>"
+                       "<figcaption>{}</figcaption></figure>\n",
+                       kWidth, height, words, paths, words);
+}
+
 // `direction`: of the force at x on the facet from `left` to `right`, x over z.
 using Direction = std::function<double(double x, double left, double right)>;
 
@@ -303,11 +330,35 @@ std::string panel(const std::string& words, const Direction& direction) {
             const double tilt = direction(x, left, right), size = std::hypot(1, tilt);
             forces += arrow(place_at(x, z), tilt / size, 1 / size);
         }
-    // Readers of HTML know the attribute by its small letters, too.
-    return fmt::format("<figure class=\"surface\"><svg viewbox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"><path "
-                       "class=\"smooth\" d=\"{}\"></path><path class=\"facets\" d=\"{}\"></path><path class=\"forces\" "
-                       "d=\"{}\"></path></svg><figcaption>{}</figcaption></figure>\n",
-                       kWidth, kHeight, words, smooth, facets, forces, words);
+    return figure_of(kHeight,
+                     fmt::format("<path class=\"smooth\" d=\"{}\"></path><path class=\"facets\" d=\"{}\"></path><path "
+                                 "class=\"forces\" d=\"{}\"></path>",
+                                 smooth, facets, forces),
+                     words);
+}
+
+// The mesh from in front and above, its far rows shifted to the right.
+std::string mesh_panel() {
+    constexpr double kShift = 0.12, kRise = 0.4; // mm for a mm of y
+    constexpr double kTall = 186;                // px
+    const auto corner = [](int i, int j) {
+        const double y = kHalf * (2.0 * j / kFacets - 1); // mm
+        const Place there = place_at(vertex(i) + kShift * y, arc_height(vertex(i)) + kRise * y);
+        return Place{there.x, there.y + kRise * kHalf * kScale / 2};
+    };
+    std::string lines;
+    for (int i = 0; i <= kFacets; ++i)
+        for (int j = 0; j <= kFacets; ++j) {
+            const auto line = [&](int to_i, int to_j) {
+                if (to_i <= kFacets && to_j <= kFacets)
+                    lines += line_to("M", corner(i, j)) + line_to("L", corner(to_i, to_j));
+            };
+            line(i + 1, j);
+            line(i, j + 1);
+            line(i + 1, j + 1);
+        }
+    return figure_of(kTall, fmt::format("<path class=\"cells\" d=\"{}\"></path>", lines),
+                     "the mesh: triangles between the same arcs");
 }
 
 std::string surfaces_drawing() {
@@ -316,9 +367,9 @@ std::string surfaces_drawing() {
                  [](double, double left, double right) {
                      return (arc_height(left) - arc_height(right)) / (right - left);
                  }) +
-           panel("shaded: as large, and turned to the smooth shape (dashed)",
+           panel("shaded: turned to the smooth shape (dashed)",
                  [](double x, double, double) { return x / std::sqrt(kRadius * kRadius - x * x); }) +
-           "</div>\n";
+           mesh_panel() + "</div>\n";
 }
 
 } // namespace

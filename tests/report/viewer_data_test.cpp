@@ -171,6 +171,13 @@ TEST(Verdict, SetsSchemesSideBySide) {
          {"limit_N_per_m", "N/m", "", &Limit::usual},
          {"any_press_N_per_m", "N/m", "", &Limit::any}},
         std::vector<Limit>{{"own", 2, 1383, 766}, {"own", 0.2, 11, 10}, {"around", 2, 100, 90}}));
+    stability.data.tables.push_back(
+        study::table_of<double>("loop_tessellations", "",
+                                {{"surface", "", "", [](double) { return "barycentric mesh"; }},
+                                 {"tessellation", "1", "", [](double) { return 3; }},
+                                 {"depth_mm", "mm", "", [](double) { return 2; }},
+                                 {"any_press_N_per_m", "N/m", "", [](double of) { return of; }}},
+                                std::vector<double>{800, 850}));
     const auto with_times = [&](double shaded) {
         struct Time {
             double round, way, time;
@@ -190,7 +197,7 @@ TEST(Verdict, SetsSchemesSideBySide) {
     };
     const std::string slower = with_times(1.5);
     for (const char* cell : {"deg RMS (of draws)\">0.2 (0.16 to 0.24)</td>", "RMS force\">11</td>", "places\">25</td>",
-                             "interval]\">1.50 [1.34, 1.68]</td>", "deep\">1.5</td>",
+                             "interval]\">1.50 [1.34, 1.68]</td>", "tessellations)\">1.5 (1.5 to 1.6)</td>",
                              "size goes from 8.4 to 7.6 % of the force there in the median and stays at 83 % in the",
                              "from 4.2 to 0.2 deg", "only one has a force goes from 26 to 25 %",
                              "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the force, and take 2.00 [1.78, 2.24] "

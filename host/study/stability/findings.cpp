@@ -1,6 +1,7 @@
 // Findings of the loops.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -105,6 +106,20 @@ std::string of_facets(const LoopResults& results, const std::string& name) {
     return "the " + name + (surface.kind == SurfaceKind::bump ? fmt::format(" of {} facets", surface.facets) : "");
 }
 
+// " (1323 to 1550 N/m on 5 tessellations)": the least limits at a depth; empty where there is one alone.
+std::string over_tessellations(const LoopResults& results, const std::string& surface, double depth) {
+    std::map<std::size_t, double> least; // N/m
+    double low = INFINITY, high = 0;
+    for (const auto& [tessellation, one] : results.tessellated)
+        if (one.surface == surface && one.place.depth == depth && one.limit)
+            least[tessellation] = std::min(least.emplace(tessellation, INFINITY).first->second, *one.limit);
+    for (const auto& [tessellation, limit] : least) {
+        low = std::min(low, limit);
+        high = std::max(high, limit);
+    }
+    return least.size() < 2 ? "" : fmt::format(" ({:.0f} to {} on {} tessellations)", low, newtons(high), least.size());
+}
+
 void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
     std::vector<std::string> parts, places, sure;
     for (const char* surface : {"bump", "mesh"}) {
@@ -121,7 +136,8 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
                        : fmt::format("from {} to {}", newtons(*worst_of(results.limits, surface, depth)->limit),
                                      limit_at(results, shaded->surface, depth));
         };
-        parts.push_back(fmt::format("{} {} of depth, {}", of_facets(results, surface), change_at(shaded->place.depth),
+        parts.push_back(fmt::format("{} {} of depth{}, {}", of_facets(results, surface), change_at(shaded->place.depth),
+                                    over_tessellations(results, shaded->surface, shaded->place.depth),
                                     change_at(results.surfaces.front().depths().front())));
         places.push_back(place_of(*shaded));
         sure.push_back(fmt::format("{}: {}", shaded->surface, sureness_of(results, shaded->surface)));

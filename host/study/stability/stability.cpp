@@ -5,6 +5,7 @@
 #include <deque>
 #include <tuple>
 
+#include "host/touch/cylinder_mesh.h"
 #include "host/touch/places.h"
 
 namespace forceshade::study {
@@ -20,8 +21,10 @@ struct StudiedSurface {
 // The box of a bump or height map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
 constexpr glm::dvec3 kBumpLow{-0.0152, -0.005, -0.003}, kBumpHigh{0.0152, 0.005, 0.008};
 constexpr glm::dvec3 kMeshLow{-0.0105, -0.008, -0.003}, kMeshHigh{0.0105, 0.008, 0.008};
+constexpr std::uint32_t kMeshCells = 8; // over the width of a bump, along x and y
 constexpr OwnSurface mesh_of(Shading shading) {
-    return {.kind = SurfaceKind::mesh, .radius = kOwnRadius, .shading = shading};
+    return {
+        .kind = SurfaceKind::mesh, .radius = kOwnRadius, .facets = kMeshCells, .rows = kMeshCells, .shading = shading};
 }
 const StudiedSurface kStudied[] = {
     {"plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
@@ -60,6 +63,27 @@ std::vector<LeastLimit> limits_by_edges(const LoopSurface& surface, const std::v
             LeastLimit& one = all.emplace_back(least_of(surface, some, cell));
             one.simulated = simulated_limit(surface, one);
         }
+    return all;
+}
+
+// The own hand's limits on the mesh and on others of the same cells, turned and moved at random.
+std::vector<TessellatedLimit> limits_by_tessellation(const LoopSurface& surface, const std::vector<LeastLimit>& limits,
+                                                     std::size_t points, bool quick) {
+    std::vector<TessellatedLimit> all;
+    const auto add = [&](std::size_t tessellation, const std::vector<LeastLimit>& some) {
+        for (const LeastLimit& one : some)
+            if (one.own)
+                all.push_back({tessellation, one});
+    };
+    add(0, limits);
+    const SurfaceSpec& spec = surface.prepared.one.scene.surface;
+    const double reach = std::hypot(spec.radius * std::asin(surface.high.x / spec.radius), surface.high.y) + 1e-3; // m
+    for (std::size_t number = 1; number <= (quick ? 2 : 4); ++number) {
+        LoopSurface other = surface;
+        other.prepared.images.mesh =
+            cylinder_patch({spec.width / 2, spec.radius, kMeshCells, kMeshCells}, DrawnPatch{reach, number});
+        add(number, least_limits(other, rest_places(other, points), {settings_of(surface, true).front()}, true));
+    }
     return all;
 }
 
@@ -112,6 +136,8 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
     append(results.presses, limits_by_press(surface, results.limits));
     if (surface.is_mesh())
         append(results.by_edges, limits_by_edges(surface, places, settings.front()));
+    if (surface.is_mesh() && surface.stiffness == 0) // not the user's
+        append(results.tessellated, limits_by_tessellation(surface, results.limits, points, quick));
     if (surface.limits_alone)
         return;
     const bool first = surface.stiffness > 0 || surface.name == kStudied[0].name; // a scene, or the plane
@@ -222,6 +248,7 @@ StudyData study_stability(StudyRun& run) {
                          for (LoopResults& own : by_surface) {
                              append(loops.limits, std::move(own.limits));
                              append(loops.by_edges, std::move(own.by_edges));
+                             append(loops.tessellated, std::move(own.tessellated));
                              append(loops.atlas, std::move(own.atlas));
                              append(loops.basins, std::move(own.basins));
                              append(loops.swings, std::move(own.swings));

@@ -214,9 +214,16 @@ struct PressLimit {
     RestPlace place;
 };
 
+/// A limit with the hand's own on a mesh that was tessellated anew.
+struct TessellatedLimit {
+    std::size_t tessellation = 0; /* 0: the surface's own */
+    LeastLimit least;
+};
+
 struct LoopResults {
     std::vector<LoopSurface> surfaces;
     std::vector<LeastLimit> limits;
+    std::vector<TessellatedLimit> tessellated; /* of the study's own meshes */
     std::vector<LeastLimit> by_edges; /* of meshes: the least by an edge and at a vertex, of each kind of place */
     std::vector<AtlasPoint> atlas;
     std::vector<BasinRow> basins;

@@ -87,6 +87,20 @@ Table edge_limit_table(const LoopResults& results) {
         results.by_edges);
 }
 
+Table tessellation_table(const LoopResults& results) {
+    using R = TessellatedLimit;
+    return table_of<R>(
+        "loop_tessellations", "Largest stable stiffness on meshes of the same cells, tessellated anew",
+        {{"surface", "", "pressed by the hand", [](const R& r) { return r.least.surface; }},
+         {"tessellation", "1", "0: that of loop_limits; others are turned and moved at random", &R::tessellation},
+         {"kind", "", "of place", [](const R& r) { return name_of(r.least.place.kind); }},
+         {"depth_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.least.place.depth; }},
+         {"limit_N_per_m", "N/m", "as in loop_limits, with the hand's own", [](const R& r) { return r.least.limit; }},
+         {"any_press_N_per_m", "N/m", "as in loop_limits",
+          [](const R& r) { return r.least.any_press ? Cell(r.least.any_press->limit) : Cell(); }}},
+        results.tessellated);
+}
+
 Table basin_table(const LoopResults& results) {
     using R = BasinRow;
     const auto hand = [](double HandSpec::*of) { return [of](const R& r) { return r.there.cell.hand.*of; }; };
@@ -526,6 +540,8 @@ void add_loops(StudyData& data, const LoopResults& results) {
                    state_table(results),        curve_table(results), coupling_table(results), press_table(results)};
     if (!results.by_edges.empty())
         data.tables.push_back(edge_limit_table(results));
+    if (!results.tessellated.empty())
+        data.tables.push_back(tessellation_table(results));
     data.figures = figures_of(results);
     data.notes = {
         fmt::format(
