@@ -334,11 +334,15 @@ StudyData study_error_time(StudyRun& run) {
     all_cores.cpu = true;
     const std::unique_ptr<Engine> processor = make_engine(all_cores);
     const bool gpu = run.engine().report().engine == "gpu";
-    std::vector<FieldEngine> by{{gpu ? "kernel" : "CPU on all cores", &run.engine()},
-                                {gpu ? "kernel, every block" : "CPU on all cores, every block", &visiting, true},
-                                {"CPU on one thread", single_thread.get()}};
+    const std::vector<std::string> cpu{"--engine", "cpu"};
+    std::vector<std::string> own = gpu ? std::vector<std::string>{"--engine", "gpu"} : cpu;
+    if (const std::string& name = run.options().engine.gpu; gpu && !name.empty())
+        own.insert(own.end(), {"--gpu", name});
+    std::vector<FieldEngine> by{{gpu ? "kernel" : "CPU on all cores", &run.engine(), own},
+                                {gpu ? "kernel, every block" : "CPU on all cores, every block", &visiting, own, true},
+                                {"CPU on one thread", single_thread.get(), {"--engine", "cpu", "--jobs", "1"}}};
     if (gpu && most_threads() > 1)
-        by.push_back({"CPU on all cores", processor.get()});
+        by.push_back({"CPU on all cores", processor.get(), cpu});
     for (const Subject& subject : subjects)
         append(others.fields, field_runs(subject, by));
     for (std::size_t round = 0; round < extents.runs; ++round)

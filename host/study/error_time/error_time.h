@@ -140,14 +140,20 @@ struct FieldRun {
     std::string by; /* FieldEngine::name */
     Precision precision = Precision::f32;
     Engine* engine = nullptr;
-    double bytes = 0;              /* of the file */
-    std::vector<double> seconds{}; /* a round each */
+    std::vector<std::string> words{}; /* FieldEngine::words */
+    double bytes = 0;                 /* of the file */
+    std::vector<double> seconds{};    /* a round each: of the field and its file */
+    std::vector<double> starts{};     /* a round each: of the command with next to no field; none: not known */
+
+    /// Of the whole command; without its start where that is not known.
+    std::vector<double> whole() const;
 };
 
 struct FieldEngine {
     std::string name; /* "kernel", "kernel, every block", "CPU on all cores", "CPU on one thread" */
     Engine* engine;
-    bool visits = false; /* blocks of free space, too */
+    std::vector<std::string> words; /* that choose it on the command line */
+    bool visits = false;            /* blocks of free space, too */
 
     bool fits(const Variant& variant, const GridSpec& grid, Precision precision) const;
 };
@@ -230,6 +236,10 @@ private:
 /// Whether the machine was too busy for these times to say anything: a clock read around nothing takes a microsecond in
 /// the median, or a tenth of a millisecond once in a thousand.
 bool was_busy(const std::vector<AsMet>& met);
+
+Table met_table(const Measured& measured, const std::vector<AsMet>& met);
+/// None of a busy machine.
+std::vector<Finding> met_findings(const Measured& measured, const std::vector<AsMet>& met);
 
 struct OtherTimes {
     std::vector<FieldRun> fields;

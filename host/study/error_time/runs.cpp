@@ -1,16 +1,19 @@
 #include "host/study/error_time/error_time.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <thread>
+#include <fcntl.h>
+#include <map>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "host/cases/case_pipeline.h"
 #include "host/clock.h"
+#include "host/output/files.h"
 #include "host/paths/scene_paths.h"
-#include "host/program.h"
 #include "host/study/error_time/volumes.h"
 
 namespace forceshade::study::error_time {
@@ -112,6 +115,13 @@ double median_error(const std::vector<glm::dvec3>& found, const std::vector<glm:
     return quantile(errors, 0.5) / rms(truth);
 }
 
+std::vector<double> FieldRun::whole() const {
+    std::vector<double> sums = seconds;
+    for (std::size_t i = 0; i < sums.size() && starts.size() == sums.size(); ++i)
+        sums[i] += starts[i];
+    return sums;
+}
+
 std::vector<FieldRun> field_runs(const Subject& subject, const std::vector<FieldEngine>& engines) {
     std::vector<FieldRun> runs;
     if (const Variant* variant = subject.main_variant())
@@ -120,13 +130,54 @@ std::vector<FieldRun> field_runs(const Subject& subject, const std::vector<Field
             for (const FieldEngine& by : engines)
                 for (const Precision precision : kPrecisions)
                     if (by.fits(*variant, grid, precision))
-                        runs.push_back({variant, subject.name, grid, by.name, precision, by.engine});
+                        runs.push_back({variant, subject.name, grid, by.name, precision, by.engine, by.words});
         }
     return runs;
 }
 
+namespace {
+
+// s: of the program's own `field` on a scene of one block, with an engine's words: what a command takes before and
+// after its field. Empty where this is not the program.
+std::optional<double> start_seconds(const std::vector<std::string>& engine, const std::filesystem::path& folder) {
+    const std::string program = std::filesystem::read_symlink("/proc/self/exe");
+    if (!program.ends_with("/forceshade"))
+        return std::nullopt;
+    const std::filesystem::path scene = folder / ".start.toml", volume = folder / ".start.exr";
+    write_file_atomically(scene, "grid = {size = [4, 4, 4]}\n");
+    std::vector<std::string> words{program, "field", scene, "--out", volume, "--overwrite", "--quiet"};
+    append(words, engine);
+    std::vector<char*> arguments;
+    for (std::string& word : words)
+        arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t quiet;
+    posix_spawn_file_actions_init(&quiet);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
+    pid_t child = -1;
+    int status = -1;
+    const Clock::time_point start = Clock::now();
+    const bool ran = posix_spawn(&child, program.c_str(), &quiet, nullptr, arguments.data(), environ) == 0 &&
+                     waitpid(child, &status, 0) == child && status == 0;
+    const double seconds = seconds_since(start);
+    posix_spawn_file_actions_destroy(&quiet);
+    for (const std::filesystem::path& file : {scene, volume}) {
+        std::error_code ignored;
+        std::filesystem::remove(file, ignored);
+    }
+    return ran ? std::optional(seconds) : std::nullopt;
+}
+
+} // namespace
+
 void measure(std::vector<FieldRun>& runs, const std::filesystem::path& folder) {
+    std::map<std::vector<std::string>, std::optional<double>> starts; // by the engine's words
     for (FieldRun& run : runs) {
+        if (!starts.contains(run.words))
+            starts[run.words] = start_seconds(run.words, folder);
+        if (starts[run.words])
+            run.starts.push_back(*starts[run.words]);
         const std::filesystem::path volume = folder / ".field-run.exr";
         auto job = std::make_unique<CaseJob>(CaseJob{*run.variant->prepared, volume, ""});
         Scene& scene = job->prepared.one.scene;
@@ -175,154 +226,54 @@ std::vector<LoopRun> loop_runs(const std::string& surface, const Variant& varian
     return runs;
 }
 
-// Forces waited for.
-namespace {
-
-constexpr std::size_t kLanes = 2;
-constexpr std::size_t kOtherMemory = std::size_t(64) << 20; // B: more than caches hold
-
-double control() {
-    const Clock::time_point start = Clock::now();
-    return seconds_since(start);
-}
-
-// Writes to memory of its own, so that caches hold nothing else.
-void fill_caches(std::vector<char>& memory) {
-    for (std::size_t at = 0; at < memory.size(); at += 64)
-        ++memory[at];
-}
-
-std::string name_of(const Measured& measured, const AsMet& one) {
-    return one.method == AsMet::kControl ? "nothing" : measured.methods[one.method].name;
-}
-
-double warm_seconds(const Measured& measured, const AsMet& one) {
-    return one.method == AsMet::kControl ? NAN : measured.times.seconds(one.method).median;
-}
-
-} // namespace
-
-Waits waits_of(const std::vector<double>& seconds) {
-    return {bootstrap_median(seconds), quantile(seconds, 0.99), quantile(seconds, 0.999), quantile(seconds, 1)};
-}
-
-std::vector<std::size_t> met_methods(const std::vector<Method>& methods) {
-    std::vector<std::size_t> chosen;
-    for (std::size_t i = 0; i < methods.size(); ++i) {
-        const Method& method = methods[i];
-        const bool unshaded = method.variant->thorough && method.variant->shading == "none" && !method.spacing;
-        if (!method.once || !(method.variant->is_main() || unshaded))
-            continue;
-        const bool finer = std::ranges::any_of(methods, [&](const Method& other) {
-            return other.variant == method.variant && other.family == method.family &&
-                   other.precision == method.precision && other.spacing < method.spacing;
-        });
-        if (!finer)
-            chosen.push_back(i);
-    }
-    return chosen;
-}
-
-AsMetTimes::AsMetTimes(const std::vector<Method>& methods, const std::vector<std::size_t>& chosen)
-    : methods_(methods), met_{{AsMet::kControl}, {AsMet::kControl}} {
-    for (const std::size_t method : chosen)
-        met_.push_back({method});
-}
-
-double AsMetTimes::once(const One& one, std::size_t number) const {
-    return one.method == AsMet::kControl ? control() : methods_[one.method].once(number);
-}
-
-void AsMetTimes::measure(std::size_t ticks, std::size_t colds) {
-    for (const One& one : met_)
-        once(one, 0); // makes volumes
-    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / kLoopRate));
-    const Clock::time_point start = Clock::now();
-    const std::size_t first = met_[0].loop.size();
-    // Two loops, each of half of the methods: both sleep nearly all the time.
-    on_all_cores(kLanes, [&](std::size_t lane) {
-        Clock::time_point next =
-            std::max(start + static_cast<int>(lane) * period / static_cast<int>(kLanes), Clock::now());
-        const std::size_t size = (met_.size() + kLanes - 1 - lane) / kLanes;
-        for (std::size_t tick = first; tick < first + ticks; ++tick) {
-            check_interrupt();
-            for (const std::size_t i : shuffled(size, tick)) { // one warms what the next finds
-                One& one = met_[kLanes * i + lane];
-                next += period;
-                std::this_thread::sleep_until(next);
-                one.loop.push_back(once(one, tick));
-            }
-        }
-    });
-    std::vector<char> memory(kOtherMemory);
-    for (std::size_t end = met_[0].cold.size() + colds; met_[0].cold.size() < end;) {
-        check_interrupt();
-        const std::size_t number = met_[0].cold.size();
-        for (One& one : met_) {
-            fill_caches(memory);
-            one.cold.push_back(once(one, number));
-        }
-    }
-}
-
-std::vector<AsMet> AsMetTimes::result() const {
-    std::vector<One> all(met_.begin() + 1, met_.end()); // the controls as one
-    append(all[0].loop, met_[0].loop);
-    append(all[0].cold, met_[0].cold);
-    std::vector<AsMet> met;
-    for (const One& one : all)
-        met.push_back({one.method, waits_of(one.loop), waits_of(one.cold), one.loop.size(), one.cold.size()});
-    return met;
-}
-
-bool was_busy(const std::vector<AsMet>& met) {
-    return std::ranges::any_of(met, [](const AsMet& one) {
-        return one.method == AsMet::kControl && (one.loop.median.median > 1e-6 || one.loop.p99 > 1e-5);
-    });
-}
-
 // Tables, figures and findings.
 namespace {
 
 std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldRun>& fields,
                               const std::vector<LoopRun>& loops) {
     using R = FieldRun;
-    const auto time = [](double share) { return [share](const R& r) { return quantile(r.seconds, share); }; };
-    return {table_of<R>("field_runs", "Whole fields, with their files",
-                        {{"surface", "", "as in ways", &R::surface},
-                         {"law", "", "the law of the field", [](const R& r) { return r.variant->name; }},
-                         {"series", "", "engine and precision",
-                          [](const R& r) { return fmt::format("{}, {}", r.by, word_of(r.precision)); }},
-                         {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.grid.spacing[0]; }},
-                         {"voxels", "1", "of the grid",
-                          [](const R& r) { return double(r.grid.size[0] * r.grid.size[1] * r.grid.size[2]); }},
-                         {"time_s", "s", "evaluated, compressed, written to disk and checked, median", time(0.5)},
-                         {"time_low_s", "s", "the least", time(0)},
-                         {"time_high_s", "s", "the largest", time(1)},
-                         {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.bytes; }},
-                         {"typical_rms_1", "1",
-                          "error of the force between the samples (trilinear) over the RMS true force, root mean "
-                          "square, at the median of random draws of places and grid",
-                          [&](const R& r) {
-                              const auto error = look_up_error(measured, r);
-                              return error ? Cell(error->median) : Cell();
-                          }}},
-                        fields),
-            table_of<LoopRun>(
-                "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
-                {{"surface", "", "as in ways", &LoopRun::surface},
-                 {"law", "", "of the force", [](const LoopRun& r) { return r.variant->name; }},
-                 {"precision", "", "of the loop", [](const LoopRun& r) { return word_of(r.precision); }},
-                 {"rate_kHz", "kHz", "of the loop", [](const LoopRun& r) { return r.rate / 1000; }},
-                 {"force_error_1", "1",
-                  "RMS difference from the force of a loop of 64 kHz in double at the same time, over its RMS",
-                  &LoopRun::force_error},
-                 {"median_error_1", "1", "median difference of the force, over the same RMS", &LoopRun::median_error},
-                 {"position_error_um", "um", "RMS difference of the probe's position",
-                  [](const LoopRun& r) { return 1e6 * r.position_error; }},
-                 {"time_ms", "ms", "of computing, for a second of a stroke, on one thread, median",
-                  [](const LoopRun& r) { return 1e3 * r.seconds; }}},
-                loops)};
+    const auto time = [](double share) { return [share](const R& r) { return quantile(r.whole(), share); }; };
+    return {
+        table_of<R>("field_runs", "Whole fields, with their files",
+                    {{"surface", "", "as in ways", &R::surface},
+                     {"law", "", "the law of the field", [](const R& r) { return r.variant->name; }},
+                     {"series", "", "engine and precision",
+                      [](const R& r) { return fmt::format("{}, {}", r.by, word_of(r.precision)); }},
+                     {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.grid.spacing[0]; }},
+                     {"voxels", "1", "of the grid",
+                      [](const R& r) { return double(r.grid.size[0] * r.grid.size[1] * r.grid.size[2]); }},
+                     {"field_s", "s", "evaluated, compressed, written to disk and checked, median",
+                      [](const R& r) { return quantile(r.seconds, 0.5); }},
+                     {"start_s", "s",
+                      "of the command with a field of one block: program, engine and file, median; empty: not known",
+                      [](const R& r) { return r.starts.empty() ? NAN : quantile(r.starts, 0.5); }},
+                     {"time_s", "s", "of the whole command: both, median", time(0.5)},
+                     {"time_low_s", "s", "the least", time(0)},
+                     {"time_high_s", "s", "the largest", time(1)},
+                     {"file_bytes", "B", "of the EXR file", [](const R& r) { return r.bytes; }},
+                     {"typical_rms_1", "1",
+                      "error of the force between the samples (trilinear) over the RMS true force, root mean "
+                      "square, at the median of random draws of places and grid",
+                      [&](const R& r) {
+                          const auto error = look_up_error(measured, r);
+                          return error ? Cell(error->median) : Cell();
+                      }}},
+                    fields),
+        table_of<LoopRun>(
+            "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
+            {{"surface", "", "as in ways", &LoopRun::surface},
+             {"law", "", "of the force", [](const LoopRun& r) { return r.variant->name; }},
+             {"precision", "", "of the loop", [](const LoopRun& r) { return word_of(r.precision); }},
+             {"rate_kHz", "kHz", "of the loop", [](const LoopRun& r) { return r.rate / 1000; }},
+             {"force_error_1", "1",
+              "RMS difference from the force of a loop of 64 kHz in double at the same time, over its RMS",
+              &LoopRun::force_error},
+             {"median_error_1", "1", "median difference of the force, over the same RMS", &LoopRun::median_error},
+             {"position_error_um", "um", "RMS difference of the probe's position",
+              [](const LoopRun& r) { return 1e6 * r.position_error; }},
+             {"time_ms", "ms", "of computing, for a second of a stroke, on one thread, median",
+              [](const LoopRun& r) { return 1e3 * r.seconds; }}},
+            loops)};
 }
 
 std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::vector<LoopRun>& loops) {
@@ -330,12 +281,13 @@ std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::
     if (!fields.empty())
         figures.push_back(make_figure(
             "field-runs", fmt::format("Fields of \"{}\": error between samples against time", fields.front().surface),
-            "Each mark is a whole run of a field: evaluated, compressed, written and checked. Its label is the grid's "
-            "spacing in mm. The error is that of reading between the samples, root mean square.",
+            "Each mark is a whole command: the program and its engine started, the field evaluated, compressed, "
+            "written "
+            "and checked. Its label is the grid's spacing in mm. The error is that of reading between the samples, "
+            "root mean square.",
             FigureKind::scatter, "field_runs", {{"surface", fields.front().surface}},
-            {"time_s", "time of a field with its file / s", true},
-            {"typical_rms_1", "RMS error over the RMS force", true}, "series", "spacing_mm",
-            {.x_low = "time_low_s", .x_high = "time_high_s", .joined = true}));
+            {"time_s", "time of the command / s", true}, {"typical_rms_1", "RMS error over the RMS force", true},
+            "series", "spacing_mm", {.x_low = "time_low_s", .x_high = "time_high_s", .joined = true}));
     if (!loops.empty())
         figures.push_back(make_figure(
             "loop-rates", "Strokes in closed loop: error against time, by the loop's rate",
@@ -392,88 +344,23 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
         return fmt::format("{:.1f} ({:.1f} to {:.1f})", 100 * error.median, 100 * error.low, 100 * error.high);
     };
     std::vector<double> ratios;
-    for (std::size_t i = 0; i < fine->seconds.size(); ++i)
-        ratios.push_back(fine->seconds[i] / coarse->seconds[i]);
+    const std::vector<double> of_one = fine->whole(), of_other = coarse->whole();
+    for (std::size_t i = 0; i < of_one.size(); ++i)
+        ratios.push_back(of_one[i] / of_other[i]);
     findings.push_back(
         {"field_spacing",
-         fmt::format("A field of {:.2g} mm instead of {:.2g} mm {}; the RMS error of reading between its samples is {} "
+         fmt::format("The command for a field of {:.2g} mm instead of {:.2g} mm {}; the RMS error of reading between "
+                     "its samples is {} "
                      "instead of {} % of the RMS force, and the file has {:.1f} times the bytes.",
                      1e3 * fine->grid.spacing[0], 1e3 * coarse->grid.spacing[0],
                      times_as_long(bootstrap_median(ratios), "that one"), over_draws(*of_fine), over_draws(*of_coarse),
                      fine->bytes / coarse->bytes),
          "field-runs", fmt::format("{}, {}", fine->surface, fine->variant->name),
-         fmt::format("{}; evaluated, compressed, written and checked", fine->by),
+         fmt::format("{}; started, evaluated, compressed, written and checked", fine->by),
          "95 % bootstrap interval of paired rounds, a tenth wider for reruns; in round brackets the least and largest "
          "of draws of places and "
          "grid"});
     return findings;
-}
-
-Table met_table(const Measured& measured, const std::vector<AsMet>& met) {
-    using R = AsMet;
-    const auto nano = [](Waits R::*waits, double Waits::*seconds) {
-        return [waits, seconds](const R& r) { return 1e9 * (r.*waits.*seconds); };
-    };
-    const auto median = [](Waits R::*waits, double Interval::*end) {
-        return [waits, end](const R& r) { return 1e9 * ((r.*waits).median.*end); };
-    };
-    return table_of<R>(
-        "as_met", "A force where a hand waits for it, one evaluation at a time",
-        {{"way", "", "nothing: the clock read around nothing, the least that can be measured",
-          [&](const R& r) { return name_of(measured, r); }},
-         {"warm_ns", "ns", "an evaluation in a loop over many places",
-          [&](const R& r) { return 1e9 * warm_seconds(measured, r); }},
-         {"loop_p50_ns", "ns", "at 1 kHz, asleep between samples: the median", median(&R::loop, &Interval::median)},
-         {"loop_p50_low_ns", "ns", "low end of its 95 % interval in this run; others differ by more",
-          median(&R::loop, &Interval::low)},
-         {"loop_p50_high_ns", "ns", "high end", median(&R::loop, &Interval::high)},
-         {"loop_p99_ns", "ns", "the same, once in a hundred", nano(&R::loop, &Waits::p99)},
-         {"loop_p999_ns", "ns", "the same, once in a thousand: of a thousand samples between the two worst",
-          nano(&R::loop, &Waits::p999)},
-         {"loop_worst_ns", "ns", "the same, the worst", nano(&R::loop, &Waits::worst)},
-         {"ticks", "1", "samples of that loop", [](const R& r) { return r.ticks; }},
-         {"cold_p50_ns", "ns", "with caches full of other memory: the median", median(&R::cold, &Interval::median)},
-         {"cold_worst_ns", "ns", "the same, the worst", nano(&R::cold, &Waits::worst)},
-         {"busy", "", "yes: the control itself waits too long for these times to say anything",
-          [busy = was_busy(met)](const R&) { return busy ? "yes" : "no"; }}},
-        met);
-}
-
-std::vector<Finding> met_findings(const Measured& measured, const std::vector<AsMet>& met) {
-    if (was_busy(met))
-        return {};
-    const double clock = met.front().loop.median.median; // s: of the clock alone
-    std::size_t methods = 0, longer = 0;
-    for (const AsMet& one : met)
-        if (one.method != AsMet::kControl) {
-            ++methods;
-            longer += one.loop.median.low - clock > measured.times.seconds(one.method).high;
-        }
-    if (methods == 0)
-        return {};
-    const auto proxy = [&](bool shaded) {
-        return std::ranges::find_if(met, [&](const AsMet& one) {
-            if (one.method == AsMet::kControl)
-                return false;
-            const Method& method = measured.methods[one.method];
-            return method.family == "god-object" && method.precision == "f64" &&
-                   (method.variant->shading != "none") == shaded;
-        });
-    };
-    std::string cost;
-    if (const auto with = proxy(true), without = proxy(false); with != met.end() && without != met.end()) {
-        const Interval &a = with->loop.median, &b = without->loop.median;
-        cost =
-            fmt::format(" So met, a god-object's update with {} {}.", measured.methods[with->method].variant->shading,
-                        times_as_long({a.low / b.high, a.median / b.median, a.high / b.low}, "unshaded"));
-    }
-    return {{"as_met",
-             fmt::format("Waited for at 1 kHz, with sleeps between, a force takes significantly longer than in a warm "
-                         "loop with {} of {} methods; how much longer differs from run to run. The times of the fronts "
-                         "are those of fields and batches, and their order need not be that in a loop.{}",
-                         longer, methods, cost),
-             "", fmt::format("{} methods", methods), "one evaluation a millisecond, on a thread that sleeps between",
-             fmt::format("{} samples and {} with empty caches of each method", met.back().ticks, met.back().colds)}};
 }
 
 } // namespace
