@@ -223,7 +223,7 @@ TEST_F(Paths, StandInSweepsBesideFieldsOrAlone) {
     ASSERT_EQ(rows.size(), 2u);
     EXPECT_EQ(rows[0].at("paths"), "5");
     EXPECT_EQ(rows[0].at("path_samples"), "200");
-    EXPECT_EQ(rows[0].at("path_samples_differing"), "0");
+    EXPECT_EQ(rows[0].at("path_samples_differing"), "") << "the CPU engine is the oracle";
     EXPECT_EQ(rows[0].at("voxels"), "0");
     // Again: all is kept. A file gone: made again, byte for byte.
     EXPECT_TRUE(
