@@ -282,9 +282,10 @@ std::string newtons(double stiffness);
 // plain scene after the other, to the limits of the numbers; and the worst that a search finds.
 
 /// A surface with one parameter of a plain scene at one value: the errors of its fields count together. Axes:
-/// "radius_ratio", "facets", "stiffness", "origin", "spacing", "depth"; SI.
+/// "radius_ratio", "facets", "stiffness", "origin", "spacing", "depth"; SI. From draw 1 on its grids are moved at
+/// random.
 using NumberCase = std::vector<FieldAtHome>;
-NumberCase number_case(const std::string& surface, const std::string& axis, double value);
+NumberCase number_case(const std::string& surface, const std::string& axis, double value, std::uint64_t draw = 0);
 std::vector<std::string> number_surfaces();
 
 /// A surface with one parameter at one value, in a precision.
@@ -292,7 +293,8 @@ struct NumberRow {
     std::string surface, axis;
     double value = 0; /* SI */
     std::string precision;
-    PrecisionErrors errors;
+    PrecisionErrors errors{}; /* the largest of the draws */
+    double least = NAN;       /* 1: errors.force of the draw where it is least */
 };
 
 /// A part for each surface and axis; `found` must outlive them and receives the rows of each.
