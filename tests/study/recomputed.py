@@ -1,0 +1,389 @@
+#!/usr/bin/python3
+"""Recomputes numbers of results/reference by formulas of its own, which share no code with the studies.
+
+    recomputed.py [--tables FOLDER]   prints a line for each number; exit 1 where one is off
+
+Lengths are in m; forces are over K, in m, unless their unit is said. Random numbers have fixed seeds.
+"""
+import argparse
+import csv
+import math
+import pathlib
+import sys
+import numpy as np
+from recomputed_models import HALF, TIGHT, WIDE, Block, angles, axis_steps, bump_force, circle_height, facets_at, \
+    least_growing, loop_growth, nearest_on, rms, round_normals, size, turned, unit
+
+DEEPEST = 2e-3  # m: of a hand
+failures = 0
+
+
+def check(name, table, own, low, high):
+    """Prints a table's number and the own one, which is to be from `low` to `high`."""
+    global failures
+    good = bool(low <= own <= high)
+    failures += not good
+    print(f"{'ok ' if good else 'OFF'} {name}: table {table:.5g}, recomputed {own:.5g} (from {low:.5g} to {high:.5g})")
+
+
+def near(name, table, own, share):
+    """Checks that the own number is within a share of the table's."""
+    check(name, table, own, table - share * abs(table), table + share * abs(table))
+
+
+def number(rows, column, **words):
+    """That of the row with these words."""
+    return float(next(row for row in rows if all(row[key] == word for key, word in words.items()))[column])
+
+
+def place_of(row):
+    """m: of a row."""
+    return 1e-3 * np.array([float(row[f"{axis}_mm"]) for axis in "xyz"])
+
+
+# Jumps of a static field where two facets are equally near.
+
+def check_jumps(rows):
+    """worst_rounding.csv: the foot of the bump in closed form; of meshes each row at its place, and a search."""
+    kept = {row["law"]: row for row in rows if row["facet"] == "another facet"}
+    for law in ("none", "reference"):
+        normal = unit(bump_force(np.array([HALF - 1e-9, 0, -1]), 8, WIDE, law == "reference"))
+        near(f"bump of 8 facets, {law}: jump at the foot", float(kept[f"bump of 8 facets, {law}"]["error_1"]),
+             size(normal - [0, 0, 1]), 1e-4)
+    for what, count in (("mesh of 8 x 4 cells", 4), ("mesh of 8 x 256 thin cells", 256)):
+        block, most = Block(WIDE, 8, count), dict.fromkeys(("none", "morgenbesser", "barycentric", "two_pass"), 0)
+        for i, j, at in block.under_ridges(DEEPEST, 101):
+            sides = [(face, at + DEEPEST * block.normals[face]) for face in (i, j)]
+            corners = [block.located(*side) for side in sides]
+            for shading in most:
+                one, other = (block.force(shading, c, foot, block.normals[face], 1)
+                              for (face, foot), c in zip(sides, corners))
+                most[shading] = max(most[shading], size(one - other).max())
+        for shading in (*most, "mean_value"):
+            row = kept[f"{what}, {shading}"]
+            table, own = float(row["error_1"]), "barycentric" if shading == "mean_value" else shading
+            near(f"{what}, {shading}: jump there", table, block.jump_at(own, place_of(row)) / DEEPEST, 1e-3)
+            # The study climbs from random places, which may miss the worst: with morgenbesser that under an edge
+            # within a flat face; so no upper end there, nor with two_pass, whose force grows steeply.
+            found = max(most[own], block.jumps_within(own, DEEPEST) / DEEPEST)
+            low = 0.9 if own == "two_pass" else 0.98
+            high = 1.05 if own in ("none", "barycentric") else math.inf
+            check(f"{what}, {shading}: largest jump", table, found, low * table, high * table)
+
+
+# Errors of volumes with samples 0.1 mm apart of the shaded bump of 64 facets, and of meshes of 16 x 16 cells.
+
+LOW, HIGH = np.array([-0.0147, -0.002, -0.0025]), np.array([0.0147015, 0.0019998, 0.00695])  # m: the bump's box
+
+
+def true_force(at):
+    """m: of the smooth bump."""
+    return np.maximum(circle_height(at[:, 0], TIGHT) - at[:, 2], 0)[:, None] * round_normals(at[:, 0], TIGHT)
+
+
+def forces_read(at, axes, begin, of_depth, spacing=1e-4):
+    """m: read by trilinear interpolation between forces, or between signed depths and directions, at samples along
+    `axes` (columns), the first at `begin`."""
+    share, first = np.modf((at @ axes - begin) / spacing)
+    total = 0
+    for corner in np.ndindex(2, 2, 2):
+        sample = ((first + corner) * spacing + begin) @ axes.T
+        depth = facets_at(sample[:, 0], 64, TIGHT)[0] - sample[:, 2]
+        normals = round_normals(sample[:, 0], TIGHT)
+        values = np.column_stack([depth, normals]) if of_depth else np.maximum(depth, 0)[:, None] * normals
+        total = total + np.where(corner, share, 1 - share).prod(1)[:, None] * values
+    return np.maximum(total[:, :1], 0) * unit(total[:, 1:]) if of_depth else total
+
+
+def volume_errors(of_depth, draws):
+    """Of random places and volumes, moved, turned and tilted by up to 2 deg: the RMS error over the RMS force, the
+    direction's RMS error at the rim, deg, and the share of places just above the surface that have a force."""
+    rows = []
+    for draw in range(draws):
+        random = np.random.default_rng([2, draw])
+        turn, aside, tilt = random.random(3) * [2 * math.pi, 2 * math.pi, math.radians(2)]
+        axes, begin = turned(aside, 2) @ turned(tilt, 0) @ turned(turn - aside, 2), -0.05 - 1e-4 * random.random(3)
+        read = lambda at: forces_read(at, axes, begin, of_depth)
+
+        def touched(x, deep):
+            """Places under or above points of the surface, along its normals."""
+            flat = np.stack([x, random.uniform(LOW[1], HIGH[1], len(x)), circle_height(x, TIGHT)], 1)
+            return flat - deep[:, None] * round_normals(x, TIGHT)
+        deep = DEEPEST * 100 ** -random.random(4000)  # log-uniform
+        at = touched(random.uniform(LOW[0], HIGH[0], 4000), deep)
+        error = rms(size(read(at) - true_force(at))) / rms(size(true_force(at)))
+        x = (HALF + random.uniform(-4e-4, 2e-4, 4000)) * random.choice([-1, 1], 4000)
+        rim = touched(x, deep)
+        rim = rim[abs(abs(rim[:, 0]) - HALF) < 1e-4 * round_normals(x, TIGHT)[:, 2]]  # 0.1 mm along the surface
+        found, truth = read(rim), true_force(rim)
+        both = found.any(1) & truth.any(1)
+        x = random.uniform(LOW[0], HIGH[0], 2000)
+        above = touched(x, -5e-5 * (2.5 ** random.random(2000) - 1) / 1.5)[abs(abs(x) - HALF) > 2e-4]
+        above = above[~true_force(above).any(1)]
+        rows.append((error, rms(angles(found[both], truth[both])), read(above).any(1).mean()))
+    return np.array(rows).T
+
+
+def mesh_errors(draws):
+    """Of random tessellations and places: the direction's RMS error unshaded and shaded, deg, and the median error of
+    the force's size."""
+    cell, count, rows = np.array([TIGHT * math.asin(HALF / TIGHT), HALF]) / 8, 12, []  # m: along the arc and across
+    halves = lambda v: np.stack([np.stack([v[:-1, :-1], one, other], -2) for one, other in (
+        (v[1:, :-1], v[1:, 1:]), (v[1:, 1:], v[:-1, 1:]))], 2)  # of each cell two triangles
+    for draw in range(draws):
+        random = np.random.default_rng([3, draw])
+        spin, moved = turned(random.uniform(0, 2 * math.pi), 2)[:2, :2], random.random(2)
+        grid = np.stack(np.meshgrid(*2 * [np.arange(-count, count + 1)], indexing="ij"), -1)
+        flat = ((grid + moved) * cell) @ spin.T
+        turn = flat[..., 0] / TIGHT
+        triangles = halves(np.stack([TIGHT * np.sin(turn), flat[..., 1], TIGHT * np.cos(turn)], -1))
+        a, b, c = (triangles[..., k, :] for k in range(3))
+        normals, sums = unit(np.cross(b - a, c - a)), np.zeros((*grid.shape[:2], 3))
+        for x, y, which in ((0, 0, [0, 1]), (1, 0, [0]), (1, 1, [0, 1]), (0, 1, [1])):  # of six at a vertex
+            sums[x:x + 2 * count, y:y + 2 * count] += normals[:, :, which].sum(2)
+        turn = random.uniform(-0.66, 0.66, 2500)
+        far = TIGHT - DEEPEST * 100 ** -random.random(len(turn))
+        at = np.stack([far * np.sin(turn), random.uniform(-6e-3, 6e-3, len(turn)), far * np.cos(turn)], 1)
+        turn, far, at = (values[abs(at[:, 0]) < 9e-3] for values in (turn, far, at))
+        middle = np.floor((np.stack([TIGHT * turn, at[:, 1]], 1) @ spin) / cell - moved).astype(int) + count - 1
+        around = lambda v: np.concatenate([v[tuple((middle + step).T)] for step in np.ndindex(3, 3)], 1)
+        points, facing = nearest_on(around(triangles), at)
+        first = size(points - at[:, None]).argmin(1)
+        mine = lambda values: values[np.arange(len(at)), first]
+        force, normal, corners = mine(points) - at, mine(facing), mine(around(triangles)) - mine(points)[:, None]
+        areas = [(np.cross(corners[:, k - 2], corners[:, k - 1]) * normal).sum(1) for k in range(3)]
+        shaded = (np.stack(areas, 1)[..., None] * mine(around(halves(unit(sums))))).sum(1)
+        truth, met = np.stack([np.sin(turn), 0 * turn, np.cos(turn)], 1), (force * normal).sum(1) > 0
+        off = abs(size(force) / (TIGHT - far) - 1)[met]
+        rows.append((*(rms(angles(one, truth)[met]) for one in (force, shaded)), np.median(off)))
+    return np.array(rows).T
+
+
+def check_errors(draws, ways):
+    """draws.csv: the median of draws; and whether they may be of the same distribution (Kolmogorov & Smirnov: of 12
+    and 40 such numbers one pair in a hundred is further apart)."""
+    def against(name, way, column, own, share):
+        kept = np.array([float(row[column]) for row in draws if row["way"] == way])
+        near(f"{name}, median", np.median(kept), np.median(own), share)
+        apart = max(abs((kept <= x).mean() - (own <= x).mean()) for x in (*kept, *own))
+        check(f"{name}, {kept.min():.3g} to {kept.max():.3g}, own {own.min():.3g} to {own.max():.3g}: apart",
+              0, apart, 0, 0.53)
+    for family, of_depth in (("trilinear", False), ("depth and direction", True)):
+        way = f"bump, 64 facets, reference: look-up, {family} 0.1 mm"
+        error, rim, phantom = volume_errors(of_depth, 40)
+        against(f"{way}, RMS error", way, "typical_rms_1", error, 0.2)
+        against(f"{way}, direction at the rim, deg", way, "rim_direction_rms_deg", rim, 0.1)
+        kept = np.median([float(row["phantom_1"]) for row in draws if row["way"] == way])
+        check(f"{way}, forces above the surface", kept, np.median(phantom), kept - 0.03, kept + 0.03)
+    unshaded, shaded, sizes = mesh_errors(40)
+    for law, own in (("none", unshaded), ("barycentric", shaded)):
+        for family in ("direct f64", "god-object f64"):
+            way = f"mesh, 16 cells, {law}: {family}"
+            against(f"{way}, direction, deg", way, "direction_rms_deg", own, 0.1)
+            near(f"{way}, median error of its size", number(ways, "size_median_1", way=way), np.median(sizes), 0.15)
+
+
+# The largest stable stiffness of a hand's sampled loop.
+
+def map_force(radius, side=1):
+    """m: of a plane with a cylinder's normals, of a bump (1) or a dip (-1)."""
+    return lambda at: np.maximum(-at[:, 2], 0)[:, None] * round_normals(at[:, 0], radius) * [side, 1, 1]
+
+
+def textured_force(at):
+    """m: of a plane with a sine of 10 um and 2 mm, as stiff as the plane."""
+    depth, turns = np.maximum(-at[:, 2], 0), 2 * math.pi / 0.002
+    return np.stack([-depth * 1e-5 * turns * np.cos(turns * at[:, 0]), 0 * depth, depth], -1)
+
+
+def slope_of(force, at):
+    """1: -dF/dp over K at a place, by differences."""
+    step = 1e-8
+    return np.stack([(force(at - step * e) - force(at + step * e))[0] / (2 * step) for e in np.eye(3)], -1)
+
+
+def check_loops(limits, kinds, presses):
+    """loop_limits.csv, each row at its own place, and walls; loop_kinds.csv and loop_presses.csv by bisection."""
+    block = Block(TIGHT, 8, 8)
+    shadings = {"mesh": "none", "shaded mesh": "barycentric"}
+    surfaces = {"plane": map_force(math.inf), "textured plane": textured_force,
+                "height map of a bump": map_force(WIDE), "height map of a dip": map_force(WIDE, -1)}
+    for shaded in (False, True):
+        for facets, words in ((2, ""), (8, " of 8 facets")):
+            name = ("shaded bump" if shaded else "bump") + words
+            surfaces[name] = lambda at, facets=facets, shaded=shaded: bump_force(at, facets, TIGHT, shaded)
+    by_hand = {}
+    for row in (row for row in limits if row["limit_N_per_m"]):
+        at, name = place_of(row)[None], row["surface"]
+        face = abs(block.offsets - block.normals @ at[0] - 1e-3 * float(row["depth_mm"])).argmin()
+        force = surfaces.get(name) or block.force_under(face, shadings.get(name, name.split()[0]))
+        row["slope"], row["force"] = slope_of(force, at), unit(force(at))[0]
+        row["along"] = {"on all sides": np.zeros(3), "down": np.eye(3)[2]}.get(row["hold"], row["force"])
+        row["limit"] = float(row["limit_N_per_m"])
+        hand = [float(row[name]) for name in ("damping_N_s_per_m", "grip_N_per_m", "rate_Hz")]
+        by_hand.setdefault((*hand[:2], 1 / hand[2], int(row["delay_samples"])), []).append(row)
+    off, wall_off, count = 0, 0, 0
+    for hand, rows in by_hand.items():
+        grows = loop_growth([row["slope"] for row in rows], [row["along"] for row in rows], *hand)
+        limit = np.array([row["limit"] for row in rows])
+        off += (~grows(1.0005 * limit)).sum() + sum(grows(s * limit).sum() for s in (0.3, 0.6, 0.9, 0.97, 0.9995))
+        wall = least_growing(loop_growth([np.diag([0.0, 0, 1])], [[0, 0, 1]], *hand), 4 * hand[0] / hand[2])
+        wall_off = max(wall_off, *(abs(wall / float(row["wall_N_per_m"]) - 1) for row in rows))
+        count += len(rows)
+    check(f"{count} limits: how many are not where loops begin to grow", 0, off, 0, 0)
+    check(f"K_crit of {len(by_hand)} hands: largest difference over it", 0, wall_off, 0, 1e-5)
+    own = next(hand for hand, rows in by_hand.items() if rows[0]["hand"] == "own")
+    worst = lambda *words: min((row for row in by_hand[own] if (row["surface"], row["kind"]) == words),
+                               key=lambda row: row["limit"])
+    for kind in kinds:
+        name, which = kind["surface"], kind["kind"]
+        row = worst(name, which)
+        near(f"{name}, {which}: limit, N/m", float(kind["limit_N_per_m"]),
+             least_growing(loop_growth([row["slope"]], [row["along"]], *own), 12000), 5e-4)
+    wall = least_growing(loop_growth([np.diag([0.0, 0, 1])], [[0, 0, 1]], *own), 12000)
+    for name, formula, found in (
+            ("bump", "K_crit times the cosine of a facet's slope", wall / math.hypot(1, facets_at(0.001, 2, TIGHT)[1])),
+            ("shaded bump", "k_g (R^2 - x^2) / (R d) at the foot", 500 * (TIGHT**2 - HALF**2) / (TIGHT * DEEPEST))):
+        table = number(kinds, "limit_N_per_m", surface=name, kind="slope")
+        near(f"{name}, {formula}, N/m", table, found, 2e-3)
+    turned_by = lambda degrees: np.stack([np.sin(np.radians(degrees)), 0 * degrees, np.cos(np.radians(degrees))], 1)
+    row, along = worst("shaded bump", "slope"), turned_by(np.arange(-120, 120, 0.1))
+    held = np.minimum(along @ row["force"], ((along @ row["slope"]) * along).sum(1)) >= 0.2  # of what holds a press
+    near("shaded bump, any press: limit, N/m", float(row["any_press_N_per_m"]), least_growing(
+        loop_growth(np.tile(row["slope"], (held.sum(), 1, 1)), along[held], *own), 2000), 0.01)
+    for name in ("bump", "shaded bump"):
+        some = [press for press in presses if press["surface"] == name]
+        at = 1e-3 * np.array([[float(some[0]["x_mm"]), 0, 0]])
+        at[:, 2] = facets_at(at[:, 0], 2, TIGHT)[0] - DEEPEST
+        slope, off = slope_of(surfaces[name], at), []
+        for side in (-1, 1):  # the table does not say to which
+            along = turned_by(side * np.array([float(press["press_deg"]) for press in some]))
+            off.append(max(abs(least_growing(loop_growth([slope], [one], *own), 12000) - float(press["limit_N_per_m"]))
+                           for one, press in zip(along, some)))
+        check(f"{name}, {len(some)} presses: largest difference of limits, N/m", 0, min(off), 0, 1)
+
+
+# The energy gained round closed strokes, by the force's line integral.
+
+def splitmix(seed):
+    """Uniform numbers below 1 (Steele, Lea & Flood 2014), from which the studies' strokes follow."""
+    while True:
+        seed = word = (seed + 0x9E3779B97F4A7C15) % 2**64
+        for shift, times in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB), (31, 1)):
+            word = (word ^ (word >> shift)) * times % 2**64
+        yield (word >> 11) / 2**53
+
+
+def closed_strokes(count, draws, facets):
+    """m: corners of strokes out at one depth below the bump, back at another, each in 256 steps."""
+    out = np.linspace(0, 1, 257)
+    share = np.concatenate([out, np.ones(31), out[::-1], np.zeros(32)])
+    deeper = np.concatenate([0 * out, out[8:-1:8], out**0, out[-9::-8]])
+    strokes = []
+    while len(strokes) < count:
+        xa, ya, xb, yb, deep, back = (next(draws) for _ in range(6))
+        begin, way = (np.array(part) * [2 * HALF, 0.01] for part in ((xa - 0.5, ya - 0.5), (xb - xa, yb - ya)))
+        if size(way) >= HALF / 2:
+            flat, deep, back = begin + share[:, None] * way, DEEPEST * 10**-deep, DEEPEST * 10**-back
+            height = facets_at(flat[:, 0], facets, TIGHT)[0] - deep - deeper * (back - deep)
+            strokes.append(np.column_stack([flat, height]))
+    return np.array(strokes)
+
+
+def worked(places, facets, scheme, parts):
+    """mJ: of strokes, the work round them, either way, and the sum of its parts' sizes; K = 1000 N/m."""
+    steps, work, effort = np.diff(places, axis=1) / parts, 0, 0
+    for part in range(parts):
+        middles = places[:, :-1] + (part + 0.5) * steps
+        force = bump_force(middles, facets, TIGHT, "unshaded" not in scheme, "normal" in scheme)
+        work, effort = work + (force * steps).sum((1, 2)), effort + abs((force * steps).sum(2)).sum(1)
+    return 1e6 * abs(work), 1e6 * effort
+
+
+def check_energy(rows):
+    """energy.csv: medians over the study's strokes, and over others."""
+    gains = {}
+    for facets, scheme in ((1, "shaded"), (2, "shaded"), (8, "unshaded"), (8, "shaded"), (8, "shaded, normal depth"),
+                           (512, "shaded")):
+        words = {"surface": "bump", "elements": str(facets), "scheme": scheme}
+        name = f"bump of {facets} facets, {scheme}"
+        gain, effort = worked(closed_strokes(250, splitmix(3), facets), facets, scheme, 16)
+        gains[facets, scheme] = gain
+        near(f"{name}: gain, mJ", number(rows, "gain_mJ", **words), np.median(gain), 0.01)
+        near(f"{name}: effort, mJ", number(rows, "effort_mJ", **words), np.median(effort), 0.005)
+    more = number(rows, "more_mJ", surface="bump", elements="8", scheme="shaded")
+    near("bump of 8 facets: gain by shading, mJ", more, np.median(gains[8, "shaded"] - gains[8, "unshaded"]), 0.01)
+    others = iter(np.random.default_rng(4).random(10**5))
+    gain, _ = worked(closed_strokes(800, others, 8), 8, "shaded", 4)
+    table, low, high = (number(rows, f"gain{end}_mJ", surface="bump", elements="8", scheme="shaded")
+                        for end in ("", "_from", "_to"))
+    check("bump of 8 facets, shaded: gain over other strokes, mJ", table, np.median(gain), low, high)
+
+
+# Strokes of a hand in closed loop: how far a slower loop is from one of 64 kHz.
+
+def stroked(speeds, reach, top, force_at, rate):
+    """N: forces each millisecond from 0.6 to 1.2 s of strokes of some speeds, m/s, there and back up to `reach`, m,
+    from the middle, under a press of 1 N; a grip of 500 N/m and 2 N s/m, a device of 1 N s/m."""
+    count, every = round(1.2 * rate) + 1, round(rate / 1000)
+    across, upright = axis_steps(3, 500, 1 / rate), axis_steps(3, 0, 1 / rate)
+    target = reach * (1 - 4 * abs(np.outer(np.arange(count + 1) / rate, speeds / (4 * reach)) % 1 - 0.5))
+    x, z, along, up, kept = target[0], top + 0 * speeds, 0 * speeds, 0 * speeds, []
+    for i in range(count):
+        fx, fz = force_at(x, z)
+        if i % every == 0 and i >= 600 * every:
+            kept.append((fx, fz))
+        off, push, down = x - target[i], fx + 2 * (target[i + 1] - target[i]) * rate, fz - 1
+        x, along = (row[0] * off + row[1] * along + row[2] * push for row in across)
+        x = x + target[i]
+        z, up = z + upright[0, 1] * up + upright[0, 2] * down, upright[1, 1] * up + upright[1, 2] * down
+    return np.moveaxis(np.array(kept), 1, -1)
+
+
+def check_rates(rows):
+    """loop_rates.csv, of other strokes; the fine mesh is taken for the cylinder."""
+    speeds = np.random.default_rng(5).normal(0.06, 0.015, 48)
+    foot = math.sqrt(TIGHT**2 - HALF**2)
+    ends = TIGHT * np.sin(math.asin(HALF / TIGHT) * np.linspace(-1, 1, 65))
+    tops = circle_height(ends, TIGHT)
+
+    def on_bump(x, z):
+        depth, sine = 1000 * np.maximum(np.interp(x, ends, tops) - z, 0), np.where(abs(x) < HALF, x / TIGHT, 0)
+        return depth * sine, depth * np.sqrt(1 - sine**2)
+
+    def on_cylinder(x, z):
+        share = 1000 * np.maximum(TIGHT / np.hypot(x, z + foot) - 1, 0)
+        return share * x, share * (z + foot)
+    for name, reach, top, force_at in (("bump", 1.2 * HALF, 0, on_bump), ("mesh", HALF / 2, TIGHT - foot, on_cylinder)):
+        finest, errors = stroked(speeds, reach, top, force_at, 64000), {}
+        for rate in (1, 2, 4, 8):
+            off = size(stroked(speeds, reach, top, force_at, 1000 * rate) - finest) / rms(size(finest))
+            words = {"surface": name, "precision": "f64", "rate_kHz": str(rate)}
+            errors[rate] = number(rows, "median_error_1", **words)
+            near(f"{name}, loop of {rate} kHz: median error", errors[rate], np.median(off), 0.12)
+            near(f"{name}, loop of {rate} kHz: RMS error", number(rows, "force_error_1", **words), rms(off), 0.2)
+        first = (1 - 1 / 64) / (1 / 8 - 1 / 64)  # of first order, less what 64 kHz errs by
+        near(f"{name}, error of 1 kHz over that of 8 kHz", errors[1] / errors[8], first, 0.2)
+
+
+def main():
+    """The exit code."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--tables", type=pathlib.Path,
+                        default=pathlib.Path(__file__).resolve().parents[2] / "results" / "reference")
+    folder = parser.parse_args().tables
+
+    def table(name):
+        with open(folder / f"{name}.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+    check_jumps(table("stability/worst_rounding"))
+    check_errors(table("error-time/draws"), table("error-time/ways"))
+    check_loops(*(table(f"stability/loop_{name}") for name in ("limits", "kinds", "presses")))
+    check_energy(table("energy/energy"))
+    check_rates(table("error-time/loop_rates"))
+    print(failures, "off")
+    return int(failures > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
