@@ -160,9 +160,10 @@ glm::dvec3 any_direction(Random& draw) {
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-// A convex edge, and the unit normals of its triangles.
+// A convex edge, or one between triangles in a plane; the way from it along which both stay equally near.
 struct Ridge {
-    glm::dvec3 begin, end, one, other; /* m, 1 */
+    glm::dvec3 begin, end; /* m */
+    glm::dvec3 inwards;    /* 1: to a depth of 1 below both */
 };
 
 std::vector<Ridge> ridges_of(const MeshStructure& mesh) {
@@ -184,10 +185,36 @@ std::vector<Ridge> ridges_of(const MeshStructure& mesh) {
             double height = 0; // of the corner that is not on the edge
             for (std::size_t k = 0; k < 3; ++k)
                 height += reference::dot(one, corner(across, k) - begin);
-            if (height < 0 && reference::dot(one, other) > -0.99)
-                ridges.push_back({begin, corner(triangle, i + 1), one, other});
+            const glm::dvec3 end = corner(triangle, i + 1);
+            if (height < 1e-9 * reference::length(end - begin) && reference::dot(one, other) > -0.99)
+                ridges.push_back({begin, end, (one + other) / -(1 + reference::dot(one, other))});
         }
     return ridges;
+}
+
+// Draws one of some things: half of the time each as often, half by weight, so that neither small ones nor the large
+// ones among many small are missed.
+class WeightedDraw {
+public:
+    template <typename Things, typename Weight> WeightedDraw(const Things& things, const Weight& weight) {
+        for (const auto& thing : things)
+            sums_.push_back((sums_.empty() ? 0 : sums_.back()) + weight(thing));
+    }
+    bool empty() const { return sums_.empty(); }
+    std::size_t operator()(Random& draw) const {
+        if (draw(0, 1) < 0.5)
+            return draw.below(sums_.size());
+        const auto found = std::ranges::upper_bound(sums_, draw(0, sums_.back()));
+        return std::min(static_cast<std::size_t>(found - sums_.begin()), sums_.size() - 1);
+    }
+
+private:
+    std::vector<double> sums_;
+};
+
+double area_of(const Mesh& mesh, const std::array<layout::uint, 3>& corners) {
+    const auto at = [&](std::size_t i) { return mesh.polygons.vertices[corners[i]]; };
+    return reference::length(reference::cross(at(1) - at(0), at(2) - at(0)));
 }
 
 // Aims at places of a case.
@@ -195,10 +222,11 @@ class Aim {
 public:
     Aim(BothLaws& both, const PreparedCase& prepared)
         : both_(both), mesh_(prepared.images.mesh ? &prepared.images.mesh->mesh : nullptr),
-          places_(both.shape(), prepared, 12), draw_(11) {
-        if (mesh_)
-            ridges_ = ridges_of(prepared.images.mesh->structure);
-    }
+          ridges_(mesh_ ? ridges_of(prepared.images.mesh->structure) : std::vector<Ridge>{}),
+          ridge_(ridges_, [](const Ridge& one) { return reference::length(one.end - one.begin); }),
+          triangle_(mesh_ ? mesh_->triangles.corners : decltype(mesh_->triangles.corners){},
+                    [&](const auto& corners) { return area_of(*mesh_, corners); }),
+          places_(both.shape(), prepared, 12), draw_(11) {}
 
     /// Below a facet, an edge or a corner of a mesh, or anywhere below another surface; moved by up to a twentieth of
     /// the depth of a hand.
@@ -209,7 +237,7 @@ public:
             const auto place = places_();
             return place ? std::optional(Probed{place->at + aside, {}}) : std::nullopt;
         }
-        const auto triangle = static_cast<std::size_t>(draw_(0, static_cast<double>(mesh_->triangles.corners.size())));
+        const std::size_t triangle = triangle_(draw_);
         double weights[3] = {draw_(0, 1), draw_(0, 1), draw_(0, 1)};
         const double kind = draw_(0, 3); // within, on an edge, at a corner
         weights[0] = kind > 1 ? 0 : weights[0];
@@ -227,7 +255,7 @@ public:
 
     /// On the plane between the facets at a ridge, or on a way from a place below the surface.
     std::optional<Tie> tie() {
-        if (!ridges_.empty() && draw_(0, 1) < 0.5)
+        if (!ridge_.empty() && draw_(0, 1) < 0.5)
             return below_a_ridge();
         const std::optional<Probed> from = below_the_surface();
         return from ? both_.tie_on(*from,
@@ -241,24 +269,39 @@ public:
         return place.moved(end, both_.strokes() ? aside() : glm::dvec3(0));
     }
 
+    /// Near a tie: half of the time along it, where both facets of a mesh stay as near as they are.
+    Probed near_tie(const Tie& tie, double reach) {
+        if (!mesh_ || both_.strokes() || draw_(0, 1) < 0.5)
+            return near(tie.here, reach);
+        const glm::dvec3 &one = mesh_->facet_normals[tie.facets.first],
+                         &other = mesh_->facet_normals[tie.facets.second];
+        constexpr double kInAPlane = 1e-6;
+        const glm::dvec3 ridge = reference::cross(one, other),
+                         along =
+                             reference::length(ridge) > kInAPlane ? ridge : reference::cross(one, any_direction(draw_));
+        const glm::dvec3 aside = reach * draw_(-1, 1) / reference::length(along) * along;
+        return tie.here.moved(aside, aside);
+    }
+
 private:
     std::optional<Tie> below_a_ridge() {
-        const Ridge& ridge = ridges_[static_cast<std::size_t>(draw_(0, double(ridges_.size())))];
+        const Ridge& ridge = ridges_[ridge_(draw_)];
         const TouchScale& scale = both_.shape().scale;
         const double deepest = 0.9999 * scale.deepest;
         const double depth = draw_(0, 1) < 0.5 ? deepest : log_uniform(draw_, scale.shallowest(), deepest);
         const glm::dvec3 on = ridge.begin + draw_(0, 1) * (ridge.end - ridge.begin);
-        const glm::dvec3 inwards = (ridge.one + ridge.other) / -(1 + reference::dot(ridge.one, ridge.other));
-        const glm::dvec3 way = 0.01 * depth * (ridge.one - ridge.other);
-        Probed at{on + depth * inwards - 0.5 * way, {}};
+        const glm::dvec3 across = reference::cross(ridge.end - ridge.begin, ridge.inwards);
+        const glm::dvec3 way = 0.01 * depth / reference::length(across) * across;
+        Probed at{on + depth * ridge.inwards - 0.5 * way, {}};
         if (both_.strokes())
-            at.from = on + draw_(0.01, 1) * scale.deepest * (0.7 * any_direction(draw_) - inwards);
+            at.from = on + draw_(0.01, 1) * scale.deepest * (0.7 * any_direction(draw_) - ridge.inwards);
         return both_.tie_on(at, way);
     }
 
     BothLaws& both_;
     const Mesh* mesh_; /* null: another surface */
     std::vector<Ridge> ridges_;
+    WeightedDraw ridge_, triangle_;
     PlaceDraw places_;
     Random draw_;
 };
@@ -344,7 +387,7 @@ std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::siz
     });
     ties.add_climbed(found, climbs, scale, [&](const Seen& best, double reach) {
         const glm::dvec3 across = 4 * reach / reference::length(best.tie.way) * best.tie.way;
-        return seen_at(both, both.tie_on(aim.near(best.tie.here, reach).moved(-0.5 * across, -0.5 * across), across),
+        return seen_at(both, both.tie_on(aim.near_tie(best.tie, reach).moved(-0.5 * across, -0.5 * across), across),
                        best.error);
     });
     for (WorstRounding& one : found)

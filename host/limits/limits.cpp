@@ -235,7 +235,57 @@ std::optional<HoldLimit> least_of_any_press(const LoopCell& cell, const std::vec
     return least;
 }
 
+// Walks along the surface, in steps of twice the depth and less, as long as `lower` finds a lower limit there.
+template <typename Lower> void walk_down(NearbyPlaces& nearby, std::optional<HoldLimit>& least, const Lower& lower) {
+    constexpr std::size_t kMost = 240; // places
+    const double depth = least->place.depth;
+    std::size_t tried = 0;
+    for (double step = 2 * depth; step > depth / 50; step /= 2)
+        for (double before = NAN; before != least->limit && least->limit > 0 && tried < kMost;) {
+            before = least->limit;
+            const RestPlace from = least->place;
+            const auto [u, v] = directions_across(from.normal);
+            for (int turn = 0; turn < 8; ++turn, ++tried) {
+                const double angle = turn * 45 * kDegree;
+                const auto place = nearby.aside(from, step * (std::cos(angle) * u + std::sin(angle) * v));
+                if (place && place->kind == from.kind)
+                    lower(*place);
+            }
+        }
+}
+
 } // namespace
+
+std::vector<RestPlace> searched_places(const LoopSurface& surface, std::size_t count) {
+    std::vector<RestPlace> places = rest_places(surface, count), found;
+    NearbyPlaces nearby(surface);
+    const LoopCell own{surface.hand, surface.rate, 1};
+    for (const PlaceKind kind : kPlaceKinds)
+        for (const double depth : surface.depths()) {
+            std::optional<HoldLimit> least;
+            for (const RestPlace& place : places)
+                if (place.kind == kind && !jumps(kind) && place.depth == depth)
+                    for (const Hold& hold : usual_holds(place.force, place.slope))
+                        take_lower(least, own, place, hold);
+            if (!least)
+                continue;
+            walk_down(nearby, least, [&](const RestPlace& place) {
+                for (const Hold& hold : usual_holds(place.force, place.slope))
+                    take_lower(least, own, place, hold, 0.999);
+            });
+            found.push_back(least->place);
+            if (least->hold.along == glm::dvec3(0))
+                continue;
+            least = turned_to_least(*least, own);
+            walk_down(nearby, least, [&](const RestPlace& place) {
+                if (supports(least->hold.along, place.force, place.slope))
+                    take_lower(least, own, place, least->hold, 0.999);
+            });
+            found.push_back(least->place);
+        }
+    places.insert(places.end(), found.begin(), found.end());
+    return places;
+}
 
 std::size_t settling_steps(const LoopCell& cell, double patience) {
     constexpr double kLeast = 2000, kMost = 1e6;

@@ -40,6 +40,10 @@ struct LeastLimit {
 /// The least of some places, at least one, over the usual holds.
 LeastLimit least_of(const LoopSurface& surface, const std::vector<const RestPlace*>& places, const LoopCell& cell);
 
+/// rest_places, and of each kind and depth the place to which the limit with the surface's own hand falls along the
+/// surface from the least of them, over the usual holds and over any press. \throws what rest_places throws.
+std::vector<RestPlace> searched_places(const LoopSurface& surface, std::size_t count);
+
 /// A row for each kind but jumps, depth and cell.
 /// The first of `cells` is marked as the hand's own. `any_press` is searched if asked for: of the first at all places,
 /// of the others where the first has its least one and where their own least limit is.

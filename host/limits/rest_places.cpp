@@ -101,6 +101,10 @@ void add_next_to(ContactForce& force, TouchPlace edge, const glm::dvec3& along, 
     }
 }
 
+bool is_within_box(const LoopSurface& surface, const glm::dvec3& at) {
+    return glm::all(glm::greaterThanEqual(at, surface.low)) && glm::all(glm::lessThanEqual(at, surface.high));
+}
+
 // At `most` vertices of a mesh within the box, and on four sides of each.
 void add_vertices(ContactForce& force, const LoopSurface& surface, std::size_t most, std::vector<RestPlace>& places) {
     const Mesh& mesh = surface.prepared.images.mesh->mesh;
@@ -108,8 +112,7 @@ void add_vertices(ContactForce& force, const LoopSurface& surface, std::size_t m
     const double shallow = surface.scale().shallowest();
     for (std::size_t i = 0; i < mesh.vertex_normals.size(); ++i) {
         const glm::dvec3 &normal = mesh.vertex_normals[i], at = mesh.polygons.vertices[i] - shallow * normal;
-        if (normal != glm::dvec3(0) && glm::all(glm::greaterThanEqual(at, surface.low)) &&
-            glm::all(glm::lessThanEqual(at, surface.high)))
+        if (normal != glm::dvec3(0) && is_within_box(surface, at))
             vertices.push_back({at, normal, shallow});
     }
     const std::size_t some = std::min(most, vertices.size());
@@ -201,6 +204,15 @@ double turn_of(const RestPlace& rest) {
     return (middle > 0 ? middle + half : middle - half) / reference::length(rest.force);
 }
 
+std::optional<RestPlace> NearbyPlaces::aside(const RestPlace& from, const glm::dvec3& aside) {
+    auto place = smooth_at(force_, {from.at + aside, from.normal, from.below}, from.depth);
+    if (!place || !is_within_box(surface_, place->at))
+        return std::nullopt;
+    place->normal = place->force / reference::length(place->force); // the surface's own, or the one that shading gives
+    place->below = place->depth;
+    return place;
+}
+
 std::optional<RestPlace> at_depth(const LoopSurface& surface, const RestPlace& place, double depth) {
     ContactForce force(surface.prepared, surface.scale());
     return smooth_at(force, {place.at, place.normal, place.below}, depth);
@@ -260,7 +272,7 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
     std::size_t found = 0;
     for (TouchPlace& point : points) {
         for (const double depth : depths)
-            if (const auto place = smooth_at(force, point, depth))
+            if (const auto place = smooth_at(force, point, depth); place && is_within_box(surface, place->at))
                 places.push_back(*place);
         if (found == edges)
             continue;
@@ -283,7 +295,7 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
                 }
             }
             const auto place = there ? edge_place(force, *there, along, depth) : std::nullopt;
-            if (!place)
+            if (!place || !is_within_box(surface, place->at))
                 continue;
             places.push_back(*place);
             any = true;

@@ -67,6 +67,19 @@ struct RestPlace {
 /// box.
 std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count);
 
+/// Places about another, at its depth, within the surface's box.
+class NearbyPlaces {
+public:
+    /// `surface` must outlive it.
+    explicit NearbyPlaces(const LoopSurface& surface) : surface_(surface), force_(surface.prepared, surface.scale()) {}
+    /// That one `aside` of it, m; empty: no smooth place of rest.
+    std::optional<RestPlace> aside(const RestPlace& from, const glm::dvec3& aside);
+
+private:
+    const LoopSurface& surface_;
+    ContactForce force_;
+};
+
 /// The same place pressed to another depth, m, along the normal; empty: no smooth place of rest.
 std::optional<RestPlace> at_depth(const LoopSurface& surface, const RestPlace& place, double depth);
 

@@ -65,7 +65,7 @@ TEST(WorstRounding, IsAJumpOnTies) {
     EXPECT_LT(worst(" none", true), 1e-4);
     EXPECT_GT(worst(" none", true), 1e-7) << "samples away from edges say 1e-7";
     EXPECT_NEAR(worst(" none", false), std::sqrt(2), 1e-3) << "under the block's right-angled edges, at every depth";
-    EXPECT_GT(worst("morgenbesser", false), 1.1) << "whatever the shading:";
+    EXPECT_GT(worst("morgenbesser", false), 1.5) << "between triangles of a flat face, too; whatever the shading:";
     EXPECT_GT(worst("mean_value", false), 0.55)
         << "its normals continue over an edge, but not over a bisector below it";
     EXPECT_GT(worst("two_pass", false), 4) << "near facets square to its direction";

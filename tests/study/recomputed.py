@@ -63,11 +63,8 @@ def check_jumps(rows):
             row = kept[f"{what}, {shading}"]
             table, own = float(row["error_1"]), "barycentric" if shading == "mean_value" else shading
             near(f"{what}, {shading}: jump there", table, block.jump_at(own, place_of(row)) / DEEPEST, 1e-3)
-            # The study climbs from random places, which may miss the worst: with morgenbesser that under an edge
-            # within a flat face; so no upper end there, nor with two_pass, whose force grows steeply.
             found = max(most[own], block.jumps_within(own, DEEPEST) / DEEPEST)
-            low = 0.9 if own == "two_pass" else 0.98
-            high = 1.05 if own in ("none", "barycentric") else math.inf
+            low, high = (0.9, 1.1) if own == "two_pass" else (0.98, 1.02)  # two_pass grows steeply towards its worst
             check(f"{what}, {shading}: largest jump", table, found, low * table, high * table)
 
 

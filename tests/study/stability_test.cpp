@@ -307,6 +307,18 @@ TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
     }
 }
 
+// The least is at the border of the box, 1201 N/m by other code.
+TEST(LeastLimits, OfSearchedPlacesAreNoMoreThanThoseOfManyMore) {
+    const LoopSurface& mesh = own("shaded mesh");
+    const auto least = [&](const std::vector<RestPlace>& places) {
+        return worst_of(least_limits(mesh, places, {{mesh.hand, mesh.rate, 1}}))->limit.value();
+    };
+    const double searched = least(searched_places(mesh, 40));
+    EXPECT_NEAR(searched, 1201, 5);
+    EXPECT_LE(searched, least(rest_places(mesh, 300)));
+    EXPECT_GT(least(rest_places(mesh, 40)), 1.05 * searched) << "drawn places alone";
+}
+
 // On a plane the wall's limit alone counts; on a curved one less, and less still where it is felt enlarged.
 TEST(SceneLimits, NameWhatTheyLeaveOut) {
     const auto text_of = [](const std::string& surface, const std::string& hand) {

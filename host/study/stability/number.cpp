@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
 
+#include "host/numbers.h"
 #include "host/random.h"
 #include "host/reference/surfaces.h"
 #include "host/study/stability/stability.h"
@@ -385,9 +386,9 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, 
                                    "force where both meet the same facet",
                                    same->error);
     if (other)
-        text += fmt::format(", and by up to {:.2g} times that force where two facets are equally near and rounding "
+        text += fmt::format(", and by up to {} times that force where two facets are equally near and rounding "
                             "chooses: the static field jumps there whatever the shading",
-                            other->error);
+                            numbers::number_text(other->error, 2));
     std::string laws = same->law + (other ? "; " + other->law : std::string());
     if (const LawRounding* stroke = worst(true, true)) {
         text += fmt::format(". A god-object's differs by up to {:.2g} of it at the ends of strokes", stroke->error);

@@ -77,12 +77,19 @@ std::vector<TessellatedLimit> limits_by_tessellation(const LoopSurface& surface,
     };
     add(0, limits);
     const SurfaceSpec& spec = surface.prepared.one.scene.surface;
-    const double reach = std::hypot(spec.radius * std::asin(surface.high.x / spec.radius), surface.high.y) + 1e-3; // m
+    const double beyond = surface.deepest; // m: of the surface above a probe
+    const double reach =
+        std::hypot(spec.radius * std::asin((surface.high.x + beyond) / spec.radius), surface.high.y + beyond);
     for (std::size_t number = 1; number <= (quick ? 2 : 4); ++number) {
         LoopSurface other = surface;
         other.prepared.images.mesh =
             cylinder_patch({spec.width / 2, spec.radius, kMeshCells, kMeshCells}, DrawnPatch{reach, number});
-        add(number, least_limits(other, rest_places(other, points), {settings_of(surface, true).front()}, true));
+        std::vector<LeastLimit> found =
+            least_limits(other, searched_places(other, points), {settings_of(surface, true).front()}, true);
+        for (LeastLimit& one : found)
+            if (&one == worst_of(found, surface.name))
+                one.simulated = simulated_limit(other, one);
+        add(number, found);
     }
     return all;
 }
@@ -117,7 +124,7 @@ std::vector<PressLimit> limits_by_press(const LoopSurface& surface, const std::v
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
-    const std::vector<RestPlace> places = rest_places(surface, points);
+    const std::vector<RestPlace> places = searched_places(surface, points);
     std::vector<LoopCell> settings = settings_of(surface, quick);
     if (surface.limits_alone)
         settings.resize(1); // the surface's own hand

@@ -97,7 +97,11 @@ Table tessellation_table(const LoopResults& results) {
          {"depth_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.least.place.depth; }},
          {"limit_N_per_m", "N/m", "as in loop_limits, with the hand's own", [](const R& r) { return r.least.limit; }},
          {"any_press_N_per_m", "N/m", "as in loop_limits",
-          [](const R& r) { return r.least.any_press ? Cell(r.least.any_press->limit) : Cell(); }}},
+          [](const R& r) { return r.least.any_press ? Cell(r.least.any_press->limit) : Cell(); }},
+         {"simulated_N_per_m", "N/m", "as in loop_limits, of the least of all kinds and depths",
+          [](const R& r) { return r.least.simulated; }},
+         {"x_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.least.place.at.x; }},
+         {"y_mm", "mm", "of the probe", [](const R& r) { return 1e3 * r.least.place.at.y; }}},
         results.tessellated);
 }
 
