@@ -96,6 +96,13 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
                         (surface.stiffness > worst.any_press->limit && surface.stiffness < *worst.limit
                              ? " So its own is unstable there."
                              : "");
+    const TessellatedLimit* lower = nullptr;
+    for (const TessellatedLimit& one : results.tessellated)
+        if (one.least.limit && *one.least.limit < (lower ? *lower->least.limit : *worst.limit))
+            lower = &one;
+    if (lower)
+        finding.text += fmt::format(" The {}, tessellated anew, is stable up to {}.", lower->least.surface,
+                                    newtons(*lower->least.limit));
     return finding;
 }
 
