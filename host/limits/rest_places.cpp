@@ -205,12 +205,13 @@ double turn_of(const RestPlace& rest) {
 }
 
 std::optional<RestPlace> NearbyPlaces::aside(const RestPlace& from, const glm::dvec3& aside) {
-    auto place = smooth_at(force_, {from.at + aside, from.normal, from.below}, from.depth);
-    if (!place || !is_within_box(surface_, place->at))
+    const auto place = smooth_at(force_, {from.at + aside, from.normal, from.below}, from.depth);
+    if (!place)
         return std::nullopt;
-    place->normal = place->force / reference::length(place->force); // the surface's own, or the one that shading gives
-    place->below = place->depth;
-    return place;
+    // Approached along the normal there: the surface's own, or the one that shading gives.
+    const glm::dvec3 normal = place->force / reference::length(place->force);
+    auto there = smooth_at(force_, {place->at, normal, place->depth}, from.depth);
+    return there && is_within_box(surface_, there->at) ? there : std::nullopt;
 }
 
 std::optional<RestPlace> at_depth(const LoopSurface& surface, const RestPlace& place, double depth) {
