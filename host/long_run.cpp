@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <set>
 #include <sys/ioctl.h>
 #include <unistd.h>

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <pthread.h>
 #include <string>
 #include <string_view>

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/limits/linear_loop.h"
 #include "host/output/files.h"
 
 namespace forceshade::device {

@@ -3,7 +3,6 @@
 // now, and both compute the same bits.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #include "host/cli/grammar.h"
 
 #include <algorithm>
-#include <string_view>
 
 #include <fmt/format.h>
 

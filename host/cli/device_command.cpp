@@ -2,7 +2,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "device/session/session.h"

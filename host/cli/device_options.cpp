@@ -1,7 +1,6 @@
 #include "host/cli/command.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 #include <utility>
 #include <vector>

@@ -10,7 +10,6 @@
 #include "host/experiment/run.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
-#include "host/report/report.h"
 #include "host/study/study_data.h"
 
 namespace forceshade {

@@ -15,7 +15,6 @@
 #include "host/output/files.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
-#include "host/scene/cases.h"
 #include "host/sweep/sweep.h"
 #include "host/threads.h"
 #include "host/touch/places.h"

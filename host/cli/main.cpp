@@ -1,5 +1,4 @@
 // The command line. Every error ends here: on stderr, and in an exit code.
-#include <csignal>
 #include <filesystem>
 #include <new>
 #include <span>

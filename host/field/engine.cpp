@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -14,7 +12,6 @@
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
-#include "host/output/files.h"
 #include "host/output/kept.h"
 #include "host/output/rows.h"
 #include "host/reference/field.h"

@@ -5,8 +5,6 @@
 #include <set>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
 #include "host/error.h"
 #include "host/mesh/exact.h"
 #include "host/mesh/places.h"

@@ -10,7 +10,6 @@
 #include <random>
 #include <regex>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 #include <sys/file.h>
 #include <sys/stat.h>

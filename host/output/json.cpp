@@ -2,7 +2,6 @@
 
 #include <array>
 #include <limits>
-#include <string>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

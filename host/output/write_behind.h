@@ -2,7 +2,6 @@
 // waited for.
 #pragma once
 
-#include <algorithm>
 #include <cerrno>
 #include <condition_variable>
 #include <cstddef>

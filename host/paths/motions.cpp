@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include "host/error.h"
 #include "host/reference/motion.h"
 

@@ -6,8 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include <glm/geometric.hpp>
-
 namespace forceshade::brute {
 
 namespace {

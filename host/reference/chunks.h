@@ -1,7 +1,6 @@
 // What evaluating many samples takes: threads that share the work out, and the buffers of a chunk's results.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>

@@ -4,7 +4,6 @@
 #include <array>
 #include <set>
 
-#include <fmt/format.h>
 #include <fnmatch.h>
 
 #include "host/error.h"

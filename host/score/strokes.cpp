@@ -11,7 +11,6 @@
 
 #include "host/error.h"
 #include "host/scene/value.h"
-#include "host/spelling.h"
 #include "host/text.h"
 
 namespace forceshade::score {

@@ -2,7 +2,6 @@
 // writes nowhere.
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <mutex>
 #include <stdexcept>

@@ -2,7 +2,6 @@
 // controller.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 #include <fmt/format.h>

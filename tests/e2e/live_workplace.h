@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <csignal>
-#include <fstream>
 #include <sstream>
 #include <thread>
 

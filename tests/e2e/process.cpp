@@ -1,7 +1,6 @@
 #include "tests/e2e/process.h"
 #include "tests/places.h"
 
-#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
@@ -11,7 +10,6 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,6 +1,5 @@
 #include "tests/e2e/volume.h"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include <ImathBox.h>

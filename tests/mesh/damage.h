@@ -1,7 +1,6 @@
 // Closed triangle meshes damaged in ways that leave the shape as it is.
 #pragma once
 
-#include <cstdint>
 #include <random>
 
 #include "host/mesh/mesh.h"

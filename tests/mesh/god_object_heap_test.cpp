@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <new>
 
 #include <gtest/gtest.h>
 

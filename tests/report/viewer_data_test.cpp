@@ -1,6 +1,5 @@
 // The viewer's volumes: what they keep of the files, and how much of the page they take.
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 #include <zlib.h>

@@ -1,5 +1,4 @@
 // Files of strokes and forces, as other programs write them.
-#include <cstring>
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/referee/referee.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {
