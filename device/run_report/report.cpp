@@ -8,6 +8,7 @@
 
 #include "device/run_report/text.h"
 #include "host/output/files.h"
+#include "host/output/json.h"
 #include "host/program.h"
 #include "host/report/report.h"
 #include "host/spelling.h"
@@ -101,8 +102,6 @@ void add_counts(WrappedLines& lines, const LiveOutcome& outcome) {
     for (const std::string& line : count_rows(columns))
         lines.add_line(line);
 }
-
-using Json = nlohmann::ordered_json;
 
 Json number(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);

@@ -14,7 +14,7 @@
 #include "host/limits/limits.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
-#include "host/paths/motions.h"
+#include "host/output/json.h"
 #include "host/paths/recorded.h"
 #include "host/program.h"
 #include "host/report/report.h"

@@ -13,6 +13,7 @@
 #include "host/field/prepared_case.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
+#include "host/output/json.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
 #include "host/sweep/sweep.h"
@@ -21,8 +22,6 @@
 
 namespace forceshade {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // A law of the report: a field, or paths.
 struct Law {

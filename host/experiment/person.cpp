@@ -15,14 +15,13 @@
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/experiment/session_pages.h"
+#include "host/output/json.h"
 #include "host/program.h"
 #include "host/server/page_server.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::experiment {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kBuffered = 16;        // s: of samples between two looks
 constexpr double kFreeOfContact = 0.05; // s: without contact before a stimulus is displayed

@@ -25,7 +25,6 @@
 namespace forceshade::experiment {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using namespace std::string_view_literals;
 
 template <typename T> bool parsed(std::string_view text, T& value) {

@@ -4,11 +4,10 @@
 
 #include "experiment_pages.h"
 #include "host/experiment/page_text.h"
+#include "host/output/json.h"
 
 namespace forceshade::experiment {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // The section of a bump of these facets, as a picture.
 Json section_of_bump(unsigned facets) {

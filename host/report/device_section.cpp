@@ -7,14 +7,13 @@
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/limits/limits.h"
+#include "host/output/json.h"
 #include "host/program.h"
 #include "host/report/sections.h"
 #include "host/scene/study.h"
 
 namespace forceshade::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // Where a loop on the surfaces of the scenes is the least stable: of the first scene with shading and the first
 // without; null if there are scenes, but the files of none.

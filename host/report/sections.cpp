@@ -8,13 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <openssl/evp.h>
 
+#include "host/output/json.h"
 #include "host/spelling.h"
 #include "host/study/study_data.h"
 
 namespace forceshade::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
 

@@ -13,6 +13,7 @@
 #include "host/field/prepared_case.h"
 #include "host/long_run.h"
 #include "host/output/exr_volume.h"
+#include "host/output/json.h"
 #include "host/picture/picture.h"
 #include "host/program.h"
 #include "host/report/sections.h"
@@ -83,8 +84,6 @@ std::string compressed(const std::string& bytes) {
     result.resize(length);
     return result;
 }
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostPoints = 130; /* of a row; beyond that facets do not show */
 constexpr std::size_t kRows = 33;

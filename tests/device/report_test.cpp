@@ -9,6 +9,7 @@
 #include "device/run_report/report.h"
 #include "device/run_report/text.h"
 #include "host/error.h"
+#include "host/output/json.h"
 #include "host/program.h"
 #include "tests/device/report_cases.h"
 #include "tests/io/folder.h"
@@ -20,8 +21,6 @@ using forceshade::testing::Folder;
 using forceshade::testing::lines_of;
 using forceshade::testing::message_of;
 using forceshade::testing::says;
-
-using Json = nlohmann::ordered_json;
 
 TEST(ReportJson, CanBeReadAgainWhateverItIsTold) {
     for (const auto& [file, outcome] : cases()) {

@@ -1,6 +1,7 @@
 // JSON of a case and of a study: what is understood is written and read as the same, its tables as CSV too.
 #include <nlohmann/json.hpp>
 
+#include "host/output/json.h"
 #include "host/output/record.h"
 #include "host/paths/path_reader.h"
 #include "host/study/study_data.h"
@@ -10,7 +11,6 @@ namespace forceshade {
 namespace {
 
 using fuzz::require;
-using Json = nlohmann::ordered_json;
 
 /// Whether what is written stands in what was read: numbers as they were unless a type rounds them.
 bool stems_from(const Json& written, const Json& read) {

@@ -19,7 +19,6 @@ namespace forceshade {
 namespace {
 
 using fuzz::require;
-using Json = nlohmann::ordered_json;
 
 /// Tags and their attributes' names, as a strict reader of HTML finds them.
 class Markup {

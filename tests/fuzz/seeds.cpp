@@ -24,8 +24,6 @@
 namespace forceshade {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 class Seeds {
 public:
     explicit Seeds(std::filesystem::path folder) : folder_(std::move(folder)) {}
