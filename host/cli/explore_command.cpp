@@ -59,9 +59,7 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
                     Scene scene) {
     nlohmann::ordered_json json;
     json["out"] = arguments.metrics_only ? nlohmann::ordered_json() : nlohmann::ordered_json(arguments.out);
-    json["files"] = nlohmann::ordered_json::array();
-    for (const FileRecord& file : record.files)
-        json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
+    json["files"] = record.files;
     json["engine"] = {{"kind", engine.engine}, {"device", engine.device}, {"driver", engine.driver}};
     json.update(paths_json(record));
     scene.field = false;

@@ -75,4 +75,14 @@ void read_whole(const Json& json, std::array<std::uint64_t, 3>& values) {
         read_whole(json.at(i), values[i]);
 }
 
+void to_json(Json& json, const FileRecord& file) {
+    json = {{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}};
+}
+
+void from_json(const Json& json, FileRecord& file) {
+    file.name = json.at("name");
+    file.sha256 = json.at("sha256");
+    read_whole(json.at("bytes"), file.bytes);
+}
+
 } // namespace forceshade

@@ -11,6 +11,8 @@
 
 namespace forceshade {
 
+struct FileRecord;
+
 using Json = nlohmann::ordered_json;
 
 /// What stands in the text; is_discarded() if that is no JSON, is nested more than 32 deep or has an object of more
@@ -27,6 +29,10 @@ Json read_json(const std::filesystem::path& path);
 void read_whole(const Json& json, std::uint64_t& value);
 void read_whole(const Json& json, unsigned& value);
 void read_whole(const Json& json, std::array<std::uint64_t, 3>& values);
+
+/// A file as accounts name it.
+void to_json(Json& json, const FileRecord& file);
+void from_json(const Json& json, FileRecord& file);
 
 template <typename T>
 concept Whole = requires(const Json& json, T& value) {

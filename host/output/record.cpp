@@ -160,9 +160,7 @@ Json to_json(const CaseRecord& record) {
         json["inputs"].push_back({{"name", file.name}, {"sha256", file.sha256}});
     json["precision"] = record.precision;
     list_engine(JsonWriter{json["engine"]}, record.engine);
-    json["files"] = Json::array();
-    for (const FileRecord& file : record.files)
-        json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
+    json["files"] = record.files;
     list_case(JsonWriter{json}, record);
     json["oracle"]["relative_error"] = record.error.relative();
     if (record.deviation)
@@ -185,10 +183,7 @@ CaseRecord from_json(const Json& json) {
         record.inputs.push_back({file.at("name"), file.at("sha256"), 0});
     record.precision = json.at("precision");
     list_engine(JsonReader{json.at("engine")}, record.engine);
-    for (const Json& file : json.at("files")) {
-        record.files.push_back({file.at("name"), file.at("sha256"), 0});
-        read_whole(file.at("bytes"), record.files.back().bytes);
-    }
+    json.at("files").get_to(record.files);
     list_case(JsonReader{json}, record);
     const auto read_deviation = [](const Json& from, std::optional<DeviationRecord>& deviation) {
         if (!from.contains("compare"))

@@ -144,8 +144,6 @@ template <typename T> static void read_member(const Json& json, T& value) {
         json.get_to(value);
 }
 
-FORCESHADE_FIELDS(FileRecord, name, sha256, bytes)
-
 namespace study {
 
 void to_json(Json& json, const Cell& cell) {
