@@ -163,13 +163,16 @@ std::string text_file_name(std::string_view key) {
     return std::string(key) + (key == "conditions" ? ".csv" : ".md");
 }
 
-std::vector<std::pair<std::string, std::string>> texts_of(const ExperimentSpec& spec) {
-    std::vector<std::pair<std::string, std::string>> texts;
+std::vector<std::pair<std::string, std::string>> given_files(const ExperimentSpec& spec) {
+    std::vector<std::pair<std::string, std::string>> files;
+    for (const Answer& answer : spec.answers)
+        if (!answer.picture.bytes.empty())
+            files.emplace_back(answer.picture_file(), answer.picture.bytes);
     for (const auto& [key, file] :
          {std::pair("consent", &spec.consent), {"instructions", &spec.instructions}, {"conditions", &spec.conditions}})
         if (!file->bytes.empty())
-            texts.emplace_back(text_file_name(key), file->bytes);
-    return texts;
+            files.emplace_back(text_file_name(key), file->bytes);
+    return files;
 }
 
 namespace {

@@ -88,8 +88,8 @@ struct ExperimentSpec {
     double track_ratio = 1;          /* of the ends of a threshold's interval, which end its track; 1: trials do */
 };
 
-/// The text files that are given: their names in materials/ and what they hold.
-std::vector<std::pair<std::string, std::string>> texts_of(const ExperimentSpec& spec);
+/// The pictures and text files that are given: their names in materials/ and what they hold.
+std::vector<std::pair<std::string, std::string>> given_files(const ExperimentSpec& spec);
 
 /// What is asked about in a trial: indices of the study's cases.
 struct Condition {

@@ -356,10 +356,7 @@ void SessionRecord::write_materials() const {
     const bool is_set_up = std::filesystem::exists(experiment_file, error);
     if (is_set_up) {
         require_same("experiment.toml", is_same(read_file(experiment_file), experiment_file, toml));
-        for (const Answer& answer : experiment_.spec.answers)
-            if (const std::string name = answer.picture_file(); !name.empty())
-                require_same(name, read_file(materials / name) == answer.picture.bytes);
-        for (const auto& [name, bytes] : texts_of(experiment_.spec))
+        for (const auto& [name, bytes] : given_files(experiment_.spec))
             require_same(name, read_file(materials / name) == bytes);
     } else if (!set_up.was_begun()) {
         if (!std::filesystem::is_empty(folder_, error))
@@ -398,10 +395,7 @@ void SessionRecord::write_materials() const {
         return;
     for (const Case& one : experiment_.study.cases)
         write_file_atomically(materials / "stimuli" / (one.name + ".toml"), forceshade::resolved_toml(one));
-    for (const Answer& answer : experiment_.spec.answers)
-        if (const std::string name = answer.picture_file(); !name.empty())
-            write_file_atomically(materials / name, answer.picture.bytes);
-    for (const auto& [name, bytes] : texts_of(experiment_.spec))
+    for (const auto& [name, bytes] : given_files(experiment_.spec))
         write_file_atomically(materials / name, bytes);
     write_file_atomically(folder_ / "dataset_description.json", description(experiment_));
     write_file_atomically(folder_ / "README.md", readme(experiment_));
