@@ -142,13 +142,12 @@ std::string duration_text(double seconds) {
     return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
-std::string size_text(std::uint64_t bytes) {
-    static constexpr std::array<const char*, 4> kUnits{"B", "KiB", "MiB", "GiB"};
-    double size = static_cast<double>(bytes);
+std::string size_text(double bytes) {
+    constexpr std::array kUnits{"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
     std::size_t unit = 0;
-    for (; size >= 1024 && unit + 1 < kUnits.size(); ++unit)
-        size /= 1024;
-    return fmt::format("{} {}", trimmed(size, unit == 0 || size >= 100 ? 0 : 1), kUnits[unit]);
+    for (; bytes >= 999.5 && unit + 1 < kUnits.size(); ++unit)
+        bytes /= 1000;
+    return unit == 0 ? fmt::format("{:.0f} bytes", bytes) : fmt::format("{:.3g} {}", bytes, kUnits[unit]);
 }
 
 } // namespace forceshade::numbers

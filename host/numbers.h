@@ -60,7 +60,7 @@ std::string count_text(std::uint64_t count);
 /// "1 min 5 s", "3.2 s".
 std::string duration_text(double seconds);
 
-/// "3.1 MiB"
-std::string size_text(std::uint64_t bytes);
+/// "3.14 MB"
+std::string size_text(double bytes);
 
 } // namespace forceshade::numbers

@@ -9,6 +9,7 @@
 
 #include "device/backends/devices.h"
 #include "host/clock.h"
+#include "host/numbers.h"
 #include "host/program.h"
 
 namespace forceshade::device {
@@ -141,9 +142,7 @@ SafetyLimits limits_of(const SessionOptions& options, const Scene& scene, const 
 void check_button(const char* flag, unsigned button, const DeviceFacts& facts) {
     if (button > facts.buttons)
         throw UsageError("{} {}: {} reports {}", flag, button, facts.name,
-                         facts.buttons == 0
-                             ? "no buttons"
-                             : fmt::format("at most {} button{}", facts.buttons, facts.buttons == 1 ? "" : "s"));
+                         facts.buttons == 0 ? "no buttons" : "at most " + numbers::counted(facts.buttons, "button"));
 }
 
 class Session {

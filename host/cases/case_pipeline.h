@@ -112,7 +112,4 @@ bool is_space_doubtful(const std::filesystem::path& folder, const Forecast& fore
 /// The warning where they probably do not fit, else empty.
 std::string space_warning(const std::filesystem::path& folder, const Forecast& forecast);
 
-/// "3.4 GB"
-std::string bytes_text(double bytes);
-
 } // namespace forceshade

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/field/prepared_case.h"
+#include "host/numbers.h"
 #include "host/paths/motions.h"
 #include "host/threads.h"
 
@@ -46,7 +47,7 @@ double saved(const Savings& by, const Workload& work, unsigned threads) {
 }
 
 std::string cpu_text(unsigned threads) {
-    return fmt::format("cpu ({} thread{})", threads, threads == 1 ? "" : "s");
+    return fmt::format("cpu ({})", numbers::counted(threads, "thread"));
 }
 
 EngineChoice left_to_cpu(unsigned threads, const std::string& gpu) {

@@ -12,6 +12,7 @@
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/long_run.h"
+#include "host/numbers.h"
 
 namespace forceshade {
 namespace {
@@ -197,7 +198,8 @@ void require_space(const std::filesystem::path& folder, const Forecast& forecast
     if (const double free = free_bytes(folder); forecast.least_bytes > free)
         throw IoError("cannot write into {}: even at the best compression the files take {} ({:.0f} bytes), and {} "
                       "({:.0f} bytes) are free; free space there, choose another folder, or compute fewer voxels",
-                      folder.string(), bytes_text(forecast.least_bytes), forecast.least_bytes, bytes_text(free), free);
+                      folder.string(), numbers::size_text(forecast.least_bytes), forecast.least_bytes,
+                      numbers::size_text(free), free);
 }
 
 bool is_space_doubtful(const std::filesystem::path& folder, const Forecast& forecast) {
@@ -208,16 +210,8 @@ std::string space_warning(const std::filesystem::path& folder, const Forecast& f
     const double free = free_bytes(folder);
     if (forecast.bytes.value_or(0) <= free)
         return {};
-    return fmt::format("the files will probably take {}, and {} are free in {}", bytes_text(*forecast.bytes),
-                       bytes_text(free), folder.string());
-}
-
-std::string bytes_text(double bytes) {
-    constexpr std::array kUnits{"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
-    std::size_t unit = 0;
-    for (; bytes >= 999.5 && unit + 1 < kUnits.size(); ++unit)
-        bytes /= 1000;
-    return unit == 0 ? fmt::format("{:.0f} bytes", bytes) : fmt::format("{:.3g} {}", bytes, kUnits[unit]);
+    return fmt::format("the files will probably take {}, and {} are free in {}", numbers::size_text(*forecast.bytes),
+                       numbers::size_text(free), folder.string());
 }
 
 } // namespace forceshade

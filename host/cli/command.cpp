@@ -159,10 +159,6 @@ void refuse_unknown(const char* what, const std::string& word, const std::vector
                      meant.empty() ? "" : fmt::format(", did you mean {}?", meant), fmt::join(names, ", "));
 }
 
-std::string plural(std::uint64_t count, const char* noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 void print_data(const std::string& text) {
     draw_line(""); // both may be the same terminal
     if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)

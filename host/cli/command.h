@@ -234,9 +234,6 @@ std::string full_path(const std::filesystem::path& file);
 /// `no study "omision", did you mean omission?; there are ...`. \throws UsageError.
 [[noreturn]] void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names);
 
-/// "1 path", "2 paths".
-std::string plural(std::uint64_t count, const char* noun);
-
 /// Data for stdout. \throws IoError if it cannot be written.
 void print_data(const std::string& text);
 

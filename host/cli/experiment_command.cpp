@@ -9,6 +9,7 @@
 #include "host/experiment/analysis.h"
 #include "host/experiment/run.h"
 #include "host/long_run.h"
+#include "host/numbers.h"
 #include "host/output/files.h"
 #include "host/study/study_data.h"
 
@@ -110,8 +111,8 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
         options.paths = person || arguments.paths;
         options.participant = participant_facts(arguments);
         const std::size_t answered = experiment::run_session(experiment, *participant, options);
-        note(common, "subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),
-             arguments.out);
+        note(common, "subject {}, session {}: {} in {}\n", subject, arguments.session,
+             numbers::counted(answered, "trial"), arguments.out);
     }
     return 0;
 }

@@ -13,6 +13,7 @@
 #include "host/field/prepared_case.h"
 #include "host/limits/limits.h"
 #include "host/long_run.h"
+#include "host/numbers.h"
 #include "host/output/files.h"
 #include "host/output/json.h"
 #include "host/paths/recorded.h"
@@ -72,13 +73,13 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
 void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine, const Scene& scene) {
     print_note("{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, "
                "work {:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it{}\n",
-               out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device,
+               out, numbers::counted(record.paths, "path"), numbers::counted(record.steps, "step"), engine.device,
                record.steps_per_second() / 1e6, 100 * share(record.in_contact, record.samples), record.unstable,
                record.largest_force, record.work, record.mean_depth, record.depth_deviation,
-               record.error.paths == 0
-                   ? ""
-                   : fmt::format("; {} of {} compared with the oracle, {} differ", record.error.paths,
-                                 plural(record.paths, "path"), record.error.differing + record.error.metrics));
+               record.error.paths == 0 ? ""
+                                       : fmt::format("; {} of {} compared with the oracle, {} differ",
+                                                     record.error.paths, numbers::counted(record.paths, "path"),
+                                                     record.error.differing + record.error.metrics));
     const bool is_studied = scene.paths && scene.paths->kind != PathKind::recorded;
     print_note("{}{}\n", left_out_text(scene), is_studied ? " (what that saves: forceshade study omission SCENE)" : "");
     if (record.deviation)
@@ -99,10 +100,10 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
     if (record.began_inside > 0 && !followed)
         print_note(
             "warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",
-            record.began_inside, plural(record.paths, "path"));
+            record.began_inside, numbers::counted(record.paths, "path"));
     if (record.unstable > 0)
         print_note("warning: {} of {} left the bound round their target and are flagged unstable{}\n", record.unstable,
-                   plural(record.paths, "path"),
+                   numbers::counted(record.paths, "path"),
                    record.fell > 0 ? fmt::format(", {} of them fell off the surface", record.fell) : "");
 }
 

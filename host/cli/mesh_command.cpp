@@ -9,6 +9,7 @@
 #include "host/field/prepared_case.h"
 #include "host/long_run.h"
 #include "host/mesh/findings.h"
+#include "host/numbers.h"
 #include "host/picture/picture.h"
 #include "host/program.h"
 #include "host/scene/value.h"
@@ -119,11 +120,12 @@ std::string as_json(const Inspected& one) {
 std::string facet_kinds(const MeshFindings& found) {
     std::vector<std::string> kinds;
     if (found.triangles > 0)
-        kinds.push_back(plural(found.triangles, "triangle"));
+        kinds.push_back(numbers::counted(found.triangles, "triangle"));
     if (found.quadrilaterals > 0)
-        kinds.push_back(plural(found.quadrilaterals, "quadrilateral"));
+        kinds.push_back(numbers::counted(found.quadrilaterals, "quadrilateral"));
     if (found.others > 0)
-        kinds.push_back(fmt::format("{} of up to {} corners", plural(found.others, "facet"), found.most_corners));
+        kinds.push_back(
+            fmt::format("{} of up to {} corners", numbers::counted(found.others, "facet"), found.most_corners));
     return fmt::format("{}", fmt::join(kinds, ", "));
 }
 
@@ -153,13 +155,13 @@ std::string surface(const Inspected& one) {
                               : found.volume > 0            ? ", faces outward"
                               : found.volume < 0            ? ", faces inward"
                                                             : "";
-    const std::string crossings =
-        !found.self_intersections ? "crossings not looked for in a mesh of this size"
-        : *found.self_intersections == 0
-            ? "no crossings"
-            : (found.more_self_intersections ? "at least " : "") + plural(*found.self_intersections, "crossing");
+    const std::string crossings = !found.self_intersections ? "crossings not looked for in a mesh of this size"
+                                  : *found.self_intersections == 0
+                                      ? "no crossings"
+                                      : (found.more_self_intersections ? "at least " : "") +
+                                            numbers::counted(*found.self_intersections, "crossing");
     return fmt::format("{}, {}{}, {}; area {:.6g} {}^2, volume {:.6g} {}^3{}", found.closed ? "closed" : "open",
-                       plural(found.components, "piece"), faces, crossings, found.area * m * m, one.unit,
+                       numbers::counted(found.components, "piece"), faces, crossings, found.area * m * m, one.unit,
                        found.volume * m * m * m, one.unit,
                        found.closed ? "" : " (of an open surface: no meaning of its own)");
 }
@@ -169,7 +171,7 @@ std::string few_pieces(const Inspected& one) {
     std::string text;
     const std::vector<MeshPiece> pieces = find_pieces(one.mesh->mesh.polygons).pieces;
     for (std::size_t i = 0; i < pieces.size(); ++i)
-        text += fmt::format("{}{}: {}, {}{}", i == 0 ? "" : "; ", i + 1, plural(pieces[i].facets, "facet"),
+        text += fmt::format("{}{}: {}, {}{}", i == 0 ? "" : "; ", i + 1, numbers::counted(pieces[i].facets, "facet"),
                             pieces[i].closed ? fmt::format("{:.6g} {}^3, ", pieces[i].volume, one.unit) : "",
                             standing_of(pieces[i]));
     return text;
@@ -186,7 +188,8 @@ std::string force(const Inspected& one) {
         text += ", whichever piece that is of";
     if (const std::size_t sharp = one.marks.sharp.size())
         text += fmt::format("; shading rounds {} sharper than {:g} deg (normals = \"crease:{:g} deg\" keeps {})",
-                            plural(sharp, "edge"), MeshMarks::kSharp, MeshMarks::kSharp, sharp == 1 ? "it" : "them");
+                            numbers::counted(sharp, "edge"), MeshMarks::kSharp, MeshMarks::kSharp,
+                            sharp == 1 ? "it" : "them");
     return text;
 }
 
@@ -242,7 +245,8 @@ std::string outcome(CasePreparation& preparation, const Inspected& one) {
         if (const MeshFault& fault = then.faults[i]; fault.is_wrong)
             left += (left.empty() ? "" : "; ") + fault.what;
     return fmt::format("{}, {}; {}", then.mesh->findings.closed ? "closed" : "open",
-                       plural(then.mesh->findings.components, "piece"), left.empty() ? "nothing is wrong" : left);
+                       numbers::counted(then.mesh->findings.components, "piece"),
+                       left.empty() ? "nothing is wrong" : left);
 }
 
 std::string as_text(CasePreparation& preparation, const Inspected& one, const std::string& unit) {

@@ -9,6 +9,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/long_run.h"
+#include "host/numbers.h"
 #include "host/output/files.h"
 #include "host/report/report.h"
 #include "host/score/course.h"
@@ -145,8 +146,8 @@ int run(const ScoreArguments& given, const CommonOptions& common) {
         data.notes.push_back(
             fmt::format("{}: {}, SHA-256 {}.", source.name, source.library.string(), sha256_of_file(source.library)));
     if (!common.json)
-        print_data(fmt::format("{} of {}\n{}{}", plural(strokes.all.size(), "stroke"),
-                               plural(strokes.samples(), "sample"), score::score_text(scores),
+        print_data(fmt::format("{} of {}\n{}{}", numbers::counted(strokes.all.size(), "stroke"),
+                               numbers::counted(strokes.samples(), "sample"), score::score_text(scores),
                                scenes.empty() ? "" : score::scenes_text(scenes)));
     if (!arguments.out.empty()) {
         make_subfolder(arguments.out, "score");
@@ -160,7 +161,7 @@ int run(const ScoreArguments& given, const CommonOptions& common) {
     if (failed > 0)
         throw Error(ExitCode::failed,
                     fmt::format("{} failed and {} no score; the table says why",
-                                plural(std::uint64_t(failed), "renderer"), failed == 1 ? "has" : "have"));
+                                numbers::counted(std::uint64_t(failed), "renderer"), failed == 1 ? "has" : "have"));
     return 0;
 }
 

@@ -12,7 +12,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/long_run.h"
-#include "host/output/files.h"
+#include "host/numbers.h"
 #include "host/program.h"
 #include "host/report/report.h"
 #include "host/sweep/sweep.h"
@@ -87,8 +87,9 @@ std::string forecast_text(const SweepResult& result, const SweepOptions& options
     text += fmt::format("voxels   {:.0f}\n", needed.voxels);
     if (needed.samples > 0)
         text += fmt::format("samples  {:.0f} of paths\n", needed.samples);
-    text += fmt::format("on disk  about {}, between {} and {}; {} are free{}\n", bytes_text(*needed.bytes),
-                        bytes_text(needed.least_bytes), bytes_text(needed.most_bytes), bytes_text(free),
+    text += fmt::format("on disk  about {}, between {} and {}; {} are free{}\n", numbers::size_text(*needed.bytes),
+                        numbers::size_text(needed.least_bytes), numbers::size_text(needed.most_bytes),
+                        numbers::size_text(free),
                         needed.least_bytes > free ? ": that cannot fit"
                         : *needed.bytes > free    ? ": too few"
                                                   : "");
@@ -103,7 +104,7 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
                    const std::filesystem::path& report) {
     if (options.shard)
         print_note("shard {}/{}: ", options.shard->index, options.shard->count);
-    print_note("{}: {} computed{}, {} kept from before{}\n", plural(result.chosen, "case"), result.computed,
+    print_note("{}: {} computed{}, {} kept from before{}\n", numbers::counted(result.chosen, "case"), result.computed,
                result.computed
                    ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
                    : "",
@@ -122,7 +123,7 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
         print_note("warning: {}\n", warning);
     if (!result.untouched.empty())
         print_note("warning: {} of {} without any force, since no voxel of their grids is in contact: {}{}\n",
-                   result.untouched.size(), plural(result.chosen, "case"), *result.untouched.begin(),
+                   result.untouched.size(), numbers::counted(result.chosen, "case"), *result.untouched.begin(),
                    result.untouched.size() > 1 ? ", ..." : "");
     if (fields)
         print_note("largest error against the oracle in double precision: {:.2g} of the largest force\n",
@@ -173,17 +174,17 @@ int merge(const SweepArguments& arguments, const CommonOptions& common) {
     const MergeResult result =
         merge_sweep(load_study(arguments.study, common), {arguments.out, arguments.verify, arguments.replace});
     const std::filesystem::path report = result.recorded > 0 ? report::write_report(arguments.out).file : "";
-    note(common, "{} of {} recorded{}\n", result.recorded, plural(result.cases, "case"),
+    note(common, "{} of {} recorded{}\n", result.recorded, numbers::counted(result.cases, "case"),
          report.empty() ? "" : "; look at " + full_path(report));
     if (result.temporaries > 0)
         note(common, "{} of other machines, .*.tmp: once no shard is at work, they can be removed\n",
-             plural(result.temporaries, "temporary file"));
+             numbers::counted(result.temporaries, "temporary file"));
     print_errors(result.failures);
     print_errors(result.wrong);
     if (!result.missing.empty()) {
         constexpr std::size_t kMost = 5;
         const std::span<const std::string> first(result.missing.data(), std::min(kMost, result.missing.size()));
-        print_note("error: {} missing: {}{}\n", plural(result.missing.size(), "case"), fmt::join(first, ", "),
+        print_note("error: {} missing: {}{}\n", numbers::counted(result.missing.size(), "case"), fmt::join(first, ", "),
                    first.size() < result.missing.size() ? " ..." : "");
         if (result.others > 0)
             print_note("error: {} of them have records of another scene, other files or another program: give --merge "

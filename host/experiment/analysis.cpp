@@ -148,9 +148,9 @@ std::vector<Contrast> contrasts_of(const Experiment& experiment) {
         bare.force.shading = Shading::none;
         for (std::size_t other = 0; other < cases.size(); ++other)
             if (cases[other].scene == bare && !experiment.is_catch(cases[other].name))
-                for (const std::string& name : {std::string("shaded against unshaded"),
-                                                fmt::format("shaded against unshaded, {} facet{}", bare.surface.facets,
-                                                            bare.surface.facets == 1 ? "" : "s")}) {
+                for (const std::string& name :
+                     {std::string("shaded against unshaded"),
+                      "shaded against unshaded, " + numbers::counted(bare.surface.facets, "facet")}) {
                     named(name).more.push_back(shaded);
                     named(name).less.push_back(other);
                 }
@@ -394,13 +394,12 @@ Table prediction_table() {
                     if (printed || (facets == 0 && shaded) || (facets == 1 && !shaded))
                         continue;
                     const StrokeSignals signals = rigid_signals(radius * kMil, 1000 * kMil, facets, shaded, hold);
-                    rows.push_back(
-                        {(facets == 0 ? fmt::format("cylinder, {:.0f} mil", radius)
-                                      : fmt::format("{} facet{}, {:.0f} mil, {}", facets, facets == 1 ? "" : "s",
-                                                    radius, shaded ? "shaded" : "unshaded")) +
-                             (hold == Hold::depth ? ", constant depth" : ""),
-                         shares_of(signals, ObserverParameters{}),
-                         shares_of(signals, published_observer(ObserverModel::base_kinks))});
+                    rows.push_back({(facets == 0 ? fmt::format("cylinder, {:.0f} mil", radius)
+                                                 : fmt::format("{}, {:.0f} mil, {}", numbers::counted(facets, "facet"),
+                                                               radius, shaded ? "shaded" : "unshaded")) +
+                                        (hold == Hold::depth ? ", constant depth" : ""),
+                                    shares_of(signals, ObserverParameters{}),
+                                    shares_of(signals, published_observer(ObserverModel::base_kinks))});
                 }
     std::vector<study::ColumnOf<Row>> columns{
         {{"stimulus", "", "of W = 1000 mil, never tested; pressed with a constant force but where it says depth"},

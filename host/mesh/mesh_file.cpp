@@ -144,7 +144,7 @@ void Skipped::add(const Kind& kind, std::size_t place) {
 std::vector<std::string> Skipped::warnings() const {
     std::vector<std::string> warnings;
     for (const auto& [kind, count, first] : entries_)
-        warnings.push_back(fmt::format("{} {}: skipped ({}{} {})", count, count == 1 ? kind.one : kind.several,
+        warnings.push_back(fmt::format("{}: skipped ({}{} {})", numbers::counted(count, kind.one, kind.several),
                                        count == 1 ? "" : "the first ", where_, first));
     return warnings;
 }

@@ -10,6 +10,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh_file.h"
+#include "host/numbers.h"
 #include "host/output/exr_volume.h"
 #include "host/output/rows.h"
 #include "host/paths/path_files.h"
@@ -30,9 +31,9 @@ void check_signals() {
 void require_memory_for(const std::string& what, double bytes) {
     const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
     if (!(bytes <= memory)) {
-        PyErr_SetString(
-            PyExc_MemoryError,
-            fmt::format("{} take {:.3g} GB, this machine has {:.3g} GB", what, bytes / 1e9, memory / 1e9).c_str());
+        PyErr_SetString(PyExc_MemoryError, fmt::format("{} take {}, this machine has {}", what,
+                                                       numbers::size_text(bytes), numbers::size_text(memory))
+                                               .c_str());
         throw py::error_already_set();
     }
 }

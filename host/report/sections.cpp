@@ -45,8 +45,8 @@ std::string files(const std::filesystem::path& root, const StudyPart& part) {
     for (const FileRecord& file : part.data.files)
         html += file_link(root, part.folder, file.name);
     for (const FileRecord& file : part.data.volumes)
-        html +=
-            file_link(root, part.folder, file.name, fmt::format(" <small>volume, {}</small>", size_text(file.bytes)));
+        html += file_link(root, part.folder, file.name,
+                          fmt::format(" <small>volume, {}</small>", size_text(double(file.bytes))));
     return folded("Files", "<ul class=\"files\">\n" + html + "</ul>\n");
 }
 

@@ -652,7 +652,8 @@ std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep)
         files += file_link(root, sweep.folder, name);
     for (const CaseRecord& record : std::span(sweep.cases).first(std::min(sweep.cases.size(), kMostCases)))
         for (const FileRecord& file : record.files)
-            files += file_link(root, sweep.folder, file.name, fmt::format(" <small>{}</small>", size_text(file.bytes)));
+            files += file_link(root, sweep.folder, file.name,
+                               fmt::format(" <small>{}</small>", size_text(double(file.bytes))));
     return html + fmt::format("<div id=\"{}-data-tables\"></div>\n", id) + omitted_list(sweep) +
            folded("Files", "<ul class=\"files\">\n" + files + "</ul>\n") + page_data(id + "-data", tables_of(sweep)) +
            "</section>\n";

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
-#include "host/long_run.h"
+#include "host/numbers.h"
 #include "host/output/files.h"
 #include "host/output/json.h"
 #include "host/output/raw_formats.h"
@@ -333,10 +333,10 @@ void require_same_study(const std::filesystem::path& folder, const Study& study)
     for (const Case& one : study.cases)
         lost.erase(one.name);
     if (!lost.empty())
-        throw UsageError("{} holds another study: this one lacks {} of its {} finished case{}, for example {}. To keep "
+        throw UsageError("{} holds another study: this one lacks {} of its {}, for example {}. To keep "
                          "its summary.csv, manifest.json and report.html name another folder with --out; to replace "
                          "them add --replace (volumes stay)",
-                         folder.string(), lost.size(), all, all == 1 ? "" : "s", *lost.begin());
+                         folder.string(), lost.size(), numbers::counted(all, "finished case"), *lost.begin());
 }
 
 } // namespace forceshade

@@ -1,5 +1,7 @@
 // The page of a folder whose manifest.json or study.json is the input: no markup of the input survives. Its tags are
 // those of the page of a folder with the same words made harmless.
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -156,13 +158,14 @@ void check_numbers(std::uint64_t number) {
     const std::string count = report::count_text(number);
     require(plain(count) == std::to_string(number) && count.front() != '\xC2', "{} is written as {}", number, count);
     const double bytes = static_cast<double>(number);
-    std::istringstream size(report::size_text(number));
+    std::istringstream size(report::size_text(bytes));
     double value = 0;
     std::string unit;
     size >> value >> unit;
-    const auto power = std::string_view("B  KiBMiBGiB").find(unit) / 3;
-    const double one = std::pow(1024.0, static_cast<double>(power));
-    require(std::abs(value * one - bytes) <= one && bytes >= (power ? one : 0) && (power == 3 || bytes < 1024 * one),
+    constexpr std::array kUnits{"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
+    const auto power = std::ranges::find(kUnits, unit) - kUnits.begin();
+    const double one = std::pow(1000.0, static_cast<double>(power));
+    require(std::abs(value * one - bytes) <= 0.005 * bytes && (power == 0 || value >= 1) && value < 1000,
             "{} bytes are {} {}", number, value, unit);
     const double seconds = bytes / 1000;
     std::istringstream words(report::duration_text(seconds));

@@ -13,6 +13,7 @@
 #include "host/field/case_law.h"
 #include "host/field/engine.h"
 #include "host/norm.h"
+#include "host/numbers.h"
 #include "host/paths/scene_paths.h"
 #include "host/random.h"
 #include "host/reference/chunks.h"
@@ -249,7 +250,7 @@ public:
         };
         const std::size_t all = reference::threads_for(0);
         for (std::size_t threads = 1; threads < all; threads *= 2)
-            add_by(fmt::format("{} thread{}", threads, threads == 1 ? "" : "s"), threads);
+            add_by(numbers::counted(threads, "thread"), threads);
         add_by("all threads", all);
     }
     void add_lookups() {
