@@ -272,12 +272,6 @@ void warn_of_coarse_grid(PreparedCase& prepared) {
         prepared.warnings.push_back(*warning);
 }
 
-void check_digest(const std::string& file, const std::string& expected, const std::string& found) {
-    if (!expected.empty() && expected != found)
-        throw UsageError("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}", file, found,
-                         expected);
-}
-
 // Against a coefficient that only the file gives; otherwise the scene is checked.
 void check_friction(const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
@@ -290,6 +284,12 @@ void check_friction(const PreparedCase& prepared) {
 }
 
 } // namespace
+
+void check_digest(const std::string& file, const std::string& stated, const std::string& found) {
+    if (!stated.empty() && stated != found)
+        throw UsageError("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}", file, found,
+                         stated);
+}
 
 std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
     if (map.function != MapFunction::file)

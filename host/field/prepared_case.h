@@ -1,7 +1,7 @@
 // A case made ready to evaluate: its mesh read and put in its place, its images, and every table that a law reads.
 #pragma once
 
-#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -16,6 +16,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/error.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/structure.h"
@@ -105,6 +106,16 @@ template <typename T> struct FieldTables {
     layout::FieldInput<T> input() const { return {law(), x, y, z}; }
 };
 
+/// `what` of a scene as a T. \throws UsageError if that is beyond T's range.
+template <typename T> T rounded(double value, const char* what) {
+    const T result = static_cast<T>(value);
+    if (!std::isfinite(result))
+        throw UsageError("{} = {} is beyond {} precision{}", what, value,
+                         std::is_same_v<T, float> ? "single" : "double",
+                         std::is_same_v<T, float> ? ": use precision f64" : "");
+    return result;
+}
+
 /// How much of a grid is evaluated.
 enum class Extent {
     nothing,     /* the law alone */
@@ -139,6 +150,9 @@ struct PreparedCase {
     std::vector<std::string> warnings;              /* of the mesh's file and the grid, for a static field */
     double seconds = 0;                             /* that this took: files that cases share are read once */
 };
+
+/// \throws UsageError if a file's SHA-256 is another than the one that the scene states; it may state none.
+void check_digest(const std::string& file, const std::string& stated, const std::string& found);
 
 /// Where the case's places are measured from, m, in the world: those of its paths, of proxies and of god-objects,
 /// before they are rounded. origin_of() its mesh; without one the world's own origin.

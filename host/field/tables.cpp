@@ -87,13 +87,6 @@ template std::vector<double> map_gradients<double>(std::span<const double>, std:
 
 namespace {
 
-template <typename T> T rounded(double value, const char* what) {
-    const T result = static_cast<T>(value);
-    if (!std::isfinite(result))
-        throw UsageError("{} = {} is beyond single precision: use precision f64", what, value);
-    return result;
-}
-
 layout::uint map_kind(MapFunction function) {
     constexpr layout::uint kKinds[] = {layout::kMapCylinder, layout::kMapDip, layout::kMapSine, layout::kMapGaussian,
                                        layout::kMapSamples};

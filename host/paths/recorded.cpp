@@ -244,9 +244,7 @@ void add_recorded_digest(PreparedCase& prepared) {
         return;
     require_file(*paths);
     const std::string found = sha256_of_file(paths->path);
-    if (!paths->sha256.empty() && paths->sha256 != found)
-        throw UsageError("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}", paths->file,
-                         found, paths->sha256);
+    check_digest(paths->file, paths->sha256, found);
     paths->sha256 = found;
     prepared.scene = resolved_toml(prepared.one);
 }

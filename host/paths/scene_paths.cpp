@@ -353,15 +353,6 @@ std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion&
 
 namespace {
 
-template <typename T> T rounded(double value, const char* what) {
-    const T result = static_cast<T>(value);
-    if (!std::isfinite(result))
-        throw UsageError("{} = {} is beyond {} precision{}", what, value,
-                         std::is_same_v<T, float> ? "single" : "double",
-                         std::is_same_v<T, float> ? ": use precision f64" : "");
-    return result;
-}
-
 template <typename T> layout::AxisMap<T> rounded_map(const layout::AxisMap<double>& map) {
     return {rounded<T>(map.x_error, "the hand's map of error to place"),
             rounded<T>(map.x_speed, "the hand's map of speed to place"),
