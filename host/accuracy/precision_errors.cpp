@@ -35,8 +35,7 @@ std::vector<Vector> voxels_of(const PreparedCase& prepared) {
     std::vector<Vector> places;
     for (std::size_t k = 0; k < grid.size[2]; ++k)
         for (std::size_t i = 0; i < grid.size[0]; ++i)
-            places.emplace_back(grid.origin[0] + grid.spacing[0] * static_cast<double>(i), grid.origin[1],
-                                grid.origin[2] + grid.spacing[2] * static_cast<double>(k));
+            places.emplace_back(grid.at(0, i), grid.origin[1], grid.at(2, k));
     return places;
 }
 

@@ -133,9 +133,8 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
     if (depends_on_y(output_.scene()))
         output_.draw(".mosaic", picture::draw_mosaic(look(true), slices_->tiles(), choice.quantity), record);
     output_.draw(".arrows", picture::draw_arrows(look(true), slice, touch, lines, choice.quantity, unshaded), record);
-    const std::uint64_t middle = (grid.size[1] - 1) / 2; // sample, rounded down
-    const double y =
-        choice.axis == 1 ? slice.axes.at : grid.origin[1] + grid.spacing[1] * static_cast<double>(middle); /* m */
+    const std::uint64_t middle = (grid.size[1] - 1) / 2;                    // sample, rounded down
+    const double y = choice.axis == 1 ? slice.axes.at : grid.at(1, middle); /* m */
     const SceneStroke stroke = stroke_of(prepared, y);
     const std::string depth = numbers::quantity_text(stroke.depth, "m");
     const std::string at_y =

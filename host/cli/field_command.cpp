@@ -49,7 +49,7 @@ void read_slice(const std::string& text, const GridSpec& grid, picture::SliceCho
     if (text.size() == 1)
         return;
     slice.at = option_quantity("--slice", text.substr(2), Dimension::length);
-    const double low = grid.origin[axis], high = low + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
+    const double low = grid.origin[axis], high = grid.last(axis);
     if (const double border = grid.spacing[axis] / 2; !(*slice.at >= low - border && *slice.at <= high + border))
         throw UsageError("--slice {}: the grid goes from {} = {:.6g} mm to {:.6g} mm", text, text.front(), low * 1e3,
                          high * 1e3);

@@ -208,15 +208,12 @@ void Compared::write_out(const layout::FieldChunk<T>& from, std::size_t layer, l
 }
 
 template <typename T> void Compared::add_channels(layout::FieldChunk<T>& chunk, std::size_t repeat_y) {
-    const auto coordinate = [&](std::size_t axis, std::size_t i) {
-        return grid_.origin[axis] + grid_.spacing[axis] * static_cast<double>(i);
-    };
     compare<T>(chunk.y_count * chunk.z_count, chunk.x_pitch, chunk.force, static_cast<double>(repeat_y),
                [&](std::size_t row, std::size_t i) -> std::optional<glm::dvec3> {
                    if (i >= chunk.x_count)
                        return std::nullopt;
-                   return glm::dvec3(coordinate(0, i), coordinate(1, chunk.y_first + row % chunk.y_count),
-                                     coordinate(2, chunk.z_first + row / chunk.y_count));
+                   return glm::dvec3(grid_.at(0, i), grid_.at(1, chunk.y_first + row % chunk.y_count),
+                                     grid_.at(2, chunk.z_first + row / chunk.y_count));
                });
     chunk.angle = buffers<T>().angle;
     chunk.magnitude_error = buffers<T>().magnitude_error;

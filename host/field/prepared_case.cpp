@@ -239,18 +239,12 @@ void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
 void warn_of_part(const Scene& scene, std::vector<std::string>& warnings) {
     const bool bump = scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump;
     const GridSpec& grid = scene.grid;
-    const double end = grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1);
+    const double end = grid.last(0);
     if (bump && scene.field && grid.origin == GridSpec{}.origin && grid.size == GridSpec{}.size &&
         end < scene.surface.width / 2)
         warnings.push_back(
             fmt::format("the grid ends at x = {:.4g} mm, the bump at {:.4g} mm: set grid.size or grid.origin, too",
                         1e3 * end, 500 * scene.surface.width));
-}
-
-// m: the largest coordinate of a grid along an axis, from what its places are measured from.
-double farthest_of(const GridSpec& grid, std::size_t axis, double from) {
-    const double end = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
-    return std::max(std::abs(grid.origin[axis] - from), std::abs(end - from));
 }
 
 // Of the axis that suffers most.
@@ -262,7 +256,7 @@ void warn_of_coarse_grid(PreparedCase& prepared) {
     const bool by_y = depends_on_y(scene);
     double farthest = 0, spacing = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double own = farthest_of(scene.grid, axis, from[static_cast<int>(axis)]);
+        const double own = scene.grid.farthest(axis, from[static_cast<int>(axis)]);
         if (scene.grid.size[axis] < 2 || (axis == 1 && !by_y) || own * spacing < farthest * scene.grid.spacing[axis])
             continue;
         farthest = own;

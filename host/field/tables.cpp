@@ -135,23 +135,14 @@ std::vector<T> axis(const GridSpec& grid, std::size_t which, std::size_t count, 
                     const char* what = "a grid coordinate") {
     std::vector<T> samples(count);
     for (std::size_t i = 0; i < count; ++i)
-        samples[i] =
-            rounded<T>((grid.origin[which] + grid.spacing[which] * static_cast<double>(i) - centre) / scale, what);
+        samples[i] = rounded<T>((grid.at(which, i) - centre) / scale, what);
     return samples;
-}
-
-// m: of a grid's samples along an axis from the mesh's centre.
-double farthest_sample(const GridSpec& grid, int which, const MeshStructure& mesh) {
-    const auto i = static_cast<std::size_t>(which);
-    const double centre = mesh.centre[which];
-    const double last = grid.origin[i] + grid.spacing[i] * static_cast<double>(grid.size[i] - 1);
-    return std::max(std::abs(grid.origin[i] - centre), std::abs(last - centre));
 }
 
 // In the mesh's own frame, where single precision suffices however far the mesh is from the origin.
 template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which, const MeshStructure& mesh) {
     const auto i = static_cast<std::size_t>(which);
-    const double farthest = farthest_sample(grid, which, mesh);
+    const double farthest = grid.farthest(i, mesh.centre[which]);
     if (!(farthest <= kMeshReach<T> * mesh.scale))
         throw UsageError("the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about {:.3g} m in "
                          "size: beyond {:.0f} sizes {} cannot distinguish its facets; move the grid or check the unit",

@@ -197,8 +197,7 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared, double y) {
     const GridSpec& grid = prepared.one.scene.grid;
     if (grid.size[0] < 2)
         return {};
-    return surface_lines(prepared,
-                         {grid.origin[0], grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1), y});
+    return surface_lines(prepared, {grid.origin[0], grid.last(0), y});
 }
 
 namespace {

@@ -280,7 +280,7 @@ SliceAxes SliceCollector::axes_of(const Plane& plane) const {
     const auto coordinates = [&](std::size_t axis, const std::vector<std::uint64_t>& indices) {
         std::vector<double> result;
         for (const std::uint64_t i : indices)
-            result.push_back(grid_.origin[axis] + grid_.spacing[axis] * static_cast<double>(i));
+            result.push_back(grid_.at(axis, i));
         return result;
     };
     return {coordinates(u, plane.u),

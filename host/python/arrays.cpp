@@ -124,7 +124,7 @@ void add_axes(py::dict& into, const GridSpec& grid) {
     for (std::size_t i = 0; i < 3; ++i) {
         Array<double> axis(static_cast<py::ssize_t>(grid.size[i]));
         for (std::uint64_t j = 0; j < grid.size[i]; ++j)
-            axis.mutable_at(py::ssize_t(j)) = grid.origin[i] + grid.spacing[i] * double(j);
+            axis.mutable_at(py::ssize_t(j)) = grid.at(i, j);
         into[py::str(std::string(1, "xyz"[i]))] = axis;
     }
 }

@@ -271,8 +271,7 @@ private:
 
     void check_axis(std::size_t axis) {
         const GridSpec& grid = scene_.grid;
-        const double last = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
-        const double farthest = std::max(std::abs(grid.origin[axis]), std::abs(last));
+        const double farthest = grid.farthest(axis);
         if (!(farthest <= range_.largest_length))
             fail(source_, place({"grid.origin", "grid.spacing", "grid.size"}, axis),
                  "the grid reaches {} along {}; {} allows {}", in_unit_of("grid.origin", farthest, axis),

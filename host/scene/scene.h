@@ -1,7 +1,9 @@
 // A scene: one case of a study, resolved, in SI units (m, N, N/m, rad); and the limits of what it may ask for.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -163,6 +165,15 @@ struct GridSpec {
     std::uint64_t samples = 0; /* along the longest side of a mesh's box and 5 %: size, origin and spacing are made from
                                   them when the mesh is read; 0: they are given */
     bool every_y = false; /* computed at each y, although the scene's own force may not depend on it: of a renderer */
+    /// m: where a sample lies along an axis, and where the last one does.
+    double at(std::size_t axis, std::uint64_t sample) const {
+        return origin[axis] + spacing[axis] * static_cast<double>(sample);
+    }
+    double last(std::size_t axis) const { return at(axis, size[axis] - 1); }
+    /// m: of its samples along an axis, at most.
+    double farthest(std::size_t axis, double from = 0) const {
+        return std::max(std::abs(origin[axis] - from), std::abs(last(axis) - from));
+    }
     friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
 

@@ -104,10 +104,7 @@ Slices collect(const GridSpec& grid, const Law& law, bool repeat_y, const SliceC
     for (std::uint64_t k = 0; k < grid.size[2]; ++k) {
         for (std::uint64_t j = 0; j < rows; ++j)
             for (std::uint64_t i = 0; i < grid.size[0]; ++i) {
-                const auto at = [&](std::size_t axis, std::uint64_t n) {
-                    return grid.origin[axis] + grid.spacing[axis] * static_cast<double>(n);
-                };
-                const auto value = law(at(0, i), at(1, j), at(2, k));
+                const auto value = law(grid.at(0, i), grid.at(1, j), grid.at(2, k));
                 std::copy(value.begin(), value.end(), &force[3 * (j * grid.size[0] + i)]);
             }
         collector.add(layout::FieldChunk<double>{grid.size[0], grid.size[0], 0, rows, k, 1, force, {}, {}, {}, {}});

@@ -173,9 +173,9 @@ template <typename T> SectionField evaluated_section(Engine& engine, const Prepa
     const GridSpec& grid = prepared.one.scene.grid;
     SectionField field;
     for (std::size_t i = 0; i < grid.size[0]; ++i)
-        field.x.push_back(grid.origin[0] + grid.spacing[0] * static_cast<double>(i));
+        field.x.push_back(grid.at(0, i));
     for (std::size_t k = 0; k < grid.size[2]; ++k)
-        field.z.push_back(grid.origin[2] + grid.spacing[2] * static_cast<double>(k));
+        field.z.push_back(grid.at(2, k));
     const Field<T> evaluated = evaluate<T>(prepared, engine);
     field.force.assign(evaluated.force.begin(), evaluated.force.end());
     field.depth.assign(evaluated.depth.begin(), evaluated.depth.end());
