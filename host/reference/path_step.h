@@ -3,7 +3,9 @@
 // Step for step as shaders/laws/path_step.glsl.
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <span>
 
 #include "host/reference/elementary.h"
 #include "host/reference/motion.h"
@@ -328,6 +330,36 @@ bool leaves(layout::PathState<T>& state, const layout::HandParams<T>& hand, cons
     }
     return state.metrics.unstable_step != layout::kNever;
 }
+
+/// A path of a batch: its motion, step by step, and the hand that follows it.
+template <typename T> struct BatchPath {
+    const layout::PathInput<T>& input;
+    const layout::PathBatch<T>& batch;
+    std::size_t path;               // within the batch
+    std::span<const T> positions{}; // recorded: of the batch, from the step `first` on; m
+    std::size_t first = 0;
+
+    bool recorded() const noexcept { return input.features.motion == layout::kMotionRecorded; }
+    std::size_t steps() const noexcept { return batch.steps.empty() ? input.steps : std::size_t(batch.steps[path]); }
+    layout::HandParams<T> hand() const noexcept {
+        const std::size_t hands = input.hands.size();
+        return hands == 0 ? layout::HandParams<T>{} : input.hands[hands == 1 ? 0 : batch.first + path];
+    }
+    layout::MotionParams<T> motion() const noexcept {
+        return recorded() ? layout::MotionParams<T>{} : batch.motions[path];
+    }
+    /// The motion's place at a step, m; a recorded path rests where it ends.
+    Vector<T> at(std::size_t step) const noexcept {
+        if (!recorded())
+            return motion_at(input.law, input.features, batch, path, static_cast<layout::uint>(step));
+        return vector_at(positions, (std::min(step, steps() - 1) - first) * batch.count + path);
+    }
+    /// Its place at the step after, when it is `here`: of the last one in open loop there is none.
+    Vector<T> after(std::size_t step, const Vector<T>& here) const noexcept {
+        const bool ends = input.features.loop == layout::kLoopOpen && step + 1 == steps();
+        return ends ? here : at(step + 1);
+    }
+};
 
 /// Takes a path one step on. `target` and `next` are the motion's places at this step and the next, m; `feel(probe)`
 /// evaluates the law.

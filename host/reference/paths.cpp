@@ -81,29 +81,15 @@ private:
         });
     }
 
-    std::size_t steps_of(std::size_t path) const {
-        return batch_.steps.empty() ? input_.steps : std::size_t(batch_.steps[path]);
-    }
-
-    // The motion's place at a step; a recorded path rests where it ends.
-    Vector<T> target(const layout::PathChunk<T>& chunk, std::size_t path, std::size_t step) const {
-        if (!recorded_)
-            return motion_at(input_.law, input_.features, batch_, path, static_cast<layout::uint>(step));
-        const std::size_t last = std::min(step, steps_of(path) - 1);
-        return vector_at(positions_, (last - chunk.step_first) * batch_.count + path);
-    }
-
     void run_path(const layout::PathChunk<T>& chunk, std::size_t path, Neighbourhood<T>& neighbourhood) {
-        const std::size_t steps = steps_of(path), end = std::min(chunk.step_first + chunk.step_count, steps);
+        const BatchPath<T> moved{input_, batch_, path, positions_, chunk.step_first};
+        const std::size_t steps = moved.steps(), end = std::min(chunk.step_first + chunk.step_count, steps);
         if (chunk.step_first >= end)
             return;
-        const bool closed = input_.features.loop == layout::kLoopClosed;
-        const std::size_t hands = input_.hands.size();
-        const layout::HandParams<T> hand =
-            hands == 0 ? layout::HandParams<T>{} : input_.hands[hands == 1 ? 0 : batch_.first + path];
-        const layout::MotionParams<T> motion = recorded_ ? layout::MotionParams<T>{} : batch_.motions[path];
+        const layout::HandParams<T> hand = moved.hand();
+        const layout::MotionParams<T> motion = moved.motion();
         layout::PathState<T> state = states_[path];
-        Vector<T> here = target(chunk, path, chunk.step_first);
+        Vector<T> here = moved.at(chunk.step_first);
         if (chunk.step_first == 0) {
             state = begin_state(input_.features, hand, here);
             if (on_mesh())
@@ -116,8 +102,7 @@ private:
             return found;
         };
         for (std::size_t step = chunk.step_first; step < end; ++step) {
-            const bool last = step + 1 == steps;
-            const Vector<T> next = closed || !last ? target(chunk, path, last && recorded_ ? step : step + 1) : here;
+            const Vector<T> next = moved.after(step, here);
             const PathSampled<T> sampled =
                 take_step(input_, hand, motion, state, here, next, static_cast<layout::uint>(steps), evaluate_law);
             const std::size_t sample = (step - chunk.step_first) * chunk.pitch + path;

@@ -117,14 +117,11 @@ private:
     template <typename T>
     layout::PathMetrics<T> walk(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch,
                                 const reference::TakePaths<T>& take) {
-        const bool recorded = input.features.motion == layout::kMotionRecorded;
         const bool closed = input.features.loop == layout::kLoopClosed;
-        const std::size_t steps = batch.steps.empty() ? input.steps : batch.steps.front();
-        const std::size_t longest = batch.longest ? batch.longest : input.steps;
-        const std::size_t hands = input.hands.size();
-        const layout::HandParams<T> hand =
-            hands == 0 ? layout::HandParams<T>{} : input.hands[hands == 1 ? 0 : batch.first];
-        const layout::MotionParams<T> motion = recorded ? layout::MotionParams<T>{} : batch.motions[0];
+        reference::BatchPath<T> moved{input, batch, 0};
+        const std::size_t steps = moved.steps(), longest = batch.longest ? batch.longest : input.steps;
+        const layout::HandParams<T> hand = moved.hand();
+        const layout::MotionParams<T> motion = moved.motion();
         layout::PathState<T> state{};
         renderer_.begin_path();
         reference::SampleBuffers<T> samples;
@@ -135,29 +132,22 @@ private:
             chunk.path_count = chunk.pitch = 1;
             chunk.step_first = first;
             chunk.step_count = std::min(kSteps, longest - first);
-            const std::span<const T> positions =
-                recorded ? input.source->positions(first, std::min(chunk.step_count + 1, longest - first))
-                         : std::span<const T>{};
-            const auto target = [&](std::size_t step) {
-                if (recorded)
-                    return reference::vector_at(positions, std::min(step, steps - 1) - first);
-                return reference::motion_at(input.law, input.features, batch, 0, static_cast<layout::uint>(step));
-            };
+            moved.first = first;
+            if (moved.recorded())
+                moved.positions = input.source->positions(first, std::min(chunk.step_count + 1, longest - first));
             samples.resize(input.features.channels, chunk.step_count);
             const std::size_t end = std::min(first + chunk.step_count, steps);
             std::vector<RendererAnswer> ahead; // open loop: where the probe will be is known
             if (!closed && first < end) {
                 std::vector<glm::dvec3> probes;
                 for (std::size_t step = first; step < end; ++step)
-                    probes.push_back(world_place(glm::dvec3(target(step)), origin_));
+                    probes.push_back(world_place(glm::dvec3(moved.at(step)), origin_));
                 ahead = renderer_.update(probes);
             }
             if (first == 0)
-                state = reference::begin_state(input.features, hand, target(0));
+                state = reference::begin_state(input.features, hand, moved.at(0));
             for (std::size_t step = first; step < end; ++step) {
-                const bool last = step + 1 == steps;
-                const reference::Vector<T> here = target(step);
-                const reference::Vector<T> next = closed || !last ? target(last && recorded ? step : step + 1) : here;
+                const reference::Vector<T> here = moved.at(step), next = moved.after(step, here);
                 std::exception_ptr failed;
                 const auto force = [&](const reference::Vector<T>& probe) noexcept {
                     try {

@@ -11,7 +11,7 @@
 #include "host/norm.h"
 #include "host/paths/scene_paths.h"
 #include "host/program.h"
-#include "host/reference/motion.h"
+#include "host/reference/path_step.h"
 
 namespace forceshade::score {
 namespace {
@@ -191,21 +191,19 @@ Strokes scene_strokes(const PreparedCase& prepared) {
     for (std::size_t path = 0; path < input.paths; ++path) {
         check_interrupt();
         const layout::PathBatch<double> batch = input.source->batch(path, 1);
-        const std::size_t steps = batch.steps.empty() ? input.steps : batch.steps.front();
+        reference::BatchPath<double> moved{input, batch, 0};
+        const std::size_t steps = moved.steps();
         if ((samples += steps) > kMostSamples)
             throw UsageError("the scene's [paths] have more than {} samples, which a score holds in memory; make "
                              "paths.count or paths.steps smaller",
                              kMostSamples);
-        const bool listed = input.features.motion == layout::kMotionRecorded;
-        const std::span<const double> places = listed ? input.source->positions(0, steps) : std::span<const double>{};
+        if (moved.recorded())
+            moved.positions = input.source->positions(0, steps);
         Stroke& stroke = strokes.all.emplace_back();
         stroke.id = path;
         for (std::size_t step = 0; step < steps; ++step) {
-            const auto place =
-                listed ? reference::vector_at(places, step)
-                       : reference::motion_at(input.law, input.features, batch, 0, static_cast<layout::uint>(step));
             stroke.time.push_back(double(step) / spec->rate);
-            stroke.probe.push_back(world_place(glm::dvec3(place), origin));
+            stroke.probe.push_back(world_place(glm::dvec3(moved.at(step)), origin));
             stroke.lines.push_back(static_cast<std::uint32_t>(step));
             stroke.rows.push_back(static_cast<std::uint32_t>(samples - steps + step));
         }

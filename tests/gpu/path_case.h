@@ -239,13 +239,8 @@ private:
             positions(0, 1);
         proxies_.clear();
         for (std::size_t path = 0; path < batch.count; ++path) {
-            const layout::HandParams<T> hand = input.hands.empty()
-                                                   ? layout::HandParams<T>{}
-                                                   : input.hands[input.hands.size() > 1 ? batch.first + path : 0];
-            const reference::Vector<T> place = batch.motions.empty()
-                                                   ? reference::vector_at(std::span<const T>(window_), path)
-                                                   : reference::motion_at(input.law, input.features, batch, path, 0U);
-            const auto state = reference::begin_state(input.features, hand, place);
+            const reference::BatchPath<T> moved{input, batch, path, window_};
+            const auto state = reference::begin_state(input.features, moved.hand(), moved.at(0));
             const reference::Vector<T> begin(state.x, state.y, state.z);
             proxies_.push_back(
                 reference::proxy_start(law_, around_, reference::to_mesh_frame(law_.mesh.params, begin)));
