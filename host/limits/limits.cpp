@@ -426,14 +426,10 @@ SteppedLimit stepped_limit(const LoopSurface& surface, const LeastLimit& there, 
         touches = touches && growth;
         return touches && *growth < kDecays;
     };
-    double below = kLow, above = kHigh;
     if (rests(kHigh))
         return {kHigh, LimitEnd::above};
     const bool within = touches && rests(kLow);
-    while (within && above > kClose * below) {
-        const double middle = std::sqrt(below * above);
-        (rests(middle) ? below : above) = middle;
-    }
+    const auto [below, above] = within ? narrowed(kLow, kHigh, kClose, rests) : std::pair<double, double>();
     if (!touches)
         return {NAN, LimitEnd::no_force};
     return within ? SteppedLimit{std::sqrt(below * above), LimitEnd::within} : SteppedLimit{kLow, LimitEnd::below};
@@ -462,13 +458,9 @@ std::optional<double> dying_kick(const LoopSurface& surface, const LeastLimit& t
         Simulation::with_friction(surface, there, static_cast<std::size_t>(std::min(kPatience / (turn * turn), kMost)));
     const glm::dvec3 down = glm::transpose(axes_of(there.hold)) * glm::dvec3(0, 0, -1);
     const auto dies = [&](double kick) { return simulation.growth(there.cell.stiffness, kick * down) < 0; };
-    double low = expected / kRange, high = expected * kRange;
-    if (!dies(low) || dies(high))
+    if (!dies(expected / kRange) || dies(expected * kRange))
         return std::nullopt;
-    while (high > kClose * low) {
-        const double middle = std::sqrt(low * high);
-        (dies(middle) ? low : high) = middle;
-    }
+    const auto [low, high] = narrowed(expected / kRange, expected * kRange, kClose, dies);
     return std::sqrt(low * high);
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <glm/mat3x3.hpp>
@@ -92,6 +94,16 @@ struct ForceAround {
 bool grows(const HandSpec& hand, double rate, const Hold& hold, const ForceAround& force, double stiffness,
            double lag = 0);
 
+/// Where a condition changes between two numbers, to a ratio of `close`: it holds at the first, and not at the second.
+template <typename Holds>
+std::pair<double, double> narrowed(double low, double high, double close, const Holds& holds) {
+    while (high > close * low) {
+        const double middle = std::sqrt(low * high);
+        (holds(middle) ? low : high) = middle;
+    }
+    return {low, high};
+}
+
 /// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps of a tenth, then between
 /// two whose ratio is `close`; empty: it does not grow.
 template <typename Grows>
@@ -103,10 +115,7 @@ std::optional<double> least_growing(double from, double to, double close, const 
         if (above > to)
             return std::nullopt;
     }
-    while (above > close * below) {
-        const double middle = std::sqrt(below * above);
-        (grows(middle) ? above : below) = middle;
-    }
+    std::tie(below, above) = narrowed(below, above, close, [&](double middle) { return !grows(middle); });
     return std::sqrt(below * above);
 }
 

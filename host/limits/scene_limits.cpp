@@ -23,10 +23,7 @@ HoldingCoupling stiffest_with(RestTrials& trials, const HandSpec& hand, double d
     const auto rests = [&](double stiffness) { return trials.all_rest(coupled(hand, stiffness, damping)); };
     if (rests(high))
         return {high, damping, {}};
-    while (high > kClose * low) {
-        const double middle = std::sqrt(low * high);
-        (rests(middle) ? low : high) = middle;
-    }
+    std::tie(low, high) = narrowed(low, high, kClose, rests);
     HoldingCoupling found{low, damping, {}};
     if (!rests(high)) // the last trial that failed
         found.weakest = trials.failed(coupled(hand, low, damping));
