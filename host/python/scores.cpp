@@ -36,7 +36,7 @@ ScoredStrokes::ScoredStrokes(const PreparedScene& scene, const std::vector<Point
         stroke.probe = vectors_of(points, "positions", stroke.id);
         score::check_reach(fmt::format("stroke {}", stroke.id), stroke.probe, size, "Positions are in metres.");
         for (std::size_t i = 0; i < stroke.probe.size(); ++i) {
-            if (!yardstick_.law.reaches(stroke.probe[i]))
+            if (!yardstick_.law().reaches(stroke.probe[i]))
                 throw UsageError("stroke {}, sample {}: {}", stroke.id, i, beyond_reach<double>(stroke.probe[i]));
             stroke.time.push_back(period_ * double(i));
         }

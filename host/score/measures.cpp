@@ -91,8 +91,7 @@ void add_faults(std::vector<Fault>& faults, const Contact& contact, const Stroke
 
 } // namespace
 
-Yardstick::Yardstick(const PreparedCase& prepared)
-    : stiffness(prepared.one.scene.force.stiffness), law(prepared), probe(prepared) {
+Yardstick::Yardstick(const PreparedCase& prepared) : stiffness(prepared.one.scene.force.stiffness), probe(prepared) {
     if (prepared.one.scene.compare)
         smooth.emplace(prepared);
     probe.law().find_obstacles();
@@ -217,8 +216,8 @@ StrokeScore score_stroke(const Yardstick& yardstick, const Stroke& stroke, const
             if (apart.counts && std::isfinite(apart.magnitude_error))
                 smooth_magnitudes.add(apart.magnitude_error);
         }
-        if (!proxies.empty() && is_finite(proxies[i]) && yardstick.law.reaches(proxies[i]))
-            score.inside = std::fmax(score.inside, yardstick.law.at(proxies[i], hint).depth);
+        if (!proxies.empty() && is_finite(proxies[i]) && yardstick.law().reaches(proxies[i]))
+            score.inside = std::fmax(score.inside, yardstick.law().at(proxies[i], hint).depth);
         if (i == 0 || !is_force(forces[i - 1]))
             continue;
         const glm::dvec3 step = stroke.probe[i] - stroke.probe[i - 1];

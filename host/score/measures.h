@@ -28,10 +28,11 @@ struct Yardstick {
 
     Truth along(const Stroke& stroke);
 
-    double stiffness; /* N/m */
-    CaseLaw<double> law;
+    double stiffness;                      /* N/m */
     std::optional<ShapeComparison> smooth; /* of [compare] */
     CaseProbe<double> probe;
+
+    const CaseLaw<double>& law() const { return probe.law(); }
 };
 
 /// Where a renderer loses a contact that the oracle has, and has a certificate of.

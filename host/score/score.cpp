@@ -235,7 +235,7 @@ Scores score_all(const PreparedCase& prepared, const ScoreOptions& options) {
         for (const Stroke& stroke : options.strokes.all) {
             check_interrupt();
             for (std::size_t i = 0; i < stroke.probe.size(); ++i)
-                if (!yardstick.law.reaches(stroke.probe[i]))
+                if (!yardstick.law().reaches(stroke.probe[i]))
                     throw UsageError("{}:{}: {}", options.strokes.source, stroke.lines[i],
                                      beyond_reach<double>(stroke.probe[i]));
             truths.push_back(yardstick.along(stroke));
