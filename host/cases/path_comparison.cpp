@@ -48,16 +48,6 @@ PathComparison compare_paths(Engine& engine, const PreparedCase& prepared, Preci
     return comparison;
 }
 
-PathTotals totals_of(const std::vector<PathComparison>& comparisons) {
-    PathTotals totals;
-    for (const PathComparison& one : comparisons) {
-        totals.samples += one.error.samples;
-        totals.differing += one.error.differing;
-        totals.passed = totals.passed && one.passed;
-    }
-    return totals;
-}
-
 std::string path_comparison_table(const std::vector<PathComparison>& comparisons) {
     std::size_t width = 4;
     for (const PathComparison& one : comparisons)

@@ -12,6 +12,7 @@
 #include "host/paths/scene_paths.h"
 #include "host/referee/contact_surface.h"
 #include "host/referee/oracle_check.h"
+#include "host/referee/validate.h"
 
 namespace forceshade {
 
@@ -50,17 +51,13 @@ struct PathComparison {
     PathError error;
     ContactCount contacts;
     bool passed = false;
+
+    Totals totals() const { return {error.samples, error.differing, passed}; }
 };
 
 /// Moves the engine along every path of a case that has some, with all channels. \throws compute::DeviceError,
 /// UsageError, IoError, Interrupted.
 PathComparison compare_paths(Engine& engine, const PreparedCase& prepared, Precision precision);
-
-struct PathTotals {
-    std::uint64_t samples = 0, differing = 0;
-    bool passed = true;
-};
-PathTotals totals_of(const std::vector<PathComparison>& comparisons);
 
 /// The comparisons as a table for people.
 std::string path_comparison_table(const std::vector<PathComparison>& comparisons);

@@ -49,13 +49,17 @@ std::unique_ptr<Engine> make_engine(const SelectedEngine& selected, const Common
     return make_engine(selected.options);
 }
 
+void refuse_engine(const CommonOptions& common) {
+    if (common.engine != "auto" || !common.gpu.empty())
+        throw UsageError("--renderer takes the place of an engine: leave --engine and --gpu out");
+}
+
 std::unique_ptr<Engine> make_engine(const std::string& renderer, const PreparedCase& prepared,
                                     const CommonOptions& common, const Workload& work) {
     if (renderer.empty())
         return make_engine(select_engine(common, prepared.one.scene.precision == Precision::f64, work), common);
     device_options(common, false); // refuses --gpu with --engine cpu
-    if (common.engine != "auto" || !common.gpu.empty())
-        throw UsageError("--renderer takes the place of an engine: leave --engine and --gpu out");
+    refuse_engine(common);
     return make_renderer_engine(parse_renderer(renderer), prepared);
 }
 
@@ -65,8 +69,10 @@ void describe_renderer(Options& options, std::string& renderer) {
                      "and validate hold it against the oracle");
 }
 
-std::vector<Precision> precisions_of(const EngineReport& engine) {
-    return engine.f64 ? std::vector{Precision::f32, Precision::f64} : std::vector{Precision::f32};
+std::vector<Precision> precisions_of(const CommonOptions& common, bool f64) {
+    if (!common.precision.empty())
+        return {common.precision == "f64" ? Precision::f64 : Precision::f32};
+    return f64 ? std::vector{Precision::f32, Precision::f64} : std::vector{Precision::f32};
 }
 
 std::vector<Override> overrides(const CommonOptions& common) {

@@ -173,11 +173,13 @@ SelectedEngine select_engine(const CommonOptions& common, bool needs_f64, const 
 std::unique_ptr<Engine> make_engine(const SelectedEngine& selected, const CommonOptions& common);
 
 /// Single and double precision, where the device has both.
-std::vector<Precision> precisions_of(const EngineReport& engine);
+std::vector<Precision> precisions_of(const CommonOptions& common, bool f64);
 
 /// A renderer of the user's own in place of an engine, if one is named; else select_engine's. `prepared` outlives it.
 std::unique_ptr<Engine> make_engine(const std::string& renderer, const PreparedCase& prepared,
                                     const CommonOptions& common, const Workload& work);
+/// \throws UsageError with options of an engine, whose place --renderer takes.
+void refuse_engine(const CommonOptions& common);
 /// --renderer.
 void describe_renderer(Options& options, std::string& renderer);
 

@@ -126,9 +126,8 @@ void time_runs(Engine& engine, const PreparedCase& prepared, Row& row) {
 void compare(Engine& engine, const PreparedCase& prepared, Row& row) {
     if (prepared.one.scene.paths) {
         const PathComparison found = compare_paths(engine, prepared, row.precision);
-        const PathTotals totals = totals_of(std::vector{found});
-        row.compared = totals.samples;
-        row.differing = totals.differing;
+        row.compared = found.error.samples;
+        row.differing = found.error.differing;
         row.passed = found.passed;
         row.first_difference = found.error.first;
         return;
@@ -145,12 +144,6 @@ void compare(Engine& engine, const PreparedCase& prepared, Row& row) {
 constexpr std::uint64_t kSoftwareSide = 64, kHardwareSide = 384;
 std::uint64_t side_of(const compute::DeviceReport& device) {
     return device.software ? kSoftwareSide : kHardwareSide;
-}
-
-std::vector<Precision> precisions_on(const compute::DeviceReport& device, const CommonOptions& common) {
-    if (!common.precision.empty())
-        return {common.precision == "f64" ? Precision::f64 : Precision::f32};
-    return device.f64 ? std::vector{Precision::f32, Precision::f64} : std::vector{Precision::f32};
 }
 
 DeviceRows examine(const compute::DeviceReport& device, const std::vector<Precision>& precisions, EngineOptions options,
@@ -315,7 +308,7 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
     std::vector<DeviceRows> found;
     std::string failures; // of whole devices
     for (const compute::DeviceReport& device : usable) {
-        const std::vector<Precision> tried = precisions_on(device, common);
+        const std::vector<Precision> tried = precisions_of(common, device.f64);
         Stage stage(device.name, std::size(kLaws) * tried.size(), "laws");
         try {
             found.push_back(examine(device, tried, options, stage));

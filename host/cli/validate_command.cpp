@@ -25,13 +25,11 @@ struct ValidateArguments {
     std::string study, only = "*", renderer;
 };
 
-// Single and double precision where the user asks for neither and the device has both.
+// With a note where one is missing.
 std::vector<Precision> precisions(const CommonOptions& common, const EngineReport& engine) {
-    if (!common.precision.empty())
-        return {common.precision == "f64" ? Precision::f64 : Precision::f32};
-    if (!engine.f64)
+    if (common.precision.empty() && !engine.f64)
         note(common, "{} has no double precision: only f32 is validated\n", engine.device);
-    return precisions_of(engine);
+    return precisions_of(common, engine.f64);
 }
 
 // How far single precision is from double in a case, at its worst.
@@ -85,9 +83,9 @@ struct Findings {
 nlohmann::ordered_json json_of(const Findings& found, const std::vector<CaseRounding>& rounding) {
     nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(found.fields, found.engine));
     if (!found.paths.empty()) {
-        const PathTotals samples = totals_of(found.paths);
+        const Totals samples = totals_of(found.paths);
         json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(found.paths));
-        json["samples"] = samples.samples;
+        json["samples"] = samples.compared;
         json["samples_differing"] = samples.differing;
         json["passed"] = found.passed();
     }
@@ -97,14 +95,14 @@ nlohmann::ordered_json json_of(const Findings& found, const std::vector<CaseRoun
 
 std::string text_of(const Findings& found, const std::vector<CaseRounding>& rounding) {
     const Totals voxels = totals_of(found.fields);
-    const PathTotals samples = totals_of(found.paths);
+    const Totals samples = totals_of(found.paths);
     std::string text;
     if (!found.fields.empty())
         text += comparison_table(found.fields) + rounding_text(rounding) +
-                fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
+                fmt::format("{} voxels, {} differ\n", voxels.compared, voxels.differing);
     if (!found.paths.empty())
         text += path_comparison_table(found.paths) +
-                fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
+                fmt::format("{} samples, {} differ\n", samples.compared, samples.differing);
     return text;
 }
 
@@ -113,9 +111,9 @@ std::string overview(const std::vector<Findings>& all) {
     std::string text;
     for (const Findings& found : all) {
         const Totals voxels = totals_of(found.fields);
-        const PathTotals samples = totals_of(found.paths);
+        const Totals samples = totals_of(found.paths);
         text += fmt::format("{}, {}, {}: {} values, {} differ: {}\n", found.engine.device, found.engine.driver,
-                            found.engine.f64 ? "f32 and f64" : "f32", voxels.voxels + samples.samples,
+                            found.engine.f64 ? "f32 and f64" : "f32", voxels.compared + samples.compared,
                             voxels.differing + samples.differing, found.passed() ? "ok" : "FAILED");
     }
     return text;
@@ -231,8 +229,7 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     std::vector<Findings> all;
     std::vector<CaseRounding> rounding;
     if (!arguments.renderer.empty()) {
-        if (common.engine != "auto" || !common.gpu.empty())
-            throw UsageError("--renderer takes the place of an engine: leave --engine and --gpu out");
+        refuse_engine(common);
         all.push_back(findings_on({}, parse_renderer(arguments.renderer), cases, common, &rounding));
     } else
         for (const EngineOptions& options : devices(common))

@@ -69,16 +69,6 @@ nlohmann::ordered_json to_json(const Comparison& one, const Distance& distance) 
 
 } // namespace
 
-Totals totals_of(const std::vector<Comparison>& comparisons) {
-    Totals totals;
-    for (const Comparison& one : comparisons) {
-        totals.voxels += one.voxels;
-        totals.differing += one.differing;
-        totals.passed = totals.passed && one.passed;
-    }
-    return totals;
-}
-
 std::string comparison_table(const std::vector<Comparison>& comparisons) {
     std::size_t width = 4;
     for (const Comparison& one : comparisons)
@@ -119,7 +109,7 @@ std::string comparison_json(const std::vector<Comparison>& comparisons, const En
                                  {"passed", one.passed},
                                  {"first_difference", one.first_difference}});
     const Totals totals = totals_of(comparisons);
-    json["voxels"] = totals.voxels;
+    json["voxels"] = totals.compared;
     json["differing"] = totals.differing;
     json["passed"] = totals.passed;
     return json.dump(2);

@@ -20,6 +20,21 @@ template <typename T> Scene rounded_scene(const Scene& scene);
 extern template Scene rounded_scene<float>(const Scene&);
 extern template Scene rounded_scene<double>(const Scene&);
 
+/// Of comparisons of any kind.
+struct Totals {
+    std::uint64_t compared = 0, differing = 0; /* voxels, or samples of paths */
+    bool passed = true;
+};
+
+template <typename One> Totals totals_of(const std::vector<One>& comparisons) {
+    Totals all;
+    for (const One& one : comparisons) {
+        const Totals own = one.totals();
+        all = {all.compared + own.compared, all.differing + own.differing, all.passed && own.passed};
+    }
+    return all;
+}
+
 /// How far a field is from one referee.
 struct Distance {
     double largest = 0;            /* N: largest |F - F_referee| of all others */
@@ -46,16 +61,11 @@ struct Comparison {
     std::string first_difference; /* where and what, for the first voxel that fails */
 
     double relative(const Distance& distance) const { return largest_force > 0 ? distance.largest / largest_force : 0; }
+    Totals totals() const { return {voxels, differing, passed}; }
 };
 
 /// Evaluates every voxel (none is copied from another) and compares. \throws compute::DeviceError, Interrupted.
 Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision);
-
-struct Totals {
-    std::uint64_t voxels = 0, differing = 0;
-    bool passed = true;
-};
-Totals totals_of(const std::vector<Comparison>& comparisons);
 
 /// The comparisons as a table for people.
 std::string comparison_table(const std::vector<Comparison>& comparisons);
