@@ -14,20 +14,9 @@ namespace {
 // By base name: no path of the machine goes into results.
 std::vector<FileRecord> inputs_of(const Scene& scene) {
     std::vector<FileRecord> inputs;
-    const auto add = [&](const std::string& file, const std::string& sha256) {
-        if (!sha256.empty())
-            inputs.push_back({std::filesystem::path(file).filename().string(), sha256, 0});
-    };
-    if (scene.paths)
-        add(scene.paths->file, scene.paths->sha256);
-    if (scene.compare)
-        add(scene.compare->file.file, scene.compare->file.sha256);
-    add(scene.surface.mesh.file, scene.surface.mesh.sha256);
-    add(scene.surface.map.file, scene.surface.map.sha256);
-    if (scene.texture)
-        add(scene.texture->map.file, scene.texture->map.sha256);
-    if (scene.vibration)
-        add(scene.vibration->file, scene.vibration->sha256);
+    for (const auto& [key, file] : files_of(scene))
+        if (!file->sha256.empty())
+            inputs.push_back({std::filesystem::path(file->file).filename().string(), file->sha256, 0});
     return inputs;
 }
 

@@ -270,11 +270,12 @@ struct Scene {
 };
 
 /// The files that a scene may name, with the keys that name them: without a name where it names none.
-inline std::vector<std::pair<std::string_view, const FileSpec*>> files_of(const Scene& scene) {
-    const SurfaceSpec& surface = scene.surface;
+template <typename SceneOrConst> auto files_of(SceneOrConst& scene) {
+    using File = std::conditional_t<std::is_const_v<SceneOrConst>, const FileSpec, FileSpec>;
+    auto& surface = scene.surface;
     const bool mesh = surface.kind == SurfaceKind::mesh;
-    std::vector<std::pair<std::string_view, const FileSpec*>> files{
-        {"surface.file", mesh ? static_cast<const FileSpec*>(&surface.mesh) : &surface.map}};
+    std::vector<std::pair<std::string_view, File*>> files{
+        {"surface.file", mesh ? static_cast<File*>(&surface.mesh) : &surface.map}};
     if (scene.texture)
         files.emplace_back("texture.file", &scene.texture->map);
     if (scene.vibration)

@@ -221,12 +221,8 @@ public:
     }
 
     bool add_to(Scene& scene) {
-        const auto image = [&](HeightMapSpec& map) { return map.function != MapFunction::file || add_to(map); };
-        return (scene.surface.kind != SurfaceKind::height_map || image(scene.surface.map)) &&
-               (scene.surface.kind != SurfaceKind::mesh || add_to(scene.surface.mesh)) &&
-               (!scene.texture || image(scene.texture->map)) && (!scene.vibration || add_to(*scene.vibration)) &&
-               (!scene.compare || scene.compare->kind != CompareKind::mesh || add_to(scene.compare->file)) &&
-               (!scene.paths || scene.paths->kind != PathKind::recorded || add_to(*scene.paths));
+        return std::ranges::all_of(files_of(scene),
+                                   [&](const auto& one) { return one.second->file.empty() || add_to(*one.second); });
     }
 
 private:
