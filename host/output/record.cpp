@@ -1,5 +1,6 @@
 #include "host/output/record.h"
 
+#include <algorithm>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -13,6 +14,11 @@ namespace forceshade {
 double PathRecord::steps_per_second() const {
     const double seconds = engine_times.upload + engine_times.kernel + engine_times.read_back;
     return seconds > 0 ? double(samples) / seconds : 0;
+}
+
+std::string CaseRecord::parameter(std::string_view key) const {
+    const auto found = std::ranges::find(parameters, key, [](const auto& one) { return one.first; });
+    return found == parameters.end() ? "" : found->second;
 }
 
 std::string error_text(const PathRecord& record, const std::string& name, const std::string& device) {

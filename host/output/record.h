@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -164,6 +165,8 @@ struct CaseRecord {
     EngineTimes engine_times;
     VolumeTimings volume_times;
 
+    /// The value of one that varies, by its key; empty: it has none.
+    std::string parameter(std::string_view key) const;
     /// s: modelled: of the voxels that were not evaluated, if each took as long as the others.
     double saved() const { return evaluated == 0 ? 0 : engine_times.kernel * (double(voxels) / double(evaluated) - 1); }
 };

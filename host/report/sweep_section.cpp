@@ -63,11 +63,6 @@ std::optional<double> leading_number(const std::string& text) {
     return measure ? std::optional(measure->number) : std::nullopt;
 }
 
-std::string parameter(const CaseRecord& record, const std::string& key) {
-    const auto found = std::ranges::find(record.parameters, key, [](const auto& one) { return one.first; });
-    return found == record.parameters.end() ? "" : found->second;
-}
-
 struct Plotted {
     const CaseRecord* record = nullptr;
     study::Cell x{};
@@ -125,7 +120,7 @@ std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, bool
     for (const CaseRecord* record : cases) {
         Plotted row{record, record->name, {}};
         if (!axis.empty()) {
-            const std::string text = parameter(*record, axis);
+            const std::string text = record->parameter(axis);
             if (numbers && text.empty())
                 continue; // as a smooth bump, which has no facets
             row.x = numbers ? study::Cell(*leading_number(text)) : study::Cell(text.empty() ? "–" : text);
@@ -156,7 +151,7 @@ std::vector<Plotted> plotted_of(const Rows& cases, const std::string& axis, bool
 }
 
 std::string unit_of(const Rows& cases, const std::string& axis) {
-    const std::string text = parameter(*cases.front(), axis);
+    const std::string text = cases.front()->parameter(axis);
     const std::size_t space = text.find(' ');
     return space == std::string::npos ? axis : axis + " / " + text.substr(space + 1);
 }
@@ -243,7 +238,7 @@ std::string by_shading(const Rows& cases, const Number& number, double factor, c
     for (const CaseRecord* record : cases) {
         const DrawnNumber value = number(*record);
         all.push_back(value);
-        if (const std::string shading = parameter(*record, "shading"); !shading.empty())
+        if (const std::string shading = record->parameter("shading"); !shading.empty())
             (shading == "none" ? plain : shaded).push_back(value);
     }
     if (plain.empty() || shaded.empty())
@@ -501,10 +496,8 @@ study::Table cases_table(const Sweep& sweep, const Rows& rows) {
                 keys.push_back(key);
     for (const std::string& key : keys)
         columns.push_back({{key, "", ""}, [key](R r) {
-                               for (const auto& [name, value] : r->parameters)
-                                   if (name == key)
-                                       return study::Cell(value);
-                               return study::Cell();
+                               const std::string value = r->parameter(key);
+                               return value.empty() ? study::Cell() : study::Cell(value);
                            }});
     columns.insert(
         columns.end(),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <set>
 #include <span>
 #include <string_view>
@@ -80,128 +81,124 @@ Json last_account(const std::filesystem::path& path) {
     }
 }
 
-constexpr const char* kPathColumns[] = {"paths",
-                                        "path_steps",
-                                        "path_samples",
-                                        "path_contact_share",
-                                        "unstable_paths",
-                                        "path_largest_force_N",
-                                        "path_work_J",
-                                        "path_mean_depth_m",
-                                        "path_depth_deviation_m",
-                                        "path_samples_compared",
-                                        "path_samples_differing",
-                                        "paths_exr_sha256"};
+// A column of summary.csv.
+struct Column {
+    std::string name;
+    std::function<std::string(const CaseRecord&)> text; /* empty where it does not apply */
+};
+using Columns = std::vector<Column>;
 
-constexpr const char* kDeviationColumns[] = {
-    "compare_angles",     "compare_rms_angle_deg",         "compare_largest_angle_deg",
-    "compare_magnitudes", "compare_rms_magnitude_error_N", "compare_largest_magnitude_error_N"};
-
-void add_deviation(const std::optional<DeviationRecord>& deviation, CsvText& csv) {
-    if (deviation && deviation->magnitudes > 0)
-        csv.add(deviation->angles)
-            .add(deviation->rms_angle)
-            .add(deviation->largest_angle)
-            .add(deviation->magnitudes)
-            .add(deviation->rms_magnitude_error)
-            .add(deviation->largest_magnitude_error);
-    else
-        for ([[maybe_unused]] const char* column : kDeviationColumns)
-            csv.add("");
+// Of members and functions of a part of the record, null where the record lacks it.
+template <typename Part> auto adder_to(Columns& columns, const Part& part) {
+    return [&columns, part](const std::string& name, auto value) {
+        columns.push_back({name, [part, value](const CaseRecord& record) {
+                               const auto* const of = part(record);
+                               const std::string text = of ? fmt::format("{}", std::invoke(value, *of)) : "";
+                               return text == "nan" ? "" : text; // nothing was measured
+                           }});
+    };
 }
 
-void add_touch(const CaseRecord& record, CsvText& csv) {
-    const TouchRecord touch = record.touch.value_or(TouchRecord());
-    for (const double number :
-         {touch.direction.value, touch.direction.low, touch.direction.high, touch.median_error.value,
-          touch.median_error.low, touch.median_error.high, touch.missed.value})
-        if (std::isnan(number))
-            csv.add("");
-        else
-            csv.add(number);
+const DeviationRecord* counted(const std::optional<DeviationRecord>& deviation) {
+    return deviation && deviation->magnitudes > 0 ? &*deviation : nullptr;
+}
+
+template <typename Part> void add_deviation(Columns& columns, const std::string& prefix, const Part& part) {
+    const auto add = adder_to(columns, part);
+    using D = DeviationRecord;
+    add(prefix + "compare_angles", &D::angles);
+    add(prefix + "compare_rms_angle_deg", &D::rms_angle);
+    add(prefix + "compare_largest_angle_deg", &D::largest_angle);
+    add(prefix + "compare_magnitudes", &D::magnitudes);
+    add(prefix + "compare_rms_magnitude_error_N", &D::rms_magnitude_error);
+    add(prefix + "compare_largest_magnitude_error_N", &D::largest_magnitude_error);
 }
 
 // Nothing of the CPU engine: it is the oracle.
-void add_differing(const CaseRecord& record, std::uint64_t differing, CsvText& csv) {
-    if (record.engine.engine == "cpu")
-        csv.add("");
-    else
-        csv.add(differing);
+std::string differing_text(const CaseRecord& record, std::uint64_t differing) {
+    return record.engine.engine == "cpu" ? "" : std::to_string(differing);
 }
 
-void add_paths(const CaseRecord& record, CsvText& csv) {
-    if (!record.paths) {
-        for ([[maybe_unused]] const char* column : kPathColumns)
-            csv.add("");
-        return;
-    }
-    const PathRecord& paths = *record.paths;
-    const auto exr = std::find_if(record.files.begin(), record.files.end(),
-                                  [](const FileRecord& file) { return file.name.ends_with(".paths.exr"); });
-    csv.add(paths.paths).add(paths.steps).add(paths.samples);
-    csv.add(paths.samples ? double(paths.in_contact) / double(paths.samples) : 0.0);
-    csv.add(paths.unstable).add(paths.largest_force).add(paths.work).add(paths.mean_depth).add(paths.depth_deviation);
-    csv.add(paths.error.samples);
-    add_differing(record, paths.error.differing, csv);
-    csv.add(exr == record.files.end() ? std::string() : exr->sha256);
+void add_paths(Columns& columns) {
+    const auto add =
+        adder_to(columns, [](const CaseRecord& record) { return record.paths ? &*record.paths : nullptr; });
+    using P = PathRecord;
+    add("paths", &P::paths);
+    add("path_steps", &P::steps);
+    add("path_samples", &P::samples);
+    add("path_contact_share", [](const P& p) { return p.samples ? double(p.in_contact) / double(p.samples) : 0.0; });
+    add("unstable_paths", &P::unstable);
+    add("path_largest_force_N", &P::largest_force);
+    add("path_work_J", &P::work);
+    add("path_mean_depth_m", &P::mean_depth);
+    add("path_depth_deviation_m", &P::depth_deviation);
+    add("path_samples_compared", [](const P& p) { return p.error.samples; });
+    columns.push_back({"path_samples_differing", [](const CaseRecord& record) {
+                           return record.paths ? differing_text(record, record.paths->error.differing) : "";
+                       }});
+    columns.push_back({"paths_exr_sha256", [](const CaseRecord& record) {
+                           const auto exr = std::ranges::find_if(
+                               record.files, [](const std::string& name) { return name.ends_with(".paths.exr"); },
+                               &FileRecord::name);
+                           return record.paths && exr != record.files.end() ? exr->sha256 : std::string();
+                       }});
 }
 
-// Columns: the case, every key that varies in the study, then figures that do not change from run to run; those of
-// paths and of comparisons only where a case of the study has some.
-std::string summary(const Study& study, const std::vector<std::optional<CaseRecord>>& records) {
+// The case, every key that varies in the study, then figures that do not change from run to run; those of paths and of
+// comparisons only where a case of the study has some.
+Columns columns_of(const Study& study) {
+    Columns columns;
+    const auto add = adder_to(columns, [](const CaseRecord& record) { return &record; });
+    using R = CaseRecord;
+    add("case", &R::name);
     std::vector<std::string> keys;
     for (const Case& one : study.cases)
         for (const auto& [key, value] : one.varied)
             add_once(key, keys);
-    CsvText csv;
-    csv.add("case");
     for (const std::string& key : keys)
-        csv.add(key);
-    for (const char* column :
-         {"precision", "voxels", "voxels_evaluated", "left_out", "largest_force_N", "oracle_voxels", "oracle_differing",
-          "oracle_largest_error_N", "oracle_relative_error", "touch_direction_deg", "touch_direction_low_deg",
-          "touch_direction_high_deg", "touch_force_error", "touch_force_error_low", "touch_force_error_high",
-          "touch_missed", "evaluations_saved", "exr_bytes", "exr_sha256"})
-        csv.add(column);
+        add(key, [key](const R& r) { return r.parameter(key); });
+    add("precision", &R::precision);
+    add("voxels", &R::voxels);
+    add("voxels_evaluated", &R::evaluated);
+    add("left_out", [](const R& r) { return fmt::format("{}", fmt::join(r.omitted, "; ")); });
+    add("largest_force_N", &R::largest_force);
+    add("oracle_voxels", [](const R& r) { return r.error.compared; });
+    add("oracle_differing", [](const R& r) { return differing_text(r, r.error.differing); });
+    add("oracle_largest_error_N", [](const R& r) { return r.error.largest; });
+    add("oracle_relative_error", [](const R& r) { return r.error.relative(); });
+    const auto add_touch = adder_to(columns, [](const R& r) { return r.touch ? &*r.touch : nullptr; });
+    using T = TouchRecord;
+    add_touch("touch_direction_deg", [](const T& t) { return t.direction.value; });
+    add_touch("touch_direction_low_deg", [](const T& t) { return t.direction.low; });
+    add_touch("touch_direction_high_deg", [](const T& t) { return t.direction.high; });
+    add_touch("touch_force_error", [](const T& t) { return t.median_error.value; });
+    add_touch("touch_force_error_low", [](const T& t) { return t.median_error.low; });
+    add_touch("touch_force_error_high", [](const T& t) { return t.median_error.high; });
+    add_touch("touch_missed", [](const T& t) { return t.missed.value; });
+    add("evaluations_saved", [](const R& r) { return r.voxels ? 1 - double(r.evaluated) / double(r.voxels) : 0.0; });
+    add("exr_bytes", [](const R& r) { return r.files.front().bytes; });
+    add("exr_sha256", [](const R& r) { return r.files.front().sha256; });
     const auto any = [&](auto has) { return std::ranges::any_of(study.cases, has, &Case::scene); };
-    const bool paths = any([](const Scene& scene) { return scene.paths.has_value(); });
-    const bool compared = any([](const Scene& scene) { return scene.compare && scene.field; });
-    const bool compared_paths = any([](const Scene& scene) { return scene.compare && scene.paths; });
-    if (compared)
-        for (const char* column : kDeviationColumns)
-            csv.add(column);
-    if (paths)
-        for (const char* column : kPathColumns)
-            csv.add(column);
-    if (compared_paths)
-        for (const char* column : kDeviationColumns)
-            csv.add(fmt::format("path_{}", column));
+    if (any([](const Scene& scene) { return scene.compare && scene.field; }))
+        add_deviation(columns, "", [](const R& r) { return counted(r.deviation); });
+    if (any([](const Scene& scene) { return scene.paths.has_value(); }))
+        add_paths(columns);
+    if (any([](const Scene& scene) { return scene.compare && scene.paths; }))
+        add_deviation(columns, "path_", [](const R& r) { return r.paths ? counted(r.paths->deviation) : nullptr; });
+    return columns;
+}
+
+std::string summary(const Study& study, const std::vector<std::optional<CaseRecord>>& records) {
+    const Columns columns = columns_of(study);
+    CsvText csv;
+    for (const Column& column : columns)
+        csv.add(column.name);
     csv.end();
-    for (const std::optional<CaseRecord>& found : records) {
-        if (!found)
+    for (const std::optional<CaseRecord>& record : records) {
+        if (!record)
             continue;
-        const CaseRecord& record = *found;
-        csv.add(record.name);
-        for (const std::string& key : keys) {
-            const auto parameter = std::find_if(record.parameters.begin(), record.parameters.end(),
-                                                [&](const auto& one) { return one.first == key; });
-            csv.add(parameter == record.parameters.end() ? std::string() : parameter->second);
-        }
-        csv.add(record.precision).add(record.voxels).add(record.evaluated);
-        csv.add(fmt::format("{}", fmt::join(record.omitted, "; "))).add(record.largest_force);
-        csv.add(record.error.compared);
-        add_differing(record, record.error.differing, csv);
-        csv.add(record.error.largest);
-        csv.add(record.error.relative());
-        add_touch(record, csv);
-        csv.add(record.voxels ? 1 - double(record.evaluated) / double(record.voxels) : 0.0);
-        csv.add(record.files.front().bytes).add(record.files.front().sha256);
-        if (compared)
-            add_deviation(record.deviation, csv);
-        if (paths)
-            add_paths(record, csv);
-        if (compared_paths)
-            add_deviation(record.paths ? record.paths->deviation : std::nullopt, csv);
+        for (const Column& column : columns)
+            csv.add(column.text(*record));
         csv.end();
     }
     return csv.text();
