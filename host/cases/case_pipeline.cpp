@@ -385,4 +385,14 @@ void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& 
     pool.throw_if_stopped();
 }
 
+CaseRecord run_case(Engine& engine, CaseJob job) {
+    auto only = std::make_unique<CaseJob>(std::move(job));
+    CaseOutcome outcome;
+    run_cases(
+        engine, [&] { return std::move(only); }, 1, {}, [&](const CaseOutcome& ended) { outcome = ended; });
+    if (outcome.error)
+        std::rethrow_exception(outcome.error);
+    return outcome.record;
+}
+
 } // namespace forceshade

@@ -48,6 +48,8 @@ struct PipelineOptions {
 /// the others; an I/O or device error and an interrupt do. \throws the error that stopped the run.
 void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& next, std::size_t cases,
                const PipelineOptions& options, const std::function<void(const CaseOutcome&)>& done);
+/// A single case. \throws as above, and what ends the case.
+CaseRecord run_case(Engine& engine, CaseJob job);
 
 // The paths of a scene, or recorded ones, through an engine and into files: the samples, a line for each path, what
 // `--also` asks for, the record.

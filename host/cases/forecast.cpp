@@ -157,22 +157,16 @@ void measure(Engine& engine, const std::vector<const Case*>& cases, const std::f
     std::size_t formats = 0;
     for (std::size_t i = 0; i < copies; ++i) {
         const ScratchFolder folder;
-        auto job = std::make_unique<CaseJob>(job_of(*cases[i * cases.size() / copies]));
-        Scene& scene = job->prepared.one.scene;
+        CaseJob job = job_of(*cases[i * cases.size() / copies]);
+        Scene& scene = job.prepared.one.scene;
         make_small(scene);
-        job->volume = folder.path() / "small.exr";
-        formats = picture_formats(job->also);
-        job->also.pictures = {};
-        small += forceshade::forecast(scene, job->also);
+        job.volume = folder.path() / "small.exr";
+        formats = picture_formats(job.also);
+        job.also.pictures = {};
+        small += forceshade::forecast(scene, job.also);
         const Clock::time_point start = Clock::now();
-        run_cases(
-            engine, [&] { return std::move(job); }, 1, {},
-            [&](const CaseOutcome& ended) {
-                if (ended.error)
-                    std::rethrow_exception(ended.error);
-                for (const FileRecord& file : ended.record.files)
-                    (file.name == "small.vtp" ? surfaces : bytes) += static_cast<double>(file.bytes);
-            });
+        for (const FileRecord& file : run_case(engine, std::move(job)).files)
+            (file.name == "small.vtp" ? surfaces : bytes) += static_cast<double>(file.bytes);
         seconds += seconds_since(start);
         stage.update(i + 1);
     }

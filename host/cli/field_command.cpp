@@ -119,14 +119,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
         if (const std::string warning = space_warning(job.volume.parent_path(), needed); !warning.empty())
             print_warnings({warning}, common);
     }
-    bool given = false;
-    CaseOutcome outcome;
-    run_cases(
-        *engine, [&] { return std::exchange(given, true) ? nullptr : std::make_unique<CaseJob>(job); }, 1, {},
-        [&](const CaseOutcome& ended) { outcome = ended; });
-    if (outcome.error)
-        std::rethrow_exception(outcome.error);
-    const CaseRecord& record = outcome.record;
+    const CaseRecord record = run_case(*engine, job);
     print_stage_times(record.engine_times, record.volume_times);
     note(common,
          "{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
