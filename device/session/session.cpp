@@ -315,7 +315,7 @@ private:
         }
         outcome.scene = options_.scene.filename().string();
         outcome.scenes = scenes_.used();
-        outcome.precision = prepared_.one.scene.precision == Precision::f32 ? "f32" : "f64";
+        outcome.precision = name_of(prepared_.one.scene.precision);
         outcome.law = options_.law;
         outcome.device = options_.device;
         outcome.rate = opened_.settings.rate;

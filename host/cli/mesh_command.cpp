@@ -11,7 +11,7 @@
 #include "host/mesh/findings.h"
 #include "host/numbers.h"
 #include "host/picture/picture.h"
-#include "host/program.h"
+#include "host/scene/toml.h"
 #include "host/scene/value.h"
 
 namespace forceshade {
@@ -202,14 +202,10 @@ std::vector<std::string> keys_of(const Inspected& one) {
     return keys;
 }
 
-// A text in quotes; JSON's are TOML's.
-std::string in_toml(const std::string& text) {
-    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 // [surface] of a scene of this mesh.
 std::string to_write(const Inspected& one, const std::string& unit) {
-    std::string text = fmt::format("[surface] kind = \"mesh\"  file = {}  unit = \"{}\"", in_toml(one.spec.file), unit);
+    std::string text =
+        fmt::format("[surface] kind = \"mesh\"  file = {}  unit = \"{}\"", toml_string(one.spec.file), unit);
     for (const std::string& key : keys_of(one))
         text += "  " + key;
     return text;

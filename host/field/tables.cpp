@@ -146,8 +146,7 @@ template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which,
     if (!(farthest <= kMeshReach<T> * mesh.scale))
         throw UsageError("the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about {:.3g} m in "
                          "size: beyond {:.0f} sizes {} cannot distinguish its facets; move the grid or check the unit",
-                         farthest, "xyz"[which], 2 * mesh.scale, kMeshReach<T> / 2,
-                         std::is_same_v<T, float> ? "f32" : "f64");
+                         farthest, "xyz"[which], 2 * mesh.scale, kMeshReach<T> / 2, name_of(kPrecisionOf<T>));
     return axis<T>(grid, i, grid.size[i], mesh.centre[which], mesh.scale, "a grid coordinate, in sizes of the mesh,");
 }
 

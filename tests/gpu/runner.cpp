@@ -7,8 +7,6 @@
 namespace forceshade::test {
 namespace {
 
-using layout::uint;
-
 template <typename T> layout::MapParams<T> mesh_map(T side) {
     layout::MapParams<T> params{};
     params.half_width = params.half_length = T(0.7) * side;

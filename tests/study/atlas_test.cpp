@@ -49,19 +49,11 @@ TEST(StabilityAtlas, IsTheClosedFormOnAPlane) {
     EXPECT_EQ(atlas("plane").points.size(), 6U * 13 + 7) << "no engine, no quanta";
 }
 
-MakePathForce law_of(const LoopSurface& surface) {
-    return [&surface](double stiffness) {
-        return [probe = std::make_shared<CaseProbe<double>>(surface.prepared), stiffness](const glm::dvec3& at) {
-            return stiffness * glm::dvec3(probe->at(at).contact.force);
-        };
-    };
-}
-
 TEST(SteppedLimits, AreThoseOfTheLinearLoop) {
     for (const char* name : {"plane", "textured plane", "shaded bump", "mesh"}) {
         const Atlas& one = atlas(name);
         const LeastLimit& worst = *worst_of(one.limits);
-        const SteppedLimit found = stepped_limit(one.surface, worst, law_of(one.surface));
+        const SteppedLimit found = stepped_limit(one.surface, worst, own_path_law(one.surface));
         EXPECT_EQ(found.end, LimitEnd::within);
         EXPECT_NEAR(found.limit / *worst.limit, 1, 0.01) << name;
     }
@@ -81,7 +73,7 @@ TEST(SteppedLimits, SayWhereThereIsNone) {
     there.cell.rate = 1e6; // K_crit is 2.4e7 N/m
     there.cell.hand.damping = 10;
     there.cell.hand.grip_stiffness = 3000;
-    EXPECT_EQ(end_of(law_of(plane)), LimitEnd::above);
+    EXPECT_EQ(end_of(own_path_law(plane)), LimitEnd::above);
 }
 
 // On a shaded slope it is where the force turns away faster than the grip holds: as stiff as the grip times what the

@@ -30,7 +30,7 @@ constexpr std::size_t kShare = 1024;      // of them that a thread takes at once
 constexpr double kShortest = 1e-3;        // s: of a measurement
 constexpr double kTilt = 2 * kDegree;     // of a volume, at most: more wants much larger ones
 
-template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
+template <typename T> constexpr const char* kPrecision = forceshade::name_of(kPrecisionOf<T>);
 
 // Makes a value on first use, which no other thread may share, and keeps it.
 template <typename Make> auto lazily(Make make) {

@@ -85,10 +85,6 @@ std::optional<Interval> look_up_error(const Measured& measured, const FieldRun& 
 // A finer field takes long where free space is visited.
 constexpr std::uint64_t kMostVisited = 250000; // voxels
 
-const char* word_of(Precision precision) {
-    return precision == Precision::f32 ? "f32" : "f64";
-}
-
 } // namespace
 
 bool FieldEngine::fits(const Variant& variant, const GridSpec& grid, Precision precision) const {
@@ -238,7 +234,7 @@ std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldR
                     {{"surface", "", "as in ways", &R::surface},
                      {"law", "", "the law of the field", [](const R& r) { return r.variant->name; }},
                      {"series", "", "engine and precision",
-                      [](const R& r) { return fmt::format("{}, {}", r.by, word_of(r.precision)); }},
+                      [](const R& r) { return fmt::format("{}, {}", r.by, forceshade::name_of(r.precision)); }},
                      {"spacing_mm", "mm", "of the grid", [](const R& r) { return 1e3 * r.grid.spacing[0]; }},
                      {"voxels", "1", "of the grid",
                       [](const R& r) { return double(r.grid.size[0] * r.grid.size[1] * r.grid.size[2]); }},
@@ -263,7 +259,7 @@ std::vector<Table> run_tables(const Measured& measured, const std::vector<FieldR
             "loop_rates", "Strokes of a hand in closed loop, by the loop's rate",
             {{"surface", "", "as in ways", &LoopRun::surface},
              {"law", "", "of the force", [](const LoopRun& r) { return r.variant->name; }},
-             {"precision", "", "of the loop", [](const LoopRun& r) { return word_of(r.precision); }},
+             {"precision", "", "of the loop", [](const LoopRun& r) { return forceshade::name_of(r.precision); }},
              {"rate_kHz", "kHz", "of the loop", [](const LoopRun& r) { return r.rate / 1000; }},
              {"force_error_1", "1",
               "RMS difference from the force of a loop of 64 kHz in double at the same time, over its RMS",

@@ -8,16 +8,16 @@
 #include "host/study/stability/stability.h"
 
 namespace forceshade::study {
-namespace {
 
-// The scene's own law, with the history that a path has.
-MakePathForce own_law(const LoopSurface& surface) {
+MakePathForce own_path_law(const LoopSurface& surface) {
     return [&surface](double stiffness) {
         return [probe = std::make_shared<CaseProbe<double>>(surface.prepared), stiffness](const glm::dvec3& at) {
             return stiffness * glm::dvec3(probe->at(at).contact.force);
         };
     };
 }
+
+namespace {
 
 PreparedCase of_stiffness(const LoopSurface& surface, double stiffness) {
     PreparedCase prepared = surface.prepared; // of 1 N/m
@@ -248,7 +248,7 @@ std::vector<RendererLimit> renderer_limits(StudyRun& run, const LoopSurface& sur
     std::vector<Part> parts{{"limits of the scene's own law",
                              [&] {
                                  for (std::size_t i = 0; i < settings.size(); ++i)
-                                     own[i] = stepped_limit(surface, settings[i], own_law(surface));
+                                     own[i] = stepped_limit(surface, settings[i], own_path_law(surface));
                              },
                              true}};
     for (std::size_t i = 0; i < laws.size(); ++i)

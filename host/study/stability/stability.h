@@ -266,6 +266,9 @@ struct RendererLimit {
     std::string status = "ok"; /* or what the renderer did wrong, which ended its process */
 };
 
+/// The surface's own law, of 1 N/m, with the history that a path has. `surface` must outlive it.
+MakePathForce own_path_law(const LoopSurface& surface);
+
 /// Of run.rubbing() and the renderers, at the worst place of each kind with the scene's own hand, and at the worst of
 /// all over the hand's damping. \throws as StudyRun::run.
 std::vector<RendererLimit> renderer_limits(StudyRun& run, const LoopSurface& surface,
