@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -256,34 +257,32 @@ template <typename Lower> void walk_down(NearbyPlaces& nearby, std::optional<Hol
 
 } // namespace
 
-std::vector<RestPlace> searched_places(const LoopSurface& surface, std::size_t count) {
-    std::vector<RestPlace> places = rest_places(surface, count), found;
-    NearbyPlaces nearby(surface);
+std::vector<RestPlace> searched_places(const LoopSurface& surface, std::size_t count, Searched from) {
+    std::vector<RestPlace> places = rest_places(surface, count);
     const LoopCell own{surface.hand, surface.rate, 1};
-    for (const PlaceKind kind : kPlaceKinds)
-        for (const double depth : surface.depths()) {
-            std::optional<HoldLimit> least;
-            for (const RestPlace& place : places)
-                if (place.kind == kind && !jumps(kind) && place.depth == depth)
-                    for (const Hold& hold : usual_holds(place.force, place.slope))
-                        take_lower(least, own, place, hold);
-            if (!least)
-                continue;
-            walk_down(nearby, least, [&](const RestPlace& place) {
-                for (const Hold& hold : usual_holds(place.force, place.slope))
-                    take_lower(least, own, place, hold, 0.999);
-            });
-            found.push_back(least->place);
-            if (least->hold.along == glm::dvec3(0))
-                continue;
-            least = turned_to_least(*least, own);
-            walk_down(nearby, least, [&](const RestPlace& place) {
-                if (supports(least->hold.along, place.force, place.slope))
-                    take_lower(least, own, place, least->hold, 0.999);
-            });
-            found.push_back(least->place);
-        }
-    places.insert(places.end(), found.begin(), found.end());
+    std::map<std::pair<PlaceKind, double>, std::optional<HoldLimit>> least; // by kind and depth
+    for (const RestPlace& place : places)
+        if (!jumps(place.kind))
+            for (const Hold& hold : usual_holds(place.force, place.slope))
+                take_lower(from == Searched::of_all ? least[{}] : least[{place.kind, place.depth}], own, place, hold);
+    NearbyPlaces nearby(surface);
+    for (auto& [key, one] : least) {
+        if (!one)
+            continue;
+        walk_down(nearby, one, [&](const RestPlace& place) {
+            for (const Hold& hold : usual_holds(place.force, place.slope))
+                take_lower(one, own, place, hold, 0.999);
+        });
+        places.push_back(one->place);
+        if (one->hold.along == glm::dvec3(0))
+            continue;
+        one = turned_to_least(*one, own);
+        walk_down(nearby, one, [&](const RestPlace& place) {
+            if (supports(one->hold.along, place.force, place.slope))
+                take_lower(one, own, place, one->hold, 0.999);
+        });
+        places.push_back(one->place);
+    }
     return places;
 }
 

@@ -43,7 +43,8 @@ Touched touched(const PreparedCase& prepared, double rate, double most, double s
         found.surface = scene_surface(prepared);
         found.surface.rate = rate;
         found.surface.deepest = std::min(found.surface.deepest, most / stiffness);
-        found.places = searched_places(found.surface, found.surface.is_mesh() ? kPointsOfMesh : kPoints);
+        found.places =
+            searched_places(found.surface, found.surface.is_mesh() ? kPointsOfMesh : kPoints, Searched::of_all);
     } catch (const UsageError&) { // nothing to touch in the scene's box
     }
     return found;

@@ -332,33 +332,47 @@ bool leaves(layout::PathState<T>& state, const layout::HandParams<T>& hand, cons
 }
 
 /// A path of a batch: its motion, step by step, and the hand that follows it.
-template <typename T> struct BatchPath {
-    const layout::PathInput<T>& input;
-    const layout::PathBatch<T>& batch;
-    std::size_t path;               // within the batch
-    std::span<const T> positions{}; // recorded: of the batch, from the step `first` on; m
-    std::size_t first = 0;
+template <typename T> class BatchPath {
+public:
+    /// `path`: within the batch; a recorded one as in follow(). Both inputs must outlive it.
+    BatchPath(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch, std::size_t path,
+              std::span<const T> positions = {}, std::size_t first = 0) noexcept
+        : input_(input), batch_(batch), path_(path), steps_(batch.steps.empty() ? input.steps : batch.steps[path]),
+          recorded_(input.features.motion == layout::kMotionRecorded), open_(input.features.loop == layout::kLoopOpen),
+          positions_(positions), first_(first) {}
 
-    bool recorded() const noexcept { return input.features.motion == layout::kMotionRecorded; }
-    std::size_t steps() const noexcept { return batch.steps.empty() ? input.steps : std::size_t(batch.steps[path]); }
+    /// Where a recorded one is: the places of the batch from a step on, m.
+    void follow(std::span<const T> positions, std::size_t first) noexcept {
+        positions_ = positions;
+        first_ = first;
+    }
+    bool recorded() const noexcept { return recorded_; }
+    std::size_t steps() const noexcept { return steps_; }
     layout::HandParams<T> hand() const noexcept {
-        const std::size_t hands = input.hands.size();
-        return hands == 0 ? layout::HandParams<T>{} : input.hands[hands == 1 ? 0 : batch.first + path];
+        const std::size_t hands = input_.hands.size();
+        return hands == 0 ? layout::HandParams<T>{} : input_.hands[hands == 1 ? 0 : batch_.first + path_];
     }
     layout::MotionParams<T> motion() const noexcept {
-        return recorded() ? layout::MotionParams<T>{} : batch.motions[path];
+        return recorded_ ? layout::MotionParams<T>{} : batch_.motions[path_];
     }
     /// The motion's place at a step, m; a recorded path rests where it ends.
     Vector<T> at(std::size_t step) const noexcept {
-        if (!recorded())
-            return motion_at(input.law, input.features, batch, path, static_cast<layout::uint>(step));
-        return vector_at(positions, (std::min(step, steps() - 1) - first) * batch.count + path);
+        if (!recorded_)
+            return motion_at(input_.law, input_.features, batch_, path_, static_cast<layout::uint>(step));
+        return vector_at(positions_, (std::min(step, steps_ - 1) - first_) * batch_.count + path_);
     }
     /// Its place at the step after, when it is `here`: of the last one in open loop there is none.
     Vector<T> after(std::size_t step, const Vector<T>& here) const noexcept {
-        const bool ends = input.features.loop == layout::kLoopOpen && step + 1 == steps();
-        return ends ? here : at(step + 1);
+        return open_ && step + 1 == steps_ ? here : at(step + 1);
     }
+
+private:
+    const layout::PathInput<T>& input_;
+    const layout::PathBatch<T>& batch_;
+    std::size_t path_, steps_;
+    bool recorded_, open_;
+    std::span<const T> positions_;
+    std::size_t first_;
 };
 
 /// Takes a path one step on. `target` and `next` are the motion's places at this step and the next, m; `feel(probe)`

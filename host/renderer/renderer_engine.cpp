@@ -132,9 +132,8 @@ private:
             chunk.path_count = chunk.pitch = 1;
             chunk.step_first = first;
             chunk.step_count = std::min(kSteps, longest - first);
-            moved.first = first;
             if (moved.recorded())
-                moved.positions = input.source->positions(first, std::min(chunk.step_count + 1, longest - first));
+                moved.follow(input.source->positions(first, std::min(chunk.step_count + 1, longest - first)), first);
             samples.resize(input.features.channels, chunk.step_count);
             const std::size_t end = std::min(first + chunk.step_count, steps);
             std::vector<RendererAnswer> ahead; // open loop: where the probe will be is known

@@ -198,7 +198,7 @@ Strokes scene_strokes(const PreparedCase& prepared) {
                              "paths.count or paths.steps smaller",
                              kMostSamples);
         if (moved.recorded())
-            moved.positions = input.source->positions(0, steps);
+            moved.follow(input.source->positions(0, steps), 0);
         Stroke& stroke = strokes.all.emplace_back();
         stroke.id = path;
         for (std::size_t step = 0; step < steps; ++step) {

@@ -123,7 +123,7 @@ TEST(Reference, HasTheLimitsOfTheShadedBump) {
     const std::vector<LoopSurface> surfaces = own_surfaces();
     const LoopSurface& bump = *std::ranges::find(surfaces, "shaded bump", &LoopSurface::name);
     const std::vector<LeastLimit> limits =
-        least_limits(bump, searched_places(bump, 400), {settings_of(bump, false).front()});
+        least_limits(bump, searched_places(bump, 400, Searched::of_each_kind), {settings_of(bump, false).front()});
     const LeastLimit& worst = *worst_of(limits);
     const auto kept = row_with("stability/loop_worst.csv", {{"surface", bump.name}});
     expect_equal(*worst.limit, kept.at("limit_N_per_m"), "worst");

@@ -313,7 +313,7 @@ TEST(LeastLimits, OfSearchedPlacesAreNoMoreThanThoseOfManyMore) {
     const auto least = [&](const std::vector<RestPlace>& places) {
         return worst_of(least_limits(mesh, places, {{mesh.hand, mesh.rate, 1}}))->limit.value();
     };
-    const double searched = least(searched_places(mesh, 40));
+    const double searched = least(searched_places(mesh, 40, Searched::of_each_kind));
     EXPECT_NEAR(searched, 1201, 5);
     EXPECT_LE(searched, least(rest_places(mesh, 300)));
     EXPECT_GT(least(rest_places(mesh, 40)), 1.05 * searched) << "drawn places alone";

@@ -84,8 +84,8 @@ std::vector<TessellatedLimit> limits_by_tessellation(const LoopSurface& surface,
         LoopSurface other = surface;
         other.prepared.images.mesh =
             cylinder_patch({spec.width / 2, spec.radius, kMeshCells, kMeshCells}, DrawnPatch{reach, number});
-        std::vector<LeastLimit> found =
-            least_limits(other, searched_places(other, points), {settings_of(surface, true).front()}, true);
+        std::vector<LeastLimit> found = least_limits(other, searched_places(other, points, Searched::of_each_kind),
+                                                     {settings_of(surface, true).front()}, true);
         for (LeastLimit& one : found)
             if (&one == worst_of(found, surface.name))
                 one.simulated = simulated_limit(other, one);
@@ -124,7 +124,7 @@ std::vector<PressLimit> limits_by_press(const LoopSurface& surface, const std::v
 // With the surface's own hand, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
-    const std::vector<RestPlace> places = searched_places(surface, points);
+    const std::vector<RestPlace> places = searched_places(surface, points, Searched::of_each_kind);
     std::vector<LoopCell> settings = settings_of(surface, quick);
     if (surface.limits_alone)
         settings.resize(1); // the surface's own hand
