@@ -158,7 +158,7 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
             const study::Interval measured = time_ratio(rounds, row, plain.at(kElements)),
                                   ratio = study::across_reruns(measured);
             time = was_busy(ways) ? "not known: the machine was busy"
-                   : study::is_significant(ratio)
+                   : study::takes_other_time(ratio)
                        ? study::ratio_text(ratio)
                        : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(measured) ? "open" : "about 1", ratio.low,
                                      ratio.high);
@@ -197,8 +197,8 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
         return text;
     const study::Interval ratio = study::across_reruns(time_ratio(rounds, enough->second, shaded.at(kElements)));
     return text + fmt::format(", and take {} as {} shaded",
-                              study::is_significant(ratio) ? study::ratio_text(ratio) + " times as long"
-                                                           : std::string("about as long"),
+                              study::takes_other_time(ratio) ? study::ratio_text(ratio) + " times as long"
+                                                             : std::string("about as long"),
                               fmt::format(fmt::runtime(of), kElements));
 }
 

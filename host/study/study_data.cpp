@@ -100,7 +100,7 @@ std::string ratio_text(const Interval& ratio) {
 
 std::string times_as_long(const Interval& measured, const char* other) {
     const Interval ratio = across_reruns(measured);
-    if (is_significant(ratio))
+    if (takes_other_time(ratio))
         return fmt::format("takes {} times as long as {}", ratio_text(ratio), other);
     if (was_busy(measured))
         return fmt::format("takes [{:.2f}, {:.2f}] times as long as {}, which leaves open whether more or less",

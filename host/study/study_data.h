@@ -212,6 +212,12 @@ inline Interval across_reruns(const Interval& ratio) {
     return {ratio.low / kRerun, ratio.median, ratio.high * kRerun};
 }
 
+/// Whether an interval across reruns is a twentieth off equal times: one that ended nearer to 1 did so in half of them.
+inline bool takes_other_time(const Interval& ratio) {
+    constexpr double kClear = 1.05;
+    return ratio.low > kClear || ratio.high < 1 / kClear;
+}
+
 /// Whether a control, the ratio of the times of two equal sides, is so wide that other ratios say nothing.
 inline bool was_busy(const Interval& control) {
     constexpr double kWide = 1.25;

@@ -62,6 +62,7 @@ TEST(Ratios, SayNoMoreThanTheirIntervals) {
     EXPECT_EQ(times_as_long({0.97, 1.01, 1.05}, "b"), "takes about as long as b ([0.88, 1.16] times)");
     EXPECT_EQ(times_as_long({1.05, 1.10, 1.20}, "b"), "takes about as long as b ([0.95, 1.32] times)")
         << "another run may not see that";
+    EXPECT_EQ(times_as_long({1.12, 1.15, 1.20}, "b"), "takes about as long as b ([1.02, 1.32] times)") << "nor that";
     EXPECT_EQ(times_as_long({0.72, 2, 6.86}, "b"),
               "takes [0.65, 7.55] times as long as b, which leaves open whether more or less");
 }
