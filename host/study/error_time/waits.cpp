@@ -158,27 +158,11 @@ std::vector<Finding> met_findings(const Measured& measured, const std::vector<As
         }
     if (methods == 0)
         return {};
-    const auto proxy = [&](bool shaded) {
-        return std::ranges::find_if(met, [&](const AsMet& one) {
-            if (one.method == AsMet::kControl)
-                return false;
-            const Method& method = measured.methods[one.method];
-            return method.family == "god-object" && method.precision == "f64" &&
-                   (method.variant->shading != "none") == shaded;
-        });
-    };
-    std::string cost;
-    if (const auto with = proxy(true), without = proxy(false); with != met.end() && without != met.end()) {
-        const Interval &a = with->loop.median, &b = without->loop.median;
-        cost =
-            fmt::format(" So met, a god-object's update with {} {}.", measured.methods[with->method].variant->shading,
-                        times_as_long({a.low / b.high, a.median / b.median, a.high / b.low}, "unshaded"));
-    }
     return {{"as_met",
              fmt::format("Waited for at 1 kHz, with sleeps between, a force takes significantly longer than in a warm "
                          "loop with {} of {} methods; how much longer differs from run to run. The times of the fronts "
-                         "are those of fields and batches, and their order need not be that in a loop.{}",
-                         longer, methods, cost),
+                         "are those of fields and batches, and their order need not be that in a loop.",
+                         longer, methods),
              "", fmt::format("{} methods", methods), "one evaluation a millisecond, on a thread that sleeps between",
              fmt::format("{} samples and {} with empty caches of each method", met.back().ticks, met.back().colds)}};
 }
