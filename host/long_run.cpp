@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <set>
 #include <sys/ioctl.h>
 #include <unistd.h>

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <pthread.h>
 #include <string>
 #include <string_view>

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "host/field/prepared_case.h"
 #include "host/paths/path_reader.h"
 #include "host/paths/scene_paths.h"

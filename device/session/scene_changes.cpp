@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/limits/linear_loop.h"
 #include "host/output/files.h"
 
 namespace forceshade::device {

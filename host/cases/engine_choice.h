@@ -3,6 +3,7 @@
 // now, and both compute the same bits.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 

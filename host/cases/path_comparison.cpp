@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/long_run.h"
 #include "host/paths/recorded.h"
 #include "host/program.h"
+#include "host/referee/validate.h"
 
 namespace forceshade {
 namespace {

@@ -2,6 +2,7 @@
 #include "host/cli/grammar.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 

@@ -2,6 +2,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "device/session/session.h"

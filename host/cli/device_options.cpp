@@ -1,6 +1,7 @@
 #include "host/cli/command.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <utility>
 #include <vector>

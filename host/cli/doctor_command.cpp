@@ -19,6 +19,7 @@
 #include "host/output/files.h"
 #include "host/output/kept.h"
 #include "host/referee/validate.h"
+#include "host/scene/cases.h"
 #include "host/sweep/sweep.h"
 #include "host/threads.h"
 

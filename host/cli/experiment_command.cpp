@@ -11,6 +11,7 @@
 #include "host/long_run.h"
 #include "host/numbers.h"
 #include "host/output/files.h"
+#include "host/report/report.h"
 #include "host/study/study_data.h"
 
 namespace forceshade {

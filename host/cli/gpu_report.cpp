@@ -16,6 +16,7 @@
 #include "host/output/json.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
+#include "host/scene/cases.h"
 #include "host/sweep/sweep.h"
 #include "host/threads.h"
 #include "host/touch/places.h"

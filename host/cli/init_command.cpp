@@ -12,7 +12,7 @@
 #include "host/mesh/mesh_file.h"
 #include "host/numbers.h"
 #include "host/output/files.h"
-#include "host/scene/schema.h"
+#include "host/scene/schema_json.h"
 #include "host/scene/value.h"
 #include "host/score/course.h"
 

@@ -18,6 +18,7 @@
 #include "host/field/prepared_case.h"
 #include "host/output/files.h"
 #include "host/renderer/renderer_process.h"
+#include "host/scene/document.h"
 #include "host/scene/schema.h"
 #include "host/scene/study.h"
 

@@ -1,4 +1,5 @@
 // The command line. Every error ends here: on stderr, and in an exit code.
+#include <csignal>
 #include <filesystem>
 #include <new>
 #include <span>

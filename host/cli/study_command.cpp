@@ -8,11 +8,13 @@
 #include "host/error.h"
 #include "host/experiment/analysis.h"
 #include "host/long_run.h"
+#include "host/program.h"
 #include "host/study/energy/energy.h"
 #include "host/study/error_time/error_time.h"
 #include "host/study/omission/omission.h"
 #include "host/study/stability/stability.h"
 #include "host/study/study_data.h"
+#include "host/sweep/sweep.h"
 
 namespace forceshade {
 

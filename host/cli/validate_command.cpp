@@ -15,6 +15,7 @@
 #include "host/referee/validate.h"
 #include "host/renderer/renderer_engine.h"
 #include "host/scene/cases.h"
+#include "host/sweep/sweep.h"
 
 namespace forceshade {
 namespace {

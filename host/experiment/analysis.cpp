@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/error.h"
 #include "host/experiment/statistics.h"
 #include "host/experiment/stroke.h"
 #include "host/numbers.h"
+#include "host/output/files.h"
 #include "host/program.h"
 #include "host/threads.h"
 
@@ -18,6 +21,7 @@ namespace {
 
 using study::cell;
 using study::Cell;
+using study::Column;
 using study::Table;
 
 constexpr const char* kPaperOrder[] = {"flat_unshaded", "two_poly_unshaded", "three_poly_unshaded", "cylinder",

@@ -8,6 +8,7 @@
 
 #include "host/error.h"
 #include "host/long_run.h"
+#include "host/norm.h"
 #include "host/numbers.h"
 #include "host/program.h"
 #include "host/random.h"

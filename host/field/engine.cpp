@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -12,6 +14,7 @@
 #include "host/error.h"
 #include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
+#include "host/output/files.h"
 #include "host/output/kept.h"
 #include "host/output/rows.h"
 #include "host/reference/field.h"

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "host/error.h"
 #include "host/mesh/clearance.h"
 #include "host/mesh/places.h"

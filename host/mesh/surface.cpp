@@ -5,6 +5,8 @@
 #include <set>
 #include <unordered_map>
 
+#include <fmt/format.h>
+
 #include "host/error.h"
 #include "host/mesh/exact.h"
 #include "host/mesh/places.h"

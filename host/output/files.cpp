@@ -10,6 +10,7 @@
 #include <random>
 #include <regex>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <sys/file.h>
 #include <sys/stat.h>

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <string>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

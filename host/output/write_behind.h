@@ -2,6 +2,7 @@
 // waited for.
 #pragma once
 
+#include <algorithm>
 #include <cerrno>
 #include <condition_variable>
 #include <cstddef>

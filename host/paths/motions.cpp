@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "host/error.h"
 #include "host/reference/motion.h"
 

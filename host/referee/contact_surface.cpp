@@ -8,6 +8,7 @@
 
 #include <Eigen/QR>
 #include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
 
 #include "host/norm.h"
 #include "host/reference/mesh_contact.h"

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include <glm/geometric.hpp>
+
 namespace forceshade::brute {
 
 namespace {

@@ -1,6 +1,7 @@
 // What evaluating many samples takes: threads that share the work out, and the buffers of a chunk's results.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>

@@ -1,6 +1,8 @@
 // A renderer's process: loads the library, calls it, and measures each call.
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
+#include <cstring>
 #include <dlfcn.h>
 #include <exception>
 #include <sys/mman.h>

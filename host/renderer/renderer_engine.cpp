@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "host/clock.h"
+#include "host/field/case_law.h"
 #include "host/mesh/structure.h"
 #include "host/norm.h"
 #include "host/program.h"

@@ -1,5 +1,6 @@
 // A scene's surface as triangles.
 #include <algorithm>
+#include <cmath>
 
 #include "host/field/case_law.h"
 #include "host/reference/motion.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <set>
 
+#include <fmt/format.h>
 #include <fnmatch.h>
 
 #include "host/error.h"

@@ -12,6 +12,7 @@
 
 #include "host/error.h"
 #include "host/scene/toml.h"
+#include "host/scene/value.h"
 #include "host/spelling.h"
 
 namespace forceshade {

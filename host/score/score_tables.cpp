@@ -1,6 +1,7 @@
 // Scores as tables, figures and findings, and for the terminal.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 
 #include <fmt/format.h>

@@ -11,6 +11,7 @@
 
 #include "host/error.h"
 #include "host/scene/value.h"
+#include "host/spelling.h"
 #include "host/text.h"
 
 namespace forceshade::score {

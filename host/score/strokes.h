@@ -1,11 +1,13 @@
 // Recorded strokes and the forces of renderers along them, as files of many kinds have them.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/vec3.hpp>

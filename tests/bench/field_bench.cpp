@@ -10,6 +10,7 @@
 #include "compute/kernels.h"
 #include "host/field/prepared_case.h"
 #include "host/reference/field.h"
+#include "host/sweep/sweep.h"
 #include "tests/bench/measure.h"
 
 namespace forceshade::bench {

@@ -2,6 +2,7 @@
 // holds while the machine's speed drifts. Over a shaded bump of three facets, a sphere of 25 mm and 100 820 triangles,
 // and the model spot; as deep as scenes are by default, half out of contact, at random, in taps and strokes and
 // circles.
+#include <map>
 
 #include <benchmark/benchmark.h>
 

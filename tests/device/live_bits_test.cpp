@@ -1,4 +1,5 @@
 // The live loop feels what the oracle's paths feel, bit for bit.
+#include <cmath>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
 // The hand-over between two threads: the newest value, whole, once, never an older one after a newer one.
+#include <atomic>
 #include <cstdint>
 #include <thread>
 

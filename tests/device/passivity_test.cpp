@@ -2,6 +2,7 @@
 // controller.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include <fmt/format.h>

@@ -1,10 +1,13 @@
 // The status line, on a terminal and without one.
 #include <array>
 #include <cstdio>
+#include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
 #include <stdexcept>
 #include <unistd.h>
+
+#include <sys/ioctl.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // A library with the C interface of 3D Systems' HDAPI, its own scheduler thread at 1 kHz, and one device behind it that
 // can be told to fail. The device goes on displaying the last force when the scheduler stops.
+#include <cmath>
 #include <mutex>
 #include <thread>
 #include <vector>

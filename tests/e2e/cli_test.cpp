@@ -1,9 +1,12 @@
 // The command line as it meets a user: help, versions, streams, exit codes, places, devices that are not there.
+#include <csignal>
 #include <cstdlib>
 #include <iterator>
 #include <regex>
 #include <sstream>
+#include <thread>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "tests/e2e/volume.h"

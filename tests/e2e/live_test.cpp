@@ -1,4 +1,6 @@
 // The live loop as a process: what it logs is what explore and the kernels compute, and what it reports is in the log.
+#include "host/field/prepared_case.h"
+#include "host/referee/rounding_bound.h"
 #include "tests/e2e/live_workplace.h"
 
 namespace forceshade::testing {

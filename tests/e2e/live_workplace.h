@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <csignal>
+#include <fstream>
 #include <sstream>
 #include <thread>
 

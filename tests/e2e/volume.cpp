@@ -1,5 +1,6 @@
 #include "tests/e2e/volume.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <ImathBox.h>

@@ -1,5 +1,6 @@
 // A session at a device while something goes wrong: the device or the page is gone, the force is clamped, the clock
 // leaps, the disk is full. No trial is lost or counted twice.
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <filesystem>

@@ -1,5 +1,6 @@
 // What a lab says of its experiment: orders, a list of conditions, its own words and texts, catch trials, participants.
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 

@@ -1,11 +1,13 @@
 // What the fuzz targets share: how they tell a defect, how bytes become numbers, and files in memory.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <string>

@@ -14,6 +14,7 @@
 #include "host/scene/schema.h"
 #include "host/scene/study.h"
 #include "host/study/study_data.h"
+#include "tests/fuzz/fuzz.h"
 #include "tests/io/picture.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"

@@ -7,6 +7,7 @@
 #include "tests/gpu/path_case.h"
 #include "tests/gpu/software_device.h"
 #include "tests/io/folder.h"
+#include "tests/mesh/shapes.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade {

@@ -2,6 +2,7 @@
 // reads and no more.
 #include <gtest/gtest.h>
 
+#include "host/mesh/block_plan.h"
 #include "tests/gpu/software_device.h"
 #include "tests/mesh/shapes.h"
 

@@ -1,9 +1,11 @@
 // Exploration paths drawn at random over a scene's law, analytic or a mesh's.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <random>
 #include <vector>

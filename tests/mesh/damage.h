@@ -1,6 +1,7 @@
 // Closed triangle meshes damaged in ways that leave the shape as it is.
 #pragma once
 
+#include <cstdint>
 #include <random>
 
 #include "host/mesh/mesh.h"

@@ -10,6 +10,7 @@
 #include "host/error.h"
 #include "host/mesh/connectivity.h"
 #include "host/mesh/exact.h"
+#include "host/mesh/mesh_file.h"
 #include "host/mesh/places.h"
 #include "tests/mesh/damage.h"
 #include "tests/mesh/shapes.h"

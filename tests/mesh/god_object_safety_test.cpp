@@ -2,6 +2,7 @@
 // where the facets hold it; also where moves aim at corners, edges and faces, however small or large they are.
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/mesh/god_object_run.h"

@@ -1,5 +1,6 @@
 // Normals of triangles of every shape, of facets and of vertices.
 #include "host/error.h"
+#include "host/mesh/connectivity.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"

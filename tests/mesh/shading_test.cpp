@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/mesh/structure.h"
 #include "host/referee/referee.h"
 #include "host/reference/mesh_contact.h"
 #include "host/touch/force_errors.h"

@@ -1,8 +1,10 @@
 // The structure of a mesh: its frame, its tree's bounds and depth, what lies across edges, its size, and that threads
 // change nothing.
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 #include <initializer_list>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 

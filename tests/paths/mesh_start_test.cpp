@@ -6,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh_file.h"
+#include "host/paths/recorded.h"
 #include "host/referee/referee.h"
 #include "tests/io/folder.h"
 #include "tests/paths/explored.h"

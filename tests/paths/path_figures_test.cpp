@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/paths/path_files.h"
+#include "host/paths/recorded.h"
 #include "host/reference/path_step.h"
 #include "tests/io/folder.h"
 

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "host/paths/path_files.h"
+#include "host/paths/recorded.h"
 #include "tests/io/picture.h"
 #include "tests/paths/path_workplace.h"
 

@@ -7,6 +7,7 @@
 #include "host/field/prepared_case.h"
 #include "host/picture/canvas.h"
 #include "host/picture/picture.h"
+#include "host/scene/cases.h"
 #include "tests/picture/cases.h"
 
 namespace forceshade::picture::test {

@@ -1,5 +1,6 @@
 // The viewer's volumes: what they keep of the files, and how much of the page they take.
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 #include <zlib.h>

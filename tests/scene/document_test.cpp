@@ -1,6 +1,7 @@
 // What the reader refuses: where, all in one run, and none that only follows from another.
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/scene/document.h"

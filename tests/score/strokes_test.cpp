@@ -1,4 +1,5 @@
 // Files of strokes and forces, as other programs write them.
+#include <cstring>
 
 #include <gtest/gtest.h>
 

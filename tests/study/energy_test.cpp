@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/error.h"
 #include "host/mesh/mesh.h"
 #include "host/output/files.h"
 #include "host/reference/elementary.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/referee/referee.h"
+#include "host/referee/rounding_bound.h"
 #include "host/reference/elementary.h"
 
 namespace forceshade::test {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/referee/referee.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

@@ -2,6 +2,7 @@
 // for all that affine arithmetic and the worst device that Vulkan allows say, and see a device that is worse.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <random>

@@ -1,6 +1,9 @@
 // Scenes and laws for tests.
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "host/field/prepared_case.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"

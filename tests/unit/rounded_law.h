@@ -1,6 +1,7 @@
 // A law for number types that round otherwise, out of its tables in double precision.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "host/reference/contact.h"

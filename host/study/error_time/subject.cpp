@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
 
+#include "host/error.h"
 #include "host/random.h"
 #include "host/reference/elementary.h"
 #include "host/touch/cylinder_mesh.h"

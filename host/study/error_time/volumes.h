@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <glm/mat3x3.hpp>
+#include <glm/vec4.hpp>
 
 #include "host/reference/elementary.h"
 #include "host/touch/places.h"
