@@ -266,7 +266,8 @@ std::vector<RestPlace> searched_places(const LoopSurface& surface, std::size_t c
             for (const Hold& hold : usual_holds(place.force, place.slope))
                 take_lower(from == Searched::of_all ? least[{}] : least[{place.kind, place.depth}], own, place, hold);
     NearbyPlaces nearby(surface);
-    for (auto& [key, one] : least) {
+    for (auto& entry : least) {
+        std::optional<HoldLimit>& one = entry.second;
         if (!one)
             continue;
         walk_down(nearby, one, [&](const RestPlace& place) {
