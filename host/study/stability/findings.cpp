@@ -101,8 +101,8 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
         if (one.least.limit && *one.least.limit < (lower ? *lower->least.limit : *worst.limit))
             lower = &one;
     if (lower)
-        finding.text += fmt::format(" The {}, tessellated anew, is stable up to {}.", lower->least.surface,
-                                    newtons(*lower->least.limit));
+        finding.text += fmt::format(" Only on another tessellation of its cells has the {} a lower limit, {}.",
+                                    lower->least.surface, newtons(*lower->least.limit));
     return finding;
 }
 
@@ -181,7 +181,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back(
         {"loop_edges",
          fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: at {} the probe keeps "
-                     "oscillating, {:.3g} um peak to peak, {:.2g} mm deep at the worst of eight feet.",
+                     "oscillating, {:.3g} um peak to peak, {:.2g} mm deep at the worst of eight places.",
                      rest == 0 ? (all == 1 ? "the loop is not stable"
                                            : fmt::format("loops are stable on none of {} surfaces", all))
                                : fmt::format("{} of {} loops are not stable", all - rest, all),
@@ -190,7 +190,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
          fmt::format("{}: jump of {:.3g} deg at x = {:.3g} mm, y = {:.3g} mm", most->surface,
                      most->place.jump / kDegree, 1e3 * most->place.at.x, 1e3 * most->place.at.y),
          fmt::format("{}, {:.2g} mm deep", hand_text(first), 1e3 * depth),
-         fmt::format("the largest of eight feet of each surface; {} surfaces have one", all)});
+         fmt::format("the largest of eight places at feet of each surface; {} surfaces have some", all)});
 }
 
 // "20 to 5000 N/m", "20 um to 2 mm"
