@@ -186,7 +186,8 @@ std::vector<Ridge> ridges_of(const MeshStructure& mesh) {
             for (std::size_t k = 0; k < 3; ++k)
                 height += reference::dot(one, corner(across, k) - begin);
             const glm::dvec3 end = corner(triangle, i + 1);
-            if (height < 1e-9 * reference::length(end - begin) && reference::dot(one, other) > -0.99)
+            const double size = reference::length(end - begin);
+            if (size > 0 && height < 1e-9 * size && reference::dot(one, other) > -0.99)
                 ridges.push_back({begin, end, (one + other) / -(1 + reference::dot(one, other))});
         }
     return ridges;

@@ -40,10 +40,10 @@ struct LeastLimit {
 /// The least of some places, at least one, over the usual holds.
 LeastLimit least_of(const LoopSurface& surface, const std::vector<const RestPlace*>& places, const LoopCell& cell);
 
-/// rest_places, and the place to which the limit with the surface's own hand falls along the surface from the least of
-/// them, over the usual holds and over any press: of each kind and depth, or the least of all. \throws what rest_places
-/// throws.
+/// From which of the drawn places a search begins: the least of each kind and depth, or the least of all.
 enum class Searched { of_each_kind, of_all };
+/// rest_places, and the places to which the limit with the surface's own hand falls along the surface from there, over
+/// the usual holds and over any press. \throws what rest_places throws.
 std::vector<RestPlace> searched_places(const LoopSurface& surface, std::size_t count, Searched from);
 
 /// A row for each kind but jumps, depth and cell.

@@ -68,7 +68,7 @@ EnergySurface own_bump(bool quick) {
     return surface;
 }
 
-// Meshes of its cylinder over their cells, tessellated anew for each stroke in turn.
+// Meshes of its cylinder over their cells; strokes take turns with tessellations drawn at random.
 EnergySurface own_mesh(bool quick) {
     constexpr double kAcross = 0.8 * kOwnHalfWidth;
     const double reach = std::hypot(kOwnRadius * std::asin(kOwnHalfWidth / kOwnRadius), kAcross) + 1e-3; // m

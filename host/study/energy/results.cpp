@@ -365,8 +365,8 @@ void add_energy(StudyData& data, const EnergyResults& results) {
     data.notes = {
         "A closed stroke is a stroke out between two places anywhere in the region, up or down to another "
         "depth, back below the same line, and to where it began; depths are log-uniform over a decade and "
-        "vertical below the facets. The same strokes go over all laws of a surface; of the study's own meshes "
-        "each stroke in turn has another, tessellated anew: turned and moved at random.",
+        "vertical below the facets. The same strokes go over all laws of a surface; on the study's own meshes "
+        "they take turns with tessellations that are turned and moved at random.",
         "The energy gained per closed stroke is that of the worse direction of travel. Where the force "
         "depends on the position only, the other direction loses as much; with the god-object's history both "
         "directions were travelled twice, and the second round counts.",

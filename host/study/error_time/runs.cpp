@@ -278,9 +278,8 @@ std::vector<Figure> run_figures(const std::vector<FieldRun>& fields, const std::
         figures.push_back(make_figure(
             "field-runs", fmt::format("Fields of \"{}\": error between samples against time", fields.front().surface),
             "Each mark is a whole command: the program and its engine started, the field evaluated, compressed, "
-            "written "
-            "and checked. Its label is the grid's spacing in mm. The error is that of reading between the samples, "
-            "root mean square.",
+            "written and checked. Its label is the grid's spacing in mm. The error is that of reading between the "
+            "samples, root mean square.",
             FigureKind::scatter, "field_runs", {{"surface", fields.front().surface}},
             {"time_s", "time of the command / s", true}, {"typical_rms_1", "RMS error over the RMS force", true},
             "series", "spacing_mm", {.x_low = "time_low_s", .x_high = "time_high_s", .joined = true}));
@@ -346,16 +345,14 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
     findings.push_back(
         {"field_spacing",
          fmt::format("The command for a field of {:.2g} mm instead of {:.2g} mm {}; the RMS error of reading between "
-                     "its samples is {} "
-                     "instead of {} % of the RMS force, and the file has {:.1f} times the bytes.",
+                     "its samples is {} instead of {} % of the RMS force, and the file has {:.1f} times the bytes.",
                      1e3 * fine->grid.spacing[0], 1e3 * coarse->grid.spacing[0],
                      times_as_long(bootstrap_median(ratios), "that one"), over_draws(*of_fine), over_draws(*of_coarse),
                      fine->bytes / coarse->bytes),
          "field-runs", fmt::format("{}, {}", fine->surface, fine->variant->name),
          fmt::format("{}; started, evaluated, compressed, written and checked", fine->by),
          "95 % bootstrap interval of paired rounds, a tenth wider for reruns; in round brackets the least and largest "
-         "of draws of places and "
-         "grid"});
+         "of draws of places and grid"});
     return findings;
 }
 

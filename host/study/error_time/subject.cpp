@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
 
-#include "host/error.h"
-#include "host/random.h"
 #include "host/reference/elementary.h"
 #include "host/touch/cylinder_mesh.h"
 #include "host/touch/force_errors.h"
