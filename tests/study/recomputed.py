@@ -11,8 +11,8 @@ import math
 import pathlib
 import sys
 import numpy as np
-from recomputed_models import HALF, TIGHT, WIDE, Block, angles, axis_steps, bump_force, circle_height, facets_at, \
-    least_growing, loop_growth, nearest_on, rms, round_normals, size, turned, unit
+from recomputed_models import HALF, TIGHT, WIDE, Block, Patch, angles, axis_steps, bump_force, circle_height, facets_at, \
+    least_growing, loop_growth, nearest_on, rms, round_normals, size, splitmix, turned, unit
 
 DEEPEST = 2e-3  # m: of a hand
 failures = 0
@@ -260,16 +260,33 @@ def check_loops(limits, kinds, presses):
         check(f"{name}, {len(some)} presses: largest difference of limits, N/m", 0, min(off), 0, 1)
 
 
+def check_tessellations(rows, own):
+    """loop_tessellations.csv: each limit at its own place of a mesh that is drawn as the studies draw it."""
+    shadings, off = {"mesh": "none", "shaded mesh": "barycentric"}, []
+    for number in "1234":
+        patch, some = Patch(TIGHT, 8, 0.025, splitmix(int(number))), [r for r in rows if r["tessellation"] == number]
+        laws = [shadings.get(row["surface"], row["surface"].split()[0]) for row in some]
+        flat, depth = ([[1e-3 * float(row[name]) for name in names] for row in some]
+                       for names in (("x_mm", "y_mm"), ("depth_mm",)))
+        low, high = np.full((2, len(some)), [[-0.02], [0.02]])
+        for _ in range(50):  # down to where the force is K times the depth
+            at = np.column_stack([flat, (low + high) / 2])
+            far = patch.distances(at)
+            faces = far.argmin(1)
+            found = [size(patch.force_from(*which)(place[None])) for *which, place in zip(faces, laws, at)]
+            under = (np.array(found) > depth)[:, 0] & ((at * patch.normals[faces]).sum(1) < patch.offsets[faces])
+            low, high = np.where(under, [at[:, 2], high], [low, at[:, 2]])
+        for row, law, place, apart in zip(some, laws, at[:, None], far):
+            limits = []
+            for face in np.flatnonzero(apart < apart.min() + 1e-9):  # two at a hollow edge
+                force = patch.force_from(face, law)
+                slopes, holds = [slope_of(force, place)] * 2, [unit(force(place))[0], [0, 0, 1]]
+                limits.append(least_growing(loop_growth(slopes, holds, *own), 12000))
+            off.append(min(abs(limit / float(row["limit_N_per_m"]) - 1) for limit in limits))
+    check(f"{len(off)} limits on four further tessellations: largest difference over it", 0, max(off), 0, 5e-4)
+
+
 # The energy gained round closed strokes, by the force's line integral.
-
-def splitmix(seed):
-    """Uniform numbers below 1 (Steele, Lea & Flood 2014), from which the studies' strokes follow."""
-    while True:
-        seed = word = (seed + 0x9E3779B97F4A7C15) % 2**64
-        for shift, times in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB), (31, 1)):
-            word = (word ^ (word >> shift)) * times % 2**64
-        yield (word >> 11) / 2**53
-
 
 def closed_strokes(count, draws, facets):
     """m: corners of strokes out at one depth below the bump, back at another, each in 256 steps."""
@@ -376,6 +393,7 @@ def main():
     check_jumps(table("stability/worst_rounding"))
     check_errors(table("error-time/draws"), table("error-time/ways"))
     check_loops(*(table(f"stability/loop_{name}") for name in ("limits", "kinds", "presses")))
+    check_tessellations(table("stability/loop_tessellations"), (3, 500, 1e-3, 0))
     check_energy(table("energy/energy"))
     check_rates(table("error-time/loop_rates"))
     print(failures, "off")

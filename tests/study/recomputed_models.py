@@ -58,30 +58,24 @@ def bump_force(at, facets, radius, shaded, normal_depth=False):
     return depth[..., None] * (round_normals(at[..., 0], radius) if shaded else flat)
 
 
-class Block:
-    """A convex block of triangles: its top a cylinder of cells x rows over 2 a, its other faces fans."""
+def splitmix(seed):
+    """Uniform numbers below 1 (Steele, Lea & Flood 2014), from which the studies draw."""
+    while True:
+        seed = word = (seed + 0x9E3779B97F4A7C15) % 2**64
+        for shift, times in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB), (31, 1)):
+            word = (word ^ (word >> shift)) * times % 2**64
+        yield (word >> 11) / 2**53
 
-    def __init__(self, radius, cells, rows):
-        half = math.asin(HALF / radius)
-        columns = cells + 2 * max(1, round((min(1.5 * half, 1.25) - half) * cells / (2 * half)))
-        turn = 2 * half / cells * (np.arange(columns + 1) - columns / 2)
-        x, z = radius * np.sin(turn), radius * np.cos(turn) - math.sqrt(radius**2 - HALF**2)
-        top = [np.repeat(x, rows + 1), np.tile(np.linspace(-HALF, HALF, rows + 1), columns + 1), np.repeat(z, rows + 1)]
-        floor = [[sx * x[-1], sy * HALF, -4 * HALF] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-        self.vertices = np.vstack([np.stack(top, 1), floor])
-        low, at = len(top[0]), lambda i, j: i * (rows + 1) + j
-        fan = lambda p: [(p[0], p[k], p[k + 1]) for k in range(1, len(p) - 1)]
-        faces = [sum((fan([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]) for j in range(rows)), [])
-                 for i in range(columns)]
-        faces += map(fan, [[low, low + 1, *(at(i, 0) for i in range(columns, -1, -1))],
-                           [low + 1, low + 2, *(at(columns, j) for j in range(rows, -1, -1))],
-                           [low + 2, low + 3, *(at(i, rows) for i in range(columns + 1))],
-                           [low + 3, low, *(at(0, j) for j in range(rows + 1))], [low + 3, low + 2, low + 1, low]])
-        self.faces = [np.array(face) for face in faces]
-        first = np.array([self.vertices[face[0]] for face in self.faces])
+
+class Triangles:
+    """A surface of plane faces, each of some triangles."""
+
+    def __init__(self, vertices, faces):
+        self.vertices, self.faces = vertices, [np.array(face) for face in faces]
+        first = np.array([vertices[face[0]] for face in self.faces])
         self.normals = unit(np.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0]))
         self.offsets = (self.normals * first[:, 0]).sum(1)
-        sums = np.zeros_like(self.vertices)
+        sums = np.zeros_like(vertices)
         for face, normal in zip(self.faces, self.normals):
             np.add.at(sums, face.ravel(), normal)
         self.vertex_normals = unit(sums)  # each triangle counts alike
@@ -116,6 +110,27 @@ class Block:
             foot = at + depth[:, None] * self.normals[face]
             return depth[:, None] * self.force(shading, self.located(face, foot), foot, self.normals[face], 1)
         return force
+
+
+class Block(Triangles):
+    """A convex block: its top a cylinder of cells x rows over 2 a, its other faces fans."""
+
+    def __init__(self, radius, cells, rows):
+        half = math.asin(HALF / radius)
+        columns = cells + 2 * max(1, round((min(1.5 * half, 1.25) - half) * cells / (2 * half)))
+        turn = 2 * half / cells * (np.arange(columns + 1) - columns / 2)
+        x, z = radius * np.sin(turn), radius * np.cos(turn) - math.sqrt(radius**2 - HALF**2)
+        top = [np.repeat(x, rows + 1), np.tile(np.linspace(-HALF, HALF, rows + 1), columns + 1), np.repeat(z, rows + 1)]
+        floor = [[sx * x[-1], sy * HALF, -4 * HALF] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        low, at = len(top[0]), lambda i, j: i * (rows + 1) + j
+        fan = lambda p: [(p[0], p[k], p[k + 1]) for k in range(1, len(p) - 1)]
+        faces = [sum((fan([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]) for j in range(rows)), [])
+                 for i in range(columns)]
+        faces += map(fan, [[low, low + 1, *(at(i, 0) for i in range(columns, -1, -1))],
+                           [low + 1, low + 2, *(at(columns, j) for j in range(rows, -1, -1))],
+                           [low + 2, low + 3, *(at(i, rows) for i in range(columns + 1))],
+                           [low + 3, low, *(at(0, j) for j in range(rows + 1))], [low + 3, low + 2, low + 1, low]])
+        super().__init__(np.vstack([np.stack(top, 1), floor]), faces)
 
     def under_ridges(self, depth, count):
         """Of each two faces, `count` points that lie `depth` under both and no less deep under the others."""
@@ -156,6 +171,40 @@ class Block:
             for triangle in self.faces[face][self.weights(self.faces[face], foot).min(-1) > -1e-4]:
                 forces.append(self.force(shading, triangle[None], foot, self.normals[face], depths[face])[0])
         return max(size(one - other) for one in forces for other in forces)
+
+
+class Patch(Triangles):
+    """An open cylinder of cells x cells over 2 a, turned and moved by draws."""
+
+    def __init__(self, radius, cells, reach, draws):
+        cell = 2 * np.array([radius * math.asin(HALF / radius), HALF]) / cells
+        columns, rows = 2 * np.ceil(reach / cell).astype(int)
+        moved, spin = [next(draws), next(draws)], turned(2 * math.pi * next(draws), 2)[:2, :2]
+        grid = np.stack(np.meshgrid(np.arange(columns + 1), np.arange(rows + 1), indexing="ij"), -1).reshape(-1, 2)
+        flat = ((grid - [columns / 2, rows / 2] + moved) * cell) @ spin.T
+        turn, at = flat[:, 0] / radius, lambda i, j: i * (rows + 1) + j
+        super().__init__(
+            np.stack([radius * np.sin(turn), flat[:, 1], radius * np.cos(turn) - math.sqrt(radius**2 - HALF**2)], 1),
+            [[(at(i, j), *last)] for i in range(columns) for j in range(rows)
+             for last in ((at(i + 1, j), at(i + 1, j + 1)), (at(i + 1, j + 1), at(i, j + 1)))])
+
+    def feet(self, faces, at):
+        """The points of faces, one triangle each, nearest to places."""
+        return nearest_on(self.vertices[np.array([self.faces[face][0] for face in faces])][None], at)[0]
+
+    def distances(self, at):
+        """Of places those to all faces."""
+        return size(self.feet(range(len(self.faces)), at) - at[:, None])
+
+    def force_from(self, face, shading):
+        """A force, m, where the nearest point is one of a face."""
+        def force(at):
+            foot = self.feet([face], at)[:, 0]
+            out = foot - at
+            if shading == "none":
+                return out
+            return self.force(shading, self.faces[face], foot, self.normals[face], 1) * size(out)[:, None]
+        return force
 
 
 def nearest_on(triangles, at):
