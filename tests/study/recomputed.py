@@ -345,30 +345,52 @@ def check_tessellations(rows, own):
 
 # The energy gained round closed strokes, by the force's line integral.
 
-def closed_strokes(count, draws, facets):
-    """m: corners of strokes out at one depth below the bump, back at another, each in 256 steps."""
-    out = np.linspace(0, 1, 257)
-    share = np.concatenate([out, np.ones(31), out[::-1], np.zeros(32)])
-    deeper = np.concatenate([0 * out, out[8:-1:8], out**0, out[-9::-8]])
+def drawn_strokes(count, draws, reach):
+    """Of strokes from and to (x, y), m, and their depths out and back, m; y up to `reach`, m, either way."""
     strokes = []
     while len(strokes) < count:
         xa, ya, xb, yb, deep, back = (next(draws) for _ in range(6))
-        begin, way = (np.array(part) * [2 * HALF, 0.01] for part in ((xa - 0.5, ya - 0.5), (xb - xa, yb - ya)))
+        begin, way = (np.array(part) * [2 * HALF, 2 * reach] for part in ((xa - 0.5, ya - 0.5), (xb - xa, yb - ya)))
         if size(way) >= HALF / 2:
-            flat, deep, back = begin + share[:, None] * way, DEEPEST * 10**-deep, DEEPEST * 10**-back
-            height = facets_at(flat[:, 0], facets, TIGHT)[0] - deep - deeper * (back - deep)
-            strokes.append(np.column_stack([flat, height]))
-    return np.array(strokes)
+            strokes.append((begin, way, DEEPEST * 10**-deep, DEEPEST * 10**-back))
+    return strokes
 
 
-def worked(places, facets, scheme, parts):
-    """mJ: of strokes, the work round them, either way, and the sum of its parts' sizes; K = 1000 N/m."""
+def closed(strokes, heights):
+    """m: corners of strokes out at one depth below a surface, back at another, each in 256 steps."""
+    out = np.linspace(0, 1, 257)
+    share = np.concatenate([out, np.ones(31), out[::-1], np.zeros(32)])
+    deeper = np.concatenate([0 * out, out[8:-1:8], out**0, out[-9::-8]])
+    return np.array([np.column_stack([begin + share[:, None] * way, heights(begin, way, share) - deep - deeper * (
+        back - deep)]) for begin, way, deep, back in strokes])
+
+
+def worked(places, forces_at, parts):
+    """mJ: of each of some laws the work round strokes, either way, and the sum of its parts' sizes; K = 1000 N/m."""
     steps, work, effort = np.diff(places, axis=1) / parts, 0, 0
     for part in range(parts):
-        middles = places[:, :-1] + (part + 0.5) * steps
-        force = bump_force(middles, facets, TIGHT, "unshaded" not in scheme, "normal" in scheme)
-        work, effort = work + (force * steps).sum((1, 2)), effort + abs((force * steps).sum(2)).sum(1)
+        done = (np.array(forces_at(places[:, :-1] + (part + 0.5) * steps)) * steps).sum(-1)
+        work, effort = work + done.sum(-1), effort + abs(done).sum(-1)
     return 1e6 * abs(work), 1e6 * effort
+
+
+def on_bump(count, draws, facets, scheme, parts):
+    """worked() on strokes over a bump."""
+    places = closed(drawn_strokes(count, draws, 0.005), lambda begin, way, share: facets_at(
+        begin[0] + share * way[0], facets, TIGHT)[0])
+    return worked(places, lambda at: bump_force(at, facets, TIGHT, "unshaded" not in scheme, "normal" in scheme), parts)
+
+
+def on_meshes(cells, shadings):
+    """mJ: of each shading the work round 250 strokes, which take turns with 25 meshes."""
+    work, strokes = [], drawn_strokes(250, splitmix(3), 0.8 * HALF)
+    for draw in range(25):
+        patch, casts = Patch(TIGHT, cells, 0.025, splitmix(1000 * draw + cells)), np.linspace(0, 1, 65)
+        places = closed(strokes[draw::25], lambda begin, way, share: np.interp(
+            share, casts, patch.heights(begin + casts[:, None] * way)))
+        work.append(worked(places, lambda at: np.reshape(
+            patch.forces(shadings, at.reshape(-1, 3)), (len(shadings), *at.shape)), 2)[0])
+    return np.concatenate(work, 1)
 
 
 def check_energy(rows):
@@ -378,17 +400,24 @@ def check_energy(rows):
                            (512, "shaded")):
         words = {"surface": "bump", "elements": str(facets), "scheme": scheme}
         name = f"bump of {facets} facets, {scheme}"
-        gain, effort = worked(closed_strokes(250, splitmix(3), facets), facets, scheme, 16)
+        gain, effort = on_bump(250, splitmix(3), facets, scheme, 16)
         gains[facets, scheme] = gain
         near(f"{name}: gain, mJ", number(rows, "gain_mJ", **words), np.median(gain), 0.01)
         near(f"{name}: effort, mJ", number(rows, "effort_mJ", **words), np.median(effort), 0.005)
     more = number(rows, "more_mJ", surface="bump", elements="8", scheme="shaded")
     near("bump of 8 facets: gain by shading, mJ", more, np.median(gains[8, "shaded"] - gains[8, "unshaded"]), 0.01)
     others = iter(np.random.default_rng(4).random(10**5))
-    gain, _ = worked(closed_strokes(800, others, 8), 8, "shaded", 4)
+    gain, _ = on_bump(800, others, 8, "shaded", 4)
     table, low, high = (number(rows, f"gain{end}_mJ", surface="bump", elements="8", scheme="shaded")
                         for end in ("", "_from", "_to"))
     check("bump of 8 facets, shaded: gain over other strokes, mJ", table, np.median(gain), low, high)
+
+
+    for cells, shadings in ((4, ("mean_value", "two_pass", "morgenbesser")), (16, ("mean_value", "two_pass"))):
+        for shading, gain in zip(shadings, on_meshes(cells, shadings)):
+            words = {"surface": "mesh", "elements": str(cells), "scheme": shading, "felt": "by the place"}
+            near(f"mesh of {cells} x {cells} cells, {shading}: gain, mJ", number(rows, "gain_mJ", **words),
+                 np.median(gain), 0.06)  # morgenbesser has the largest jumps between places
 
 
 # Strokes of a hand in closed loop: how far a slower loop is from one of 64 kHz.

@@ -101,7 +101,7 @@ class Triangles:
             far = size(self.vertices[corners] - at[:, None])
             return depth * unit((far[..., None] * (around.sum(1, keepdims=True) - around)).sum(1))
         direction = unit((self.weights(corners, at)[..., None] * around).sum(1))  # mean_value, too: of triangles
-        return depth * direction / ((direction @ normal)[:, None] if shading == "two_pass" else 1)
+        return depth * direction / ((direction * normal).sum(-1, keepdims=True) if shading == "two_pass" else 1)
 
     def force_under(self, face, shading):
         """A force, m, at places under a face."""
@@ -178,15 +178,42 @@ class Patch(Triangles):
 
     def __init__(self, radius, cells, reach, draws):
         cell = 2 * np.array([radius * math.asin(HALF / radius), HALF]) / cells
-        columns, rows = 2 * np.ceil(reach / cell).astype(int)
-        moved, spin = [next(draws), next(draws)], turned(2 * math.pi * next(draws), 2)[:2, :2]
+        self.counts = 2 * np.ceil(reach / cell).astype(int)
+        (columns, rows), self.cell, self.radius = self.counts, cell, radius
+        self.moved, self.spin = [next(draws), next(draws)], turned(2 * math.pi * next(draws), 2)[:2, :2]
         grid = np.stack(np.meshgrid(np.arange(columns + 1), np.arange(rows + 1), indexing="ij"), -1).reshape(-1, 2)
-        flat = ((grid - [columns / 2, rows / 2] + moved) * cell) @ spin.T
+        flat = ((grid - self.counts / 2 + self.moved) * cell) @ self.spin.T
         turn, at = flat[:, 0] / radius, lambda i, j: i * (rows + 1) + j
+        self.centre = -math.sqrt(radius**2 - HALF**2)  # m: along z
         super().__init__(
-            np.stack([radius * np.sin(turn), flat[:, 1], radius * np.cos(turn) - math.sqrt(radius**2 - HALF**2)], 1),
+            np.stack([radius * np.sin(turn), flat[:, 1], radius * np.cos(turn) + self.centre], 1),
             [[(at(i, j), *last)] for i in range(columns) for j in range(rows)
              for last in ((at(i + 1, j), at(i + 1, j + 1)), (at(i + 1, j + 1), at(i, j + 1)))])
+        self.corners = np.array(self.faces)[:, 0]
+
+    def faces_near(self, turn, y):
+        """Of places under angles, and y, m, the 18 faces of the cells about them."""
+        cells = (np.stack([self.radius * turn, y], -1) @ self.spin) / self.cell + self.counts / 2 - self.moved
+        i, j = (np.floor(cells)[:, None] + list(np.ndindex(3, 3)) - 1).astype(int).transpose(2, 0, 1)
+        return np.concatenate([2 * (i * self.counts[1] + j) + k for k in (0, 1)], 1)
+
+    def heights(self, flat):
+        """m: above places (x, y)."""
+        near = self.faces_near(np.arcsin(flat[:, 0] / self.radius), flat[:, 1])
+        a, b, c = (self.vertices[self.corners[near][..., k]][..., :2] for k in range(3))
+        cross = lambda u, v: u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+        inside = np.min([cross(q - p, flat[:, None] - p) for p, q in ((a, b), (b, c), (c, a))], 0)
+        face = np.take_along_axis(near, inside.argmax(1)[:, None], 1)[:, 0]
+        return (self.offsets[face] - (self.normals[face][:, :2] * flat).sum(1)) / self.normals[face][:, 2]
+
+    def forces(self, shadings, at):
+        """m: by shading, at places below it."""
+        near = self.faces_near(np.arctan2(at[:, 0], at[:, 2] - self.centre), at[:, 1])
+        feet = nearest_on(self.vertices[self.corners[near]], at)[0]
+        first = size(feet - at[:, None]).argmin(1)[:, None]
+        face, foot = np.take_along_axis(near, first, 1)[:, 0], np.take_along_axis(feet, first[..., None], 1)[:, 0]
+        return [self.force(shading, self.corners[face], foot, self.normals[face], 1) * size(foot - at)[:, None]
+                for shading in shadings]
 
     def feet(self, faces, at):
         """The points of faces, one triangle each, nearest to places."""
