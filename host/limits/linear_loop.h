@@ -25,7 +25,7 @@ struct Hold {
 };
 
 /// Whether the surface supports a hand that presses `along`, with at least a fifth of the force and of a wall's
-/// stiffness: a choice, beyond which limits may fall on to 0, where the probe gives way at any stiffness.
+/// stiffness: a choice, beyond which limits may fall to 0, where the probe gives way at any stiffness.
 bool supports(const glm::dvec3& along, const glm::dvec3& force, const glm::dmat3& slope);
 
 /// By its name: "down", "14 deg from straight down".

@@ -402,7 +402,7 @@ std::string verdict_section(const Contents& contents) {
            "them: the errors of direction and size leave such places out, in the last error the whole force is missing "
            "there. Times are of single evaluations, on the mesh of a god-object's updates. A force is stable if small "
            "displacements die out, with the hand below, pressing in any direction that the surface supports with a "
-           "fifth of its force and of a wall's stiffness, beyond which it may fall on to 0, at every place 2 mm deep "
+           "fifth of its force and of a wall's stiffness, beyond which it may fall to 0, at every place 2 mm deep "
            "where the direction does not jump. Energies are of the static force, also on the mesh, along strokes out "
            "and back at another depth.</p>\n" +
            device + "</section>\n";

@@ -91,11 +91,11 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
             limit_at(results, worst.surface, results.surfaces.front().depths().front()), newtons(worst.wall));
     }
     if (worst.any_press && *worst.limit > 0 && worst.any_press->limit < 0.99 * *worst.limit)
-        finding.text += fmt::format(" Pressed {} instead of {} it is stable up to {}.", worst.any_press->hold.name,
-                                    worst.hold.name, newtons(worst.any_press->limit)) +
-                        (surface.stiffness > worst.any_press->limit && surface.stiffness < *worst.limit
-                             ? " So its own is unstable there."
-                             : "");
+        finding.text +=
+            fmt::format(" A press {} lowers that to {}.", worst.any_press->hold.name, newtons(worst.any_press->limit)) +
+            (surface.stiffness > worst.any_press->limit && surface.stiffness < *worst.limit
+                 ? " So its own is unstable there."
+                 : "");
     const TessellatedLimit* lower = nullptr;
     for (const TessellatedLimit& one : results.tessellated)
         if (one.least.limit && *one.least.limit < (lower ? *lower->least.limit : *worst.limit))

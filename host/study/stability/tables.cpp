@@ -444,7 +444,7 @@ std::vector<Figure> figures_of(const LoopResults& results) {
             "loop-presses", "Largest stable stiffness by the direction of the press, at each surface's weakest place",
             fmt::format(
                 "With a {}. A press counts for a limit where the surface supports it with a fifth of its force and of "
-                "a wall's stiffness; further aside the limit of a curved or shaded one may fall on to 0.",
+                "a wall's stiffness; further aside the limit of a curved or shaded one may fall to 0.",
                 hand_text(first)),
             FigureKind::scatter, "loop_presses", {{"drawn", "yes"}}, {"press_deg", "press, from straight down / deg"},
             {"limit_N_per_m", "largest stable stiffness / (N/m)"}, "surface", "", {.shape = "counts", .joined = true}));
@@ -552,7 +552,7 @@ void add_loops(StudyData& data, const LoopResults& results) {
             "The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's force "
             "there; its spring acts across the direction of the hold, or on all sides. Presses along which it has less "
             "than a fifth of that force, or of a wall's stiffness, are left out: further aside limits of what is "
-            "curved or shaded may fall on to 0. The device's largest force is left out.",
+            "curved or shaded may fall to 0. The device's largest force is left out.",
             data.scene.empty() ? "a scene that names none" : "the scene", hand_text(results.surfaces.front())),
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
         "and the force held over a sample. At the worst place of each kind the loop is stepped through the surface's "
