@@ -104,6 +104,22 @@ MeshReferee::MeshReferee(const Mesh& mesh, MeshLaw law)
             high[axis] = std::max(high[axis], Vector(mesh.polygons.vertices[corner])[axis]);
         }
     size_ = length(high - low);
+    for (const std::size_t triangle : chosen_.touched) {
+        Box& box = boxes_.emplace_back(Box{Vector(std::numeric_limits<Real>::infinity()), Vector(0)});
+        box.high = -box.low;
+        for (const Vector& corner : corners_of(triangle, Vector(0)))
+            for (int axis = 0; axis < 3; ++axis) {
+                box.low[axis] = std::min(box.low[axis], corner[axis]);
+                box.high[axis] = std::max(box.high[axis], corner[axis]);
+            }
+    }
+}
+
+Real MeshReferee::Box::distance(const Vector& place) const {
+    Vector away(0);
+    for (int axis = 0; axis < 3; ++axis)
+        away[axis] = std::max({low[axis] - place[axis], place[axis] - high[axis], Real(0)});
+    return std::sqrt(dot(away, away));
 }
 
 std::array<Vector, 3> MeshReferee::corners_of(std::size_t triangle, const Vector& place) const {
@@ -117,26 +133,30 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
     const Vector probe(world), here(0);
     const Real infinite = std::numeric_limits<Real>::infinity(),
                tolerance = std::max(size_ * Real(1e-16), chosen_.noise);
-    std::vector<Vector> points(mesh_.triangles.corners.size());
-    std::vector<Real> distances(points.size(), infinite);
     MeshPoint best{Vector(0), Vector(0), infinite, 0xFFFFFFFFu, Vector(0), infinite};
-    for (const std::size_t i : chosen_.touched) {
-        const auto corners = corners_of(i, probe);
-        points[i] = on_triangle(here, corners[0], corners[1], corners[2]);
-        distances[i] = length(points[i]);
-        if (distances[i] < best.distance) {
-            best.distance = distances[i];
-            best.offset = points[i];
+    for (std::size_t i = 0; i < chosen_.touched.size(); ++i) {
+        if (boxes_[i].distance(probe) > best.distance)
+            continue;
+        const auto corners = corners_of(chosen_.touched[i], probe);
+        const Vector offset = on_triangle(here, corners[0], corners[1], corners[2]);
+        if (const Real distance = length(offset); distance < best.distance) {
+            best.distance = distance;
+            best.offset = offset;
         }
     }
-    for (const std::size_t i : chosen_.touched) {
-        const auto corners = corners_of(i, probe);
+    // What is farther off does not hold that point.
+    const Real reach = best.distance + 4 * tolerance;
+    for (std::size_t i = 0; i < chosen_.touched.size(); ++i) {
+        if (boxes_[i].distance(probe) > std::max(reach, best.runner_up))
+            continue;
+        const std::size_t triangle = chosen_.touched[i];
+        const auto corners = corners_of(triangle, probe);
         const Vector there = on_triangle(best.offset, corners[0], corners[1], corners[2]);
         if (length(there - best.offset) > tolerance) {
-            best.runner_up = std::min(best.runner_up, distances[i]);
+            best.runner_up = std::min(best.runner_up, length(on_triangle(here, corners[0], corners[1], corners[2])));
             continue;
         }
-        best.facet = std::min(best.facet, mesh_.triangles.facets[i]);
+        best.facet = std::min(best.facet, mesh_.triangles.facets[triangle]);
         const Real filled = angle_filled(there, corners, tolerance);
         best.outward = best.outward + filled * unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
     }

@@ -127,8 +127,8 @@ private:
 };
 
 // L6 to L9 on a mesh, derived differently from the oracle: in the world's metres, in extended precision, by plain loops
-// over all triangles, regions of the plane instead of clamped edges, angles instead of tangents, and no topology.
-// Shares no code with oracle or kernels.
+// over all triangles but those in boxes too far away, regions of the plane instead of clamped edges, angles instead of
+// tangents, and no topology. Shares no code with oracle or kernels.
 
 /// Which triangles of a mesh the referee looks at.
 struct ChosenTriangles {
@@ -192,10 +192,17 @@ private:
     Answer touching(std::uint32_t facet, const Vector& offset, const Vector& point) const;
     Vector interpolated(std::uint32_t facet, const Vector& point) const;
 
+    struct Box {
+        Vector low, high; /* m */
+        /// Of a place from the box, and at most from what it holds.
+        Real distance(const Vector& place) const;
+    };
+
     const Mesh& mesh_;
     MeshLaw law_;
     ChosenTriangles chosen_;
-    Real size_; /* m: of the bounding box */
+    std::vector<Box> boxes_; /* round the triangles of chosen_.touched */
+    Real size_;              /* m: of the bounding box */
 };
 
 } // namespace brute
