@@ -1,5 +1,6 @@
 // The rows of analytic surfaces.
 #include <cctype>
+#include <cstdlib>
 
 #include "host/output/height_image.h"
 #include "tests/gpu/rows.h"
@@ -145,14 +146,16 @@ PathShape shape_of(uint motion, uint loop) {
 
 std::vector<Row> field_rows() {
     std::vector<Row> rows;
-    // The paper's study, every voxel. Chunks that stay in the caches are compared faster.
+    // The paper's study, every voxel; every third case in double precision, too. Chunks that stay in the caches are
+    // compared faster.
     const Way cached{.chunk_bytes = std::size_t(4) << 20};
     const Way unpacked{.chunk_bytes = std::size_t(4) << 20, .packed = false};
     const Study study = default_study();
     for (std::size_t i = 0; i < study.cases.size(); ++i)
         rows.push_back({.name = "study_" + letters_of(study.cases[i].name),
                         .ground = in_all_channels(study.cases[i].scene),
-                        .ways = i % 5 == 0 ? std::vector{cached, unpacked} : std::vector{cached}});
+                        .ways = i % 5 == 0 ? std::vector{cached, unpacked} : std::vector{cached},
+                        .f64 = i % 3 == 0});
     for (Surface& surface : surfaces()) {
         surface.scene.grid = grid_over({37, 9, 23});
         rows.push_back({.name = surface.name,
@@ -279,7 +282,7 @@ std::vector<Row> path_rows() {
     // Windows and batches of any size give the same paths, through a staging buffer or not.
     std::vector<Way> windows;
     for (const bool staged : {false, true})
-        for (const std::uint32_t steps : {0u, 1u, 7u, 200u})
+        for (const std::uint32_t steps : {0u, 1u, 7u, 60u})
             windows.push_back(
                 {.chunk_bytes = 64 << 10, .rows = steps, .staged = staged, .batch = steps == 7 ? 64u : 40u});
     for (const uint motion : {layout::kMotionStrokes, layout::kMotionRecorded})
@@ -288,6 +291,7 @@ std::vector<Row> path_rows() {
             shape.features.channels = channels;
             shape.features.harmonics = motion == layout::kMotionRecorded ? 0 : 2;
             shape.paths = 150;
+            shape.steps = 60;
             shape.own_hands = true;
             rows.push_back({.name = fmt::format("windows_{}_{}", kMotionNames[motion], channels),
                             .ground = over(shaded),
@@ -347,7 +351,7 @@ std::vector<Row> long_path_rows() {
                                 .least = {.touching = shape.paths * shape.steps / 10},
                                 .f32 = single,
                                 .f64 = !single,
-                                .slices = 10});
+                                .slices = std::getenv("FORCESHADE_LONG") ? 10u : 2u});
             }
     return rows;
 }
