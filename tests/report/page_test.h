@@ -12,6 +12,11 @@
 
 namespace forceshade::testing {
 
+/// For open(): a browser without WebGL.
+inline constexpr const char* kNoWebGl =
+    "{ const old = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = "
+    "function(kind, ...more) { return /webgl/.test(kind) ? null : old.call(this, kind, ...more); }; }";
+
 class ReportPage : public ::testing::Test {
 protected:
     /// To be called once what is reported stands in folder_.

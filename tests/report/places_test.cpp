@@ -78,7 +78,9 @@ protected:
         begin();
     }
 
-    static void open(unsigned width = 1200) { ReportPage::open(width, false, kLook); }
+    static void open(unsigned width = 1200, const std::string& before = {}) {
+        ReportPage::open(width, false, kLook + before);
+    }
     static void choose(const std::string& pane, const std::string& name) {
         browser_->set("#case-" + pane, "[...e.options].findIndex((one) => one.textContent === '" + name + "')");
         await_title(pane, name);
@@ -228,9 +230,9 @@ TEST_F(Places, KeysChooseAndRead) {
     EXPECT_NEAR(number(1), 1.5 * number(0), 1e-3 * number(1));
 }
 
-// Every two cases, across every axis, whatever is shown.
+// Every two cases, across every axis, whatever is shown. What is shown in space would be drawn anew each time, slowly.
 TEST_F(Places, NoPictureIsBlankWithoutWords) {
-    open();
+    open(1200, kNoWebGl);
     const std::vector<std::string> names{"bump", "mesh", "other", "far", "whole", "alike"};
     for (std::size_t a = 0; a < names.size(); ++a) {
         choose("a", names[a]);

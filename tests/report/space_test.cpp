@@ -107,8 +107,7 @@ TEST_F(Space, PathsAreChosenAndPlayed) {
 }
 
 TEST_F(Space, TellsWhereThereIsNoWebGl) {
-    open("(() => { const old = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = "
-         "function(kind, ...more) { return /webgl/.test(kind) ? null : old.call(this, kind, ...more); }; })()");
+    open(kNoWebGl);
     EXPECT_TRUE(browser_->wait_for("document.getElementById('space-note').textContent.includes('has no WebGL')"));
     EXPECT_TRUE(browser_->evaluate("document.getElementById('space-box').hidden").get<bool>());
     EXPECT_FALSE(browser_->evaluate("document.getElementById('viewer-body').hidden").get<bool>());
