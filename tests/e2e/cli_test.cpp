@@ -264,9 +264,10 @@ protected:
     Locale() {
         write("study.toml", small_study());
         write("wrong.toml", "[surface]\nradius = \"0,6 mm\"\n");
-        const Outcome made = run({.arguments = {"-i", "de_DE", "-f", "UTF-8", path("de_DE.UTF-8").string()},
-                                  .program = "/usr/bin/localedef"});
-        german_ = {{"LOCPATH", folder_.path().string()}, {"LC_ALL", "de_DE.UTF-8"}, {"LANG", "de_DE.UTF-8"}};
+        static const Folder place;
+        static const Outcome made =
+            run({.arguments = {"-i", "de_DE", "-f", "UTF-8", place / "de_DE.UTF-8"}, .program = "/usr/bin/localedef"});
+        german_ = {{"LOCPATH", place.path().string()}, {"LC_ALL", "de_DE.UTF-8"}, {"LANG", "de_DE.UTF-8"}};
         EXPECT_EQ(made.code, 0) << "package locales is missing? " << made.error;
     }
     Outcome speak_german(std::vector<std::string> arguments) const {

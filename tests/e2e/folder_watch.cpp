@@ -3,6 +3,7 @@
 #include <fstream>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 namespace forceshade::testing {
 namespace {
@@ -25,6 +26,10 @@ void FolderWatch::look() {
          entry.increment(gone)) {
         const std::string name = entry->path().lexically_relative(folder_).string();
         if (entry->path().filename().string().front() == '.' || whole_.count(name) || entry->is_directory(gone))
+            continue;
+        std::error_code vanished;
+        const std::pair now{entry->last_write_time(vanished), entry->file_size(vanished)};
+        if (vanished || std::exchange(seen_[name], now) == now)
             continue;
         if (const auto content = content_of(entry->path()))
             check(name, *content);

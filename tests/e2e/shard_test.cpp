@@ -16,9 +16,11 @@ protected:
     Shards() { write("paper.toml", small_study()); }
 
     /// What one undisturbed process makes of the study.
-    Tree whole() const {
-        expect_success({"sweep", "paper.toml", "--out", "whole", "--also", "npy", "--quiet"});
-        return results_in(path("whole"));
+    const Tree& whole() const {
+        static const Outcome once =
+            expect_success({"sweep", "paper.toml", "--out", "whole", "--also", "npy", "--quiet"});
+        static const Tree made = results_in(path("whole"));
+        return made;
     }
 
     Launch part(const std::string& out, const std::vector<std::string>& further = {}) const {
@@ -57,7 +59,7 @@ protected:
 };
 
 TEST_F(Shards, AtOnceInOneFolderMergeIntoWhatOneProcessMakes) {
-    const Tree expected = whole();
+    const Tree& expected = whole();
     const std::vector<int> computed = run_together(
         {part("out", {"--shard", "1/3"}), part("out", {"--shard", "2/3"}), part("out", {"--shard", "3/3"})});
     EXPECT_EQ(computed, (std::vector<int>{17, 17, 17}));
@@ -68,7 +70,7 @@ TEST_F(Shards, AtOnceInOneFolderMergeIntoWhatOneProcessMakes) {
 }
 
 TEST_F(Shards, ThatAreMissingAreNamedByAMerge) {
-    const Tree expected = whole();
+    const Tree& expected = whole();
     for (int i = 4; i >= 1; --i) {
         EXPECT_EQ(run_together({part("out", {"--shard", fmt::format("{}/4", i)})}).front(), i == 4 ? 12 : 13);
         const json merged = merge("out", i == 1 ? 0 : 1);
@@ -167,7 +169,7 @@ Launch in_array(Launch launch, const std::string& id, const std::string& count, 
 }
 
 TEST_F(Shards, ComeFromSlurmsArrayVariables) {
-    const Tree expected = whole();
+    const Tree& expected = whole();
     std::vector<Launch> tasks;
     for (const char* task : {"0", "1", "2"})
         tasks.push_back(in_array(part("out", {"--shard", "slurm"}), task, "3", "0", "2"));
@@ -233,7 +235,7 @@ TEST_F(Shards, ThatAreNoneAreRefused) {
 }
 
 TEST_F(Shards, AreNotNeededForTwoRunsInOneFolderToEndWell) {
-    const Tree expected = whole();
+    const Tree& expected = whole();
     for (int repeat = 0; repeat < 3; ++repeat) {
         const std::string out = fmt::format("out{}", repeat);
         run_together({part(out), part(out), part(out, {"--fresh"})});
@@ -244,7 +246,7 @@ TEST_F(Shards, AreNotNeededForTwoRunsInOneFolderToEndWell) {
 
 // The folder then belongs to whoever came last, but no volume may be a mixture, and each study finishes on its own.
 TEST_F(Shards, OfDifferentStudiesInOneFolderEndWithTheLastOne) {
-    const Tree expected = whole();
+    const Tree& expected = whole();
     std::string stiffer = small_study();
     stiffer.replace(stiffer.find("\"1 N/mm\""), 8, "\"2 N/mm\"");
     write("stiffer.toml", stiffer);
