@@ -178,16 +178,13 @@ TEST(Extremes, AFacetOf65537Corners) {
 TEST(Extremes, CapsThatContradictEachOtherAreCutOnce) {
     // Coordinates so far apart that all lie on one line but for rounding: each facet says that a corner of its own lies
     // on its longest side, and which that is depends on the axis.
-    PolygonSoup soup;
-    soup.vertices = {{0, 0, -3.6966219001423567e-159},
-                     {0, 0, 1.6188018890408547e-316},
-                     {0, 0, 0},
-                     {0, 0, 0},
-                     {1.3535544878853416e+82, 7.0428167507783998e-310, 0},
-                     {0, 5.5626846462680035e-309, 0}};
-    shapes::add_facet(soup, {4, 1, 2, 1});
-    shapes::add_facet(soup, {2, 1, 4, 5, 5, 3});
-    shapes::add_facet(soup, {4, 0, 2});
+    const PolygonSoup soup = shapes::soup_of({{0, 0, -3.6966219001423567e-159},
+                                              {0, 0, 1.6188018890408547e-316},
+                                              {0, 0, 0},
+                                              {0, 0, 0},
+                                              {1.3535544878853416e+82, 7.0428167507783998e-310, 0},
+                                              {0, 5.5626846462680035e-309, 0}},
+                                             {{4, 1, 2, 1}, {2, 1, 4, 5, 5, 3}, {4, 0, 2}});
     const MeshStructure structure = build_structure(shapes::mesh_of(soup));
     EXPECT_GT(structure.triangles(), 0u);
 }

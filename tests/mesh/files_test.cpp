@@ -177,11 +177,9 @@ TEST_F(MeshFiles, PlyRefusals) {
 }
 
 TEST_F(MeshFiles, VerticesAtOnePlaceAreOne) {
-    PolygonSoup soup;
     const double next = std::nextafter(1.0, 2.0);
-    soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {next, 0, 0}, {0, 1, 0}};
-    soup.corners = {0, 1, 2, 3, 4, 5};
-    soup.begins = {0, 3, 6};
+    const PolygonSoup soup = shapes::soup_of(
+        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {next, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {3, 4, 5}});
     EXPECT_EQ(read("a.stl", testing::as_stl_text(soup)).vertices.size(),
               4u); // 0 and -0 are one, 1 and its successor two
     EXPECT_EQ(read("b.stl", testing::as_stl_binary(soup)).vertices.size(), 3u); // but not as floats

@@ -67,21 +67,13 @@ TEST(Findings, FacetsTurnedInward) {
 }
 
 TEST(Findings, NonManifoldEdgeAndVertices) {
-    PolygonSoup fan;
-    fan.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
-    for (const std::uint32_t tip : {2u, 3u, 4u})
-        add_facet(fan, {0, 1, tip});
+    const PolygonSoup fan =
+        shapes::soup_of({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
     EXPECT_EQ(inspect(fan).non_manifold_edges, 1u);
-
-    PolygonSoup hourglass; // two tetrahedra that share a tip, closed fans both
-    hourglass.vertices = {{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {1, 0, -1}, {-1, 1, -1}, {-1, -1, -1}};
-    for (const std::uint32_t base : {1u, 4u}) {
-        add_facet(hourglass, {0, base, base + 1});
-        add_facet(hourglass, {0, base + 1, base + 2});
-        add_facet(hourglass, {0, base + 2, base});
-        add_facet(hourglass, {base + 2, base + 1, base});
-    }
-    const MeshFindings found = inspect(hourglass);
+    // Two tetrahedra that share a tip, closed fans both.
+    const MeshFindings found = inspect(
+        shapes::soup_of({{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {1, 0, -1}, {-1, 1, -1}, {-1, -1, -1}},
+                        {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {3, 2, 1}, {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {6, 5, 4}}));
     EXPECT_EQ(found.non_manifold_vertices, 1u);
     EXPECT_EQ(found.components, 2u);
     EXPECT_TRUE(found.closed);

@@ -74,13 +74,13 @@ std::string read_table() {
 TEST(GodObjectPrecision, SingleErrsAsTheTableSays) {
     std::vector<walks::Terrain> all;
     for (const double degrees : {60.0, 10.0, 1.0, 0.3, 0.1, 0.03})
-        all.push_back({fmt::format("wedge of {}°", degrees), walks::sharp_wedge(degrees)});
+        all.push_back({fmt::format("wedge of {}°", degrees), shapes::sharp_wedge(degrees)});
     for (const double degrees : {90.0, 10.0, 0.1})
         all.push_back({fmt::format("groove of {}°", degrees), walks::grooved_block(degrees)});
     for (const double thickness : {0.1, 3e-3, 1e-3, 3e-4, 1e-4})
         all.push_back({fmt::format("plate {} thick", thickness), shapes::plate(thickness)});
     for (const unsigned facets : {20U, 224U, 1000U})
-        all.push_back({fmt::format("cone of {} facets", facets), walks::double_cone(facets, 0.5), facets});
+        all.push_back({fmt::format("cone of {} facets", facets), shapes::double_cone(facets, 0.5), facets});
     const std::string table = read_table();
     for (const walks::Terrain& terrain : all) {
         const PrecisionError error = compare(terrain);

@@ -94,14 +94,8 @@ TYPED_TEST(GodObjectShape, KeepsItsSideOfAThinPlate) {
 
 TYPED_TEST(GodObjectShape, ApexAndRidgeGoToTheLowestFacet) {
     // A pyramid pressed straight down on its apex: facets 0 to 3 are alike.
-    PolygonSoup pyramid;
-    pyramid.vertices = {{1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}, {0, 0, 1}};
-    shapes::add_facet(pyramid, {0, 1, 4});
-    shapes::add_facet(pyramid, {1, 2, 4});
-    shapes::add_facet(pyramid, {2, 3, 4});
-    shapes::add_facet(pyramid, {3, 0, 4});
-    shapes::add_facet(pyramid, {3, 2, 1, 0});
-    Touchpad<TypeParam> pad(pyramid);
+    Touchpad<TypeParam> pad(shapes::soup_of({{1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}, {0, 0, 1}},
+                                            {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {3, 2, 1, 0}}));
     pad.at({0, 0, 1.5});
     pad.at({0, 0, 0.5});
     ASSERT_EQ(pad.contact.count, 1u);
@@ -238,11 +232,9 @@ TEST(GodObjectForce, ShadedFromBothSides) {
 
 /// A floor of two facets and, on its right half, a wall across it; leaning over by `turn`.
 PolygonSoup room(double turn) {
-    PolygonSoup soup;
-    soup.vertices = {{-1, -1, 0},  {1, -1, 0},  {1, 1, 0},     {-1, 1, 0},
-                     {0.5, -1, 0}, {0.5, 1, 0}, {0.5, 1, 0.5}, {0.5, -1, 0.5}};
-    shapes::add_facet(soup, {0, 1, 2, 3});
-    shapes::add_facet(soup, {4, 5, 6, 7});
+    PolygonSoup soup = shapes::soup_of(
+        {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0.5, -1, 0}, {0.5, 1, 0}, {0.5, 1, 0.5}, {0.5, -1, 0.5}},
+        {{0, 1, 2, 3}, {4, 5, 6, 7}});
     for (dvec3& v : soup.vertices)
         v = {std::cos(turn) * v.x - std::sin(turn) * v.z, v.y, std::sin(turn) * v.x + std::cos(turn) * v.z};
     return soup;

@@ -13,6 +13,9 @@
 namespace forceshade::walks {
 
 using shapes::add_facet;
+using shapes::double_cone;
+using shapes::sharp_wedge;
+using shapes::soup_of;
 
 PolygonSoup wedge(double angle) {
     // A prism whose ridge, along y, has this angle.
@@ -117,74 +120,6 @@ std::vector<Terrain> pits() {
     return result;
 }
 
-Wanderer::Wanderer(const MeshStructure& structure, std::uint64_t seed, std::optional<glm::dvec3> focus)
-    : structure_(structure), random_(seed) {
-    if (focus)
-        focus_ = to_mesh_frame(structure, *focus);
-    double area = 0;
-    const auto& parts = *structure.parts;
-    for (std::size_t t = 0; t < structure.triangles(); ++t) {
-        const auto at = [&](std::size_t i) {
-            return three(structure.reals->vertices, parts.triangle_corners[3 * t + i]);
-        };
-        area += glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
-    }
-    facet_ = std::sqrt(area / static_cast<double>(structure.triangles()));
-}
-
-glm::dvec3 Wanderer::direction() {
-    std::normal_distribution<double> normal;
-    return glm::normalize(glm::dvec3(normal(random_), normal(random_), normal(random_)));
-}
-
-glm::dvec3 Wanderer::near_surface() {
-    if (focus_)
-        return *focus_ + std::pow(10.0, random(-4, -1)) * direction();
-    const auto& parts = *structure_.parts;
-    const std::size_t t = random_() % structure_.triangles();
-    double u = random(0, 1), v = random(0, 1);
-    if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
-    }
-    const auto at = [&](std::size_t i) { return three(structure_.reals->vertices, parts.triangle_corners[3 * t + i]); };
-    const double depth = facet_ * std::pow(10.0, random(-4, 0.5));
-    return at(0) + u * (at(1) - at(0)) + v * (at(2) - at(0)) + depth * direction();
-}
-
-glm::dvec3 Wanderer::begin() {
-    goal_ = near_surface();
-    return glm::dvec3(random(-1.2, 1.2), random(-1.2, 1.2), random(-1.2, 1.2));
-}
-
-glm::dvec3 Wanderer::step(const glm::dvec3& from) {
-    const double length = facet_ * std::pow(10.0, random(-7, 1));
-    if (random(0, 1) < 0.05)
-        goal_ = near_surface();
-    if (random(0, 1) < 0.3)
-        return from + length * direction();
-    const glm::dvec3 way = goal_ - from;
-    const double far = glm::length(way);
-    if (far < length)
-        return random(0, 1) < 0.5 ? goal_ : from + length * direction() * 0.1;
-    return from + (length / far) * (way + 0.3 * far * direction());
-}
-
-namespace {
-
-/// A solid of integer corners from the facets around it, each given by its corners.
-PolygonSoup solid(std::vector<glm::dvec3> vertices, const std::vector<std::vector<std::uint32_t>>& facets) {
-    PolygonSoup soup;
-    soup.vertices = std::move(vertices);
-    for (const std::vector<std::uint32_t>& facet : facets) {
-        soup.corners.insert(soup.corners.end(), facet.begin(), facet.end());
-        soup.begins.push_back(static_cast<std::uint32_t>(soup.corners.size()));
-    }
-    return soup;
-}
-
-} // namespace
-
 std::vector<Terrain> solids() {
     const std::vector<std::vector<std::uint32_t>> octahedron = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                                                                 {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
@@ -192,39 +127,40 @@ std::vector<Terrain> solids() {
                                                          {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
     return {
         {"tetrahedron",
-         solid({{2, 2, 2}, {-2, -2, 2}, {-2, 2, -2}, {2, -2, -2}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})},
+         soup_of({{2, 2, 2}, {-2, -2, 2}, {-2, 2, -2}, {2, -2, -2}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})},
         {"box",
-         solid({{-4, -2, -1}, {4, -2, -1}, {4, 2, -1}, {-4, 2, -1}, {-4, -2, 1}, {4, -2, 1}, {4, 2, 1}, {-4, 2, 1}},
-               box)},
-        {"octahedron", solid({{4, 0, 0}, {-4, 0, 0}, {0, 4, 0}, {0, -4, 0}, {0, 0, 4}, {0, 0, -4}}, octahedron)},
-        {"flat octahedron", solid({{4, 0, 0}, {-4, 0, 0}, {0, 4, 0}, {0, -4, 0}, {0, 0, 1}, {0, 0, -1}}, octahedron)},
-        {"spindle", solid({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 8}, {0, 0, -8}}, octahedron)},
-        {"pyramid", solid({{2, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}, {0, 0, 2}},
-                          {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {3, 2, 1, 0}})},
-        {"prism", solid({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}, {4, 0, 4}, {0, 4, 4}},
-                        {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}})},
+         soup_of({{-4, -2, -1}, {4, -2, -1}, {4, 2, -1}, {-4, 2, -1}, {-4, -2, 1}, {4, -2, 1}, {4, 2, 1}, {-4, 2, 1}},
+                 box)},
+        {"octahedron", soup_of({{4, 0, 0}, {-4, 0, 0}, {0, 4, 0}, {0, -4, 0}, {0, 0, 4}, {0, 0, -4}}, octahedron)},
+        {"flat octahedron", soup_of({{4, 0, 0}, {-4, 0, 0}, {0, 4, 0}, {0, -4, 0}, {0, 0, 1}, {0, 0, -1}}, octahedron)},
+        {"spindle", soup_of({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 8}, {0, 0, -8}}, octahedron)},
+        {"pyramid", soup_of({{2, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}, {0, 0, 2}},
+                            {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {3, 2, 1, 0}})},
+        {"prism", soup_of({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}, {4, 0, 4}, {0, 4, 4}},
+                          {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}})},
         {"frustum",
-         solid({{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}, {-2, -2, 2}, {2, -2, 2}, {2, 2, 2}, {-2, 2, 2}}, box)},
-        {"L", solid({{0, 0, 0},
-                     {4, 0, 0},
-                     {4, 2, 0},
-                     {2, 2, 0},
-                     {2, 4, 0},
-                     {0, 4, 0},
-                     {0, 0, 2},
-                     {4, 0, 2},
-                     {4, 2, 2},
-                     {2, 2, 2},
-                     {2, 4, 2},
-                     {0, 4, 2}},
-                    {{5, 4, 3, 2, 1, 0},
-                     {6, 7, 8, 9, 10, 11},
-                     {0, 1, 7, 6},
-                     {1, 2, 8, 7},
-                     {2, 3, 9, 8},
-                     {3, 4, 10, 9},
-                     {4, 5, 11, 10},
-                     {5, 0, 6, 11}})},
+         soup_of({{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}, {-2, -2, 2}, {2, -2, 2}, {2, 2, 2}, {-2, 2, 2}},
+                 box)},
+        {"L", soup_of({{0, 0, 0},
+                       {4, 0, 0},
+                       {4, 2, 0},
+                       {2, 2, 0},
+                       {2, 4, 0},
+                       {0, 4, 0},
+                       {0, 0, 2},
+                       {4, 0, 2},
+                       {4, 2, 2},
+                       {2, 2, 2},
+                       {2, 4, 2},
+                       {0, 4, 2}},
+                      {{5, 4, 3, 2, 1, 0},
+                       {6, 7, 8, 9, 10, 11},
+                       {0, 1, 7, 6},
+                       {1, 2, 8, 7},
+                       {2, 3, 9, 8},
+                       {3, 4, 10, 9},
+                       {4, 5, 11, 10},
+                       {5, 0, 6, 11}})},
         {"icosahedron", shapes::icosphere(0)}};
 }
 
@@ -258,25 +194,6 @@ PolygonSoup soup(unsigned seed) {
         for (int corner = 0; corner < 3; ++corner)
             soup.vertices.push_back({place(random), place(random), place(random)});
         add_facet(soup, {3 * i, 3 * i + 1, 3 * i + 2});
-    }
-    return soup;
-}
-
-PolygonSoup sharp_wedge(double degrees) {
-    const double half = std::tan(degrees * std::acos(-1.0) / 360);
-    return solid({{0, 0, 0}, {0, 1, 0}, {1, 1, -half}, {1, 1, half}, {1, 0, -half}, {1, 0, half}},
-                 {{0, 1, 2}, {0, 2, 4}, {0, 5, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {4, 2, 3}, {4, 3, 5}});
-}
-
-PolygonSoup double_cone(unsigned facets, double height) {
-    PolygonSoup soup;
-    soup.vertices = {{0, 0, height}, {0, 0, -height}};
-    for (unsigned i = 0; i < facets; ++i) {
-        const double angle = 2 * std::acos(-1.0) * i / facets;
-        soup.vertices.push_back({std::cos(angle), std::sin(angle), 0});
-        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % facets;
-        add_facet(soup, {0, a, b});
-        add_facet(soup, {1, b, a});
     }
     return soup;
 }
@@ -316,12 +233,12 @@ std::vector<Terrain> open_meshes() {
     std::vector<Terrain> result = {
         {"sheet", shapes::single_triangle()},
         {"open cube", shapes::open_cube()},
-        {"bow tie", solid({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0.3}}, {{0, 1, 2}, {0, 3, 4}})},
+        {"bow tie", soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0.3}}, {{0, 1, 2}, {0, 3, 4}})},
         {"solid bow tie", shapes::merged(shapes::tetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}),
                                          shapes::tetrahedron({0, 0, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}))},
         {"three at an edge",
-         solid({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}})},
-        {"doubled facet", solid({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5}}, {{0, 1, 2}, {0, 2, 1}, {1, 3, 2}})},
+         soup_of({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}})},
+        {"doubled facet", soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5}}, {{0, 1, 2}, {0, 2, 1}, {1, 3, 2}})},
         {"saddle", shapes::patch(shapes::Cells::triangles, 10, saddle)},
         {"pit 40", pit(40, 0.05), 40},
         {"pit 8", pit(8, 0.3), 8},
@@ -362,6 +279,47 @@ glm::dvec3 RandomPlaces::place_on(std::size_t triangle) {
     }
     const glm::dvec3 a = corner(triangle, 0);
     return a + u * (corner(triangle, 1) - a) + v * (corner(triangle, 2) - a);
+}
+
+Wanderer::Wanderer(const MeshStructure& structure, std::uint64_t seed, std::optional<glm::dvec3> focus)
+    : RandomPlaces(structure, seed) {
+    if (focus)
+        focus_ = to_mesh_frame(structure, *focus);
+    double area = 0;
+    for (std::size_t t = 0; t < structure.triangles(); ++t)
+        area += glm::length(glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)));
+    facet_ = std::sqrt(area / static_cast<double>(structure.triangles()));
+}
+
+glm::dvec3 Wanderer::direction() {
+    std::normal_distribution<double> normal;
+    return glm::normalize(glm::dvec3(normal(random_), normal(random_), normal(random_)));
+}
+
+glm::dvec3 Wanderer::near_surface() {
+    if (focus_)
+        return *focus_ + std::pow(10.0, random(-4, -1)) * direction();
+    const glm::dvec3 place = place_on(random_() % structure_.triangles());
+    const double depth = facet_ * std::pow(10.0, random(-4, 0.5));
+    return place + depth * direction();
+}
+
+glm::dvec3 Wanderer::begin() {
+    goal_ = near_surface();
+    return glm::dvec3(random(-1.2, 1.2), random(-1.2, 1.2), random(-1.2, 1.2));
+}
+
+glm::dvec3 Wanderer::step(const glm::dvec3& from) {
+    const double length = facet_ * std::pow(10.0, random(-7, 1));
+    if (random(0, 1) < 0.05)
+        goal_ = near_surface();
+    if (random(0, 1) < 0.3)
+        return from + length * direction();
+    const glm::dvec3 way = goal_ - from;
+    const double far = glm::length(way);
+    if (far < length)
+        return random(0, 1) < 0.5 ? goal_ : from + length * direction() * 0.1;
+    return from + (length / far) * (way + 0.3 * far * direction());
 }
 
 /// Of a corner (0 to 2) or an edge (3 to 5).

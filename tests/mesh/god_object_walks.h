@@ -37,10 +37,6 @@ std::vector<Terrain> terrains();
 std::vector<Terrain> pits();
 
 PolygonSoup wedge(double angle);
-/// A wedge of so many degrees, as long and as wide as 1, sharp at x = 0.
-PolygonSoup sharp_wedge(double degrees);
-/// Two cones on one rim, with so many facets round each pole.
-PolygonSoup double_cone(unsigned facets, double height);
 /// A block with a groove of so many degrees along y, 1 deep.
 PolygonSoup grooved_block(double degrees);
 /// A sheet folded to and fro, whose folds touch along their edges.
@@ -50,26 +46,6 @@ PolygonSoup touching_folds(unsigned folds, double gap);
 PolygonSoup pit(unsigned valence, double relief, unsigned seed = 7, double depth = 0.3);
 /// The bump of G2 on its plane, as quads.
 PolygonSoup bump(unsigned facets, unsigned rows);
-
-/// Probe positions in the mesh's frame: steps of 1 nm to ten facets, some in any direction, some towards a point above
-/// or below the surface, some along the surface.
-class Wanderer {
-public:
-    Wanderer(const MeshStructure& structure, std::uint64_t seed, std::optional<glm::dvec3> focus = {});
-    glm::dvec3 begin();
-    glm::dvec3 step(const glm::dvec3& from);
-
-private:
-    double random(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-    glm::dvec3 direction();
-    glm::dvec3 near_surface();
-
-    const MeshStructure& structure_;
-    std::mt19937_64 random_;
-    std::optional<glm::dvec3> focus_; /* in the mesh's frame */
-    double facet_;
-    glm::dvec3 goal_{0};
-};
 
 /// Closed solids whose corners are integers, so that probes lie exactly on faces, edges and corners.
 std::vector<Terrain> solids();
@@ -101,6 +77,23 @@ protected:
 
     const MeshStructure& structure_;
     std::mt19937_64 random_;
+};
+
+/// Probe positions in the mesh's frame: steps of 1 nm to ten facets, some in any direction, some towards a point above
+/// or below the surface, some along the surface.
+class Wanderer : RandomPlaces {
+public:
+    Wanderer(const MeshStructure& structure, std::uint64_t seed, std::optional<glm::dvec3> focus = {});
+    glm::dvec3 begin();
+    glm::dvec3 step(const glm::dvec3& from);
+
+private:
+    glm::dvec3 direction(); /* x, y and z in the order in which the compiler draws them */
+    glm::dvec3 near_surface();
+
+    std::optional<glm::dvec3> focus_; /* in the mesh's frame */
+    double facet_;
+    glm::dvec3 goal_{0};
 };
 
 /// Probe positions in the mesh's frame that aim at the answer: on the pseudonormals of corners, edges and facets, 1e-12

@@ -147,11 +147,9 @@ TEST(MeshContact, TiesGoToTheLowestFacet) {
 
 TEST(MeshContact, OnAConcaveEdgeTheLowerFacetHasTheForceOnBothSides) {
     // A valley between two slopes: all over the wedge below it the edge is nearest.
-    PolygonSoup valley;
-    valley.vertices = {{-1, -1, 0.7}, {0.1, -1, 0}, {1.2, -1, 0.4}, {-1, 1.3, 0.7}, {0.1, 1.3, 0}, {1.2, 1.3, 0.4}};
-    shapes::add_facet(valley, {1, 2, 5, 4});
-    shapes::add_facet(valley, {0, 1, 4, 3});
-    const Oracle oracle(valley);
+    const Oracle oracle(
+        shapes::soup_of({{-1, -1, 0.7}, {0.1, -1, 0}, {1.2, -1, 0.4}, {-1, 1.3, 0.7}, {0.1, 1.3, 0}, {1.2, 1.3, 0.4}},
+                        {{1, 2, 5, 4}, {0, 1, 4, 3}}));
     std::mt19937 random(11);
     for (int i = 0; i < 1000; ++i) {
         const double y = 0.9 * shapes::uniform(random);

@@ -72,13 +72,14 @@ template <typename T> void hold_against_loop(const PolygonSoup& polygons, int co
 // In single precision two of its corners are one, and its normal is not across the edge that is left: its face must not
 // be met beside it.
 TEST(Nearest, ATriangleThatRoundingMakesALineHasNoFace) {
-    PolygonSoup polygons;
-    polygons.vertices = {{0.5, 0.25, -1e-11}, {0.5 + 2e-11, 0.25 + 1e-12, 1e-11}, {0.5, 0.25 + 1e-12, -1e-11}};
-    shapes::add_facet(polygons, {0, 1, 2});
-    polygons.vertices.insert(polygons.vertices.end(), {{-1, -1, -1}, {-1, -1, 1}, {-1, 1, 1}});
-    polygons.vertices.push_back({1, 1, 1}); // for the frame
-    shapes::add_facet(polygons, {3, 4, 5});
-    shapes::add_facet(polygons, {4, 6, 5});
+    const PolygonSoup polygons = shapes::soup_of({{0.5, 0.25, -1e-11},
+                                                  {0.5 + 2e-11, 0.25 + 1e-12, 1e-11},
+                                                  {0.5, 0.25 + 1e-12, -1e-11},
+                                                  {-1, -1, -1},
+                                                  {-1, -1, 1},
+                                                  {-1, 1, 1},
+                                                  {1, 1, 1}}, // for the frame
+                                                 {{0, 1, 2}, {3, 4, 5}, {4, 6, 5}});
     const auto tables = make_mesh_tables<float>(build_structure(shapes::mesh_of(polygons)), 1000);
     const Vector<float> probe(1.25f, 0.25f, 0);
     const Nearest<float> found = shapes::nearest_by_loop(tables.view(), probe);

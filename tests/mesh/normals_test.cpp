@@ -109,10 +109,9 @@ TEST(VertexNormals, PlainCountsFacetsAndAngleDoesNot) {
 }
 
 TEST(VertexNormals, ReflexCornersWeighWithTheirWholeAngle) {
-    PolygonSoup soup; // an arrow head in the plane, and a wall at its reflex corner
-    soup.vertices = {{0, 0, 0}, {1, -1, 0}, {0, 2, 0}, {-1, -1, 0}, {0, 0, 1}};
-    shapes::add_facet(soup, {0, 1, 2, 3});
-    shapes::add_facet(soup, {0, 2, 4}); // a right angle at the corner, facing +x
+    // An arrow head in the plane, and a wall at its reflex corner: a right angle there, facing +x.
+    const PolygonSoup soup =
+        shapes::soup_of({{0, 0, 0}, {1, -1, 0}, {0, 2, 0}, {-1, -1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}, {0, 2, 4}});
     const glm::dvec3 normal = vertex_normals(soup, facet_normals(soup), VertexNormals::angle)[0];
     const glm::dvec3 expected(std::numbers::pi / 2, 0, 1.5 * std::numbers::pi); // 270 degrees
     EXPECT_LE(length(normal - expected / length(expected)), 4 * kUlp);
@@ -125,10 +124,9 @@ TEST(VertexNormals, CancellingNormalsGiveNone) {
     for (const VertexNormals weights : {VertexNormals::plain, VertexNormals::angle})
         for (const glm::dvec3& normal : vertex_normals(soup, facet_normals(soup), weights))
             EXPECT_EQ(normal, glm::dvec3(0));
-    PolygonSoup vane; // three walls at 120 degrees: their normals cancel but for rounding
-    vane.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-0.5, std::sqrt(0.75), 0}, {-0.5, -std::sqrt(0.75), 0}};
-    for (const std::uint32_t tip : {2u, 3u, 4u})
-        shapes::add_facet(vane, {0, 1, tip});
+    const PolygonSoup vane = shapes::soup_of( // three walls at 120 degrees: their normals cancel but for rounding
+        {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-0.5, std::sqrt(0.75), 0}, {-0.5, -std::sqrt(0.75), 0}},
+        {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
     EXPECT_EQ(vertex_normals(vane, facet_normals(vane), VertexNormals::plain)[0], glm::dvec3(0));
     EXPECT_NE(vertex_normals(vane, facet_normals(vane), VertexNormals::plain)[2], glm::dvec3(0));
     const PolygonSoup degenerate = shapes::polygon({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});

@@ -69,10 +69,7 @@ TEST(Obstacles, NothingStandsOnAConvexSurface) {
 }
 
 TEST(Obstacles, AValleyIsKnownFromBothSides) {
-    PolygonSoup valley;
-    valley.vertices = {{0, 0, 0}, {0, 1, 0}, {1, 0, 1}, {-1, 0, 1}};
-    shapes::add_facet(valley, {0, 2, 1});
-    shapes::add_facet(valley, {0, 1, 3});
+    const PolygonSoup valley = shapes::soup_of({{0, 0, 0}, {0, 1, 0}, {1, 0, 1}, {-1, 0, 1}}, {{0, 2, 1}, {0, 1, 3}});
     MeshTables<float> tables = make_mesh_tables<float>(build_structure(shapes::mesh_of(valley)), 1.0);
     find_obstacles(tables);
     EXPECT_EQ(tables.obstacles->triangles, (std::vector<layout::uint>{1, 0}));

@@ -125,11 +125,8 @@ TEST(Marks, RimsOfAnOpenCube) {
 }
 
 TEST(Marks, EdgesOfThreeFacets) {
-    PolygonSoup fan;
-    fan.vertices = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}};
-    for (const std::uint32_t tip : {2U, 3U, 4U})
-        shapes::add_facet(fan, {0, 1, tip});
-    const MeshMarks marks = marks_of(fan);
+    const MeshMarks marks = marks_of(
+        shapes::soup_of({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}));
     EXPECT_EQ(marks.crowded.size(), 3u); // each triangle's own
     EXPECT_EQ(marks.rims.size(), 6u);
 }

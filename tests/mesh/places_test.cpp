@@ -134,10 +134,9 @@ TEST(Places, JoiningFindsEveryNearPair) {
 }
 
 TEST(Places, AFacetLosesCornersThatComeTogether) {
-    PolygonSoup house; // a roof of five corners, two of them near each other
-    house.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5, 1.5, 0}, {0.501, 1.5, 0}, {0.501, 1.501, 0}};
-    shapes::add_facet(house, {0, 1, 2, 4, 3});
-    shapes::add_facet(house, {3, 4, 5});
+    PolygonSoup house = shapes::soup_of( // a roof of five corners, two of them near each other
+        {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5, 1.5, 0}, {0.501, 1.5, 0}, {0.501, 1.501, 0}},
+        {{0, 1, 2, 4, 3}, {3, 4, 5}});
     const JoinedVertices joined = join_vertices(house, 0.002);
     EXPECT_EQ(joined.vertices, 2u);
     EXPECT_EQ(joined.facets, 1u);

@@ -265,6 +265,35 @@ PolygonSoup notched_block() {
     return block;
 }
 
+PolygonSoup sharp_wedge(double degrees) {
+    const double half = std::tan(degrees * std::numbers::pi / 360);
+    return soup_of({{0, 0, 0}, {0, 1, 0}, {1, 1, -half}, {1, 1, half}, {1, 0, -half}, {1, 0, half}},
+                   {{0, 1, 2}, {0, 2, 4}, {0, 5, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {4, 2, 3}, {4, 3, 5}});
+}
+
+PolygonSoup double_cone(unsigned facets, double height) {
+    PolygonSoup soup;
+    soup.vertices = {{0, 0, height}, {0, 0, -height}};
+    for (unsigned i = 0; i < facets; ++i) {
+        const double angle = 2 * std::numbers::pi * i / facets;
+        soup.vertices.push_back({std::cos(angle), std::sin(angle), 0});
+        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % facets;
+        add_facet(soup, {0, a, b});
+        add_facet(soup, {1, b, a});
+    }
+    return soup;
+}
+
+PolygonSoup soup_of(std::vector<glm::dvec3> vertices, const std::vector<std::vector<std::uint32_t>>& facets) {
+    PolygonSoup result;
+    result.vertices = std::move(vertices);
+    for (const std::vector<std::uint32_t>& facet : facets) {
+        result.corners.insert(result.corners.end(), facet.begin(), facet.end());
+        result.end_facet();
+    }
+    return result;
+}
+
 PolygonSoup polygon(std::vector<glm::dvec3> corners) {
     PolygonSoup result;
     result.vertices = std::move(corners);

@@ -49,6 +49,12 @@ PolygonSoup plate(double thickness);
 PolygonSoup nested_shells(unsigned levels, bool cavity);
 /// A block with a notch of 20 degrees along y, deepest in the origin.
 PolygonSoup notched_block();
+/// A wedge of so many degrees, as long and as wide as 1, sharp at x = 0.
+PolygonSoup sharp_wedge(double degrees);
+/// Two cones on one rim, with so many facets round each pole.
+PolygonSoup double_cone(unsigned facets, double height);
+/// Facets, each given by its corners.
+PolygonSoup soup_of(std::vector<glm::dvec3> vertices, const std::vector<std::vector<std::uint32_t>>& facets);
 /// One facet of these corners.
 PolygonSoup polygon(std::vector<glm::dvec3> corners);
 PolygonSoup single_triangle();

@@ -157,11 +157,8 @@ TEST(Structure, VerticesAtOnePlaceAreOneForTheEdges) {
 
 TEST(Structure, BordersAndFansAreToldApart) {
     // Three triangles on one edge.
-    PolygonSoup fan;
-    fan.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}};
-    shapes::add_facet(fan, {0, 1, 2});
-    shapes::add_facet(fan, {0, 1, 3});
-    shapes::add_facet(fan, {1, 0, 4});
+    const PolygonSoup fan =
+        shapes::soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}}, {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}});
     const MeshStructure structure = build_structure(shapes::mesh_of(fan), {.winding = true});
     int borders = 0, many = 0;
     for (const uint across : structure.parts->triangle_neighbours) {

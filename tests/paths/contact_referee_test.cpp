@@ -165,13 +165,9 @@ TEST_F(ContactReferee, DoesNotGuessOnTheSurfaceNorInNarrowCorners) {
 // A wedge that stands through a box's top: next to it, within the box, the force on a proxy in the acute groove between
 // both points out of the groove.
 TEST_F(ContactReferee, TellsTheSectorsWhereSolidsCross) {
-    PolygonSoup wedge;
-    wedge.vertices = {{-7, -6, -2}, {-3, -6, -2}, {-5, -6, 3}, {-7, 6, -2}, {-3, 6, -2}, {-5, 6, 3}};
-    for (const auto& [a, b, c] : std::initializer_list<std::array<std::uint32_t, 3>>{{0, 1, 2}, {5, 4, 3}})
-        shapes::add_facet(wedge, {a, b, c});
-    for (const auto& [a, b, c, d] :
-         std::initializer_list<std::array<std::uint32_t, 4>>{{0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}})
-        shapes::add_facet(wedge, {a, b, c, d});
+    const PolygonSoup wedge =
+        shapes::soup_of({{-7, -6, -2}, {-3, -6, -2}, {-5, -6, 3}, {-7, 6, -2}, {-3, 6, -2}, {-5, 6, 3}},
+                        {{0, 1, 2}, {5, 4, 3}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}});
     const PreparedCase one = prepared(shapes::merged(shapes::moved(shapes::cube(), {10, 8, 3}, {0, 0, -3}), wedge));
     const Row start{{-6.55, 0, -1}, {-6.55 - 1.25 / 29, 0, -1 + 0.5 / 29}}; // in the wedge: goes on before it
     const Row groove{{-2.94, 1, -0.92}, {-6.2, 1, 0}};
@@ -299,19 +295,9 @@ TEST(Cones, AreAsFarWhicheverWay) {
     }
 }
 
-// Eight triangles, thick by a thousandth of a degree: in single precision thinner than the skin.
-PolygonSoup thin_wedge() {
-    PolygonSoup wedge;
-    const double z = 8.7266462601931728e-06;
-    wedge.vertices = {{0, 0, 0}, {0, 1, 0}, {1, 1, -z}, {1, 1, z}, {1, 0, -z}, {1, 0, z}};
-    for (const auto& [a, b, c] : std::initializer_list<std::array<std::uint32_t, 3>>{
-             {0, 1, 2}, {0, 2, 4}, {0, 5, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {4, 2, 3}, {4, 3, 5}})
-        shapes::add_facet(wedge, {a, b, c});
-    return wedge;
-}
-
+// In single precision it is thinner than the skin.
 TEST_F(ContactReferee, SeesAProxyAtTheFarEndOfAThinWedge) {
-    const PreparedCase one = prepared(thin_wedge());
+    const PreparedCase one = prepared(shapes::sharp_wedge(0.001));
     const glm::dvec3 end(1.0000133813354597, 1.0000072313490214, -1.4504776647443512e-05);
     const std::vector<Row> right{free_at({0.9033547430225982, 1.0863647407898338, 0.05290819690751334}),
                                  free_at({0.9999999999999994, 0.9999999999999994, -8.726646259605142e-06}),

@@ -122,9 +122,7 @@ TEST_F(MeshPath, ThatBeginsBehindTheSurfaceBeginsAtTheNearestPlaceAndIsSaidTo) {
 TEST_F(MeshPath, FeelsTextureAlikeFromBothSides) {
     const std::string texture =
         "[texture]\nstiffness = \"0.5 N/mm\"\nfunction = \"sine\"\nwidth = \"2 mm\"\nheight = \"0.1 mm\"\n";
-    PolygonSoup sheet;
-    sheet.vertices = {{-0.01, -0.01, 0}, {0.01, -0.01, 0}, {0.01, 0.01, 0}, {-0.01, 0.01, 0}};
-    shapes::add_facet(sheet, {0, 1, 2, 3});
+    const PolygonSoup sheet = shapes::polygon({{-0.01, -0.01, 0}, {0.01, -0.01, 0}, {0.01, 0.01, 0}, {-0.01, 0.01, 0}});
     // The second comes to the other side round the border: below it a path would begin behind the surface.
     std::string rows = row(1, {0, 0, 0.001});
     for (const glm::dvec3& probe : {glm::dvec3{0.03, 0, 0}, {0.03, 0, -0.001}, {0, 0, -0.001}})
