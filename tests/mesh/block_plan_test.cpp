@@ -1,112 +1,32 @@
 // The planner against loops over all triangles: what is inside is listed, and so is what is nearest to it.
 #include <cmath>
-#include <map>
 #include <random>
 
-#include <gtest/gtest.h>
-
-#include "host/mesh/block_plan.h"
-#include "host/mesh/findings.h"
 #include "host/mesh/solid_scan.h"
-#include "host/mesh/structure.h"
-#include "host/reference/mesh_contact.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/planned.h"
 
 namespace forceshade {
 namespace {
 
-using reference::Vector;
+using shapes::hold_plan;
+using shapes::Samples;
 
-template <typename T> std::vector<T> axis(std::size_t samples, double from, double to) {
-    std::vector<T> result;
-    for (std::size_t i = 0; i < samples; ++i)
-        result.push_back(
-            static_cast<T>(from + (to - from) * static_cast<double>(i) / static_cast<double>(samples - 1)));
-    return result;
-}
-
-template <typename T> struct Grid { std::vector<T> x, y, z; };
-
-// Every triangle as near as the nearest is a candidate: whichever of them a kernel prefers is there.
-template <typename T>
-bool lists_all_nearest(const layout::MeshView<T>& mesh, std::span<const layout::uint> candidates,
-                       const Vector<T>& probe) {
-    const T least = reference::nearest(mesh, probe).square;
-    for (layout::uint t = 0; t < mesh.params.triangles; ++t)
-        if (reference::nearest_on_triangle(probe, reference::triangle_at(mesh, t)).square == least &&
-            std::find(candidates.begin(), candidates.end(), t) == candidates.end())
-            return false;
-    return true;
-}
-
-template <typename T>
-void hold(const layout::MeshView<T>& mesh, const Grid<T>& grid, layout::uint inside, FreeSpace free,
-          const BlockPlan& plan) {
-    std::map<std::array<std::size_t, 3>, std::size_t> blocks;
-    for (std::size_t b = 0; b < plan.blocks.size(); ++b) {
-        const layout::MeshBlock& block = plan.blocks[b];
-        EXPECT_TRUE(blocks.try_emplace({block.x, block.y, block.z}, b).second);
-        EXPECT_GT(block.count, 0u);
-        EXPECT_LE(block.count, kMostCandidates);
-        EXPECT_TRUE(b == 0 || plan.blocks[b - 1].z <= block.z);
-    }
-    std::uint64_t evaluated = 0;
-    for (std::size_t z = 0; z < grid.z.size(); ++z)
-        for (std::size_t y = 0; y < grid.y.size(); ++y)
-            for (std::size_t x = 0; x < grid.x.size(); ++x) {
-                const Vector<T> probe{grid.x[x], grid.y[y], grid.z[z]};
-                const bool is_inside = inside == layout::kInsideWinding
-                                           ? reference::inside_by_winding(mesh, probe)
-                                           : reference::inside_by_pseudonormal(mesh, reference::nearest(mesh, probe));
-                const auto at = blocks.find({x / 2 * 2, y / 2 * 2, z / 2 * 2});
-                if (at == blocks.end()) {
-                    ASSERT_FALSE(is_inside) << x << ' ' << y << ' ' << z;
-                    continue;
-                }
-                const std::size_t bit = (z % 2 * 2 + y % 2) * 2 + x % 2;
-                if (!plan.wanted.empty() && (plan.wanted[at->second] >> bit & 1u) == 0) {
-                    ASSERT_FALSE(is_inside) << x << ' ' << y << ' ' << z;
-                    continue;
-                }
-                ++evaluated;
-                const layout::MeshBlock& block = plan.blocks[at->second];
-                if (inside == layout::kInsideWinding) {
-                    ASSERT_EQ(plan.inside[at->second] >> bit & 1u, is_inside ? 1u : 0u);
-                }
-                // By the planner's own choice of the nearest, one of equals is enough.
-                const std::span<const layout::uint> candidates(&plan.candidates[block.first], block.count);
-                const layout::uint nearest = reference::nearest(mesh, probe).triangle;
-                ASSERT_NE(std::find(candidates.begin(), candidates.end(), nearest), candidates.end());
-                if (block.count > 8) {
-                    ASSERT_TRUE(lists_all_nearest(mesh, candidates, probe)) << x << ' ' << y << ' ' << z;
-                }
-            }
-    EXPECT_EQ(evaluated, plan.voxels_evaluated);
-    if (free == FreeSpace::visited) {
-        EXPECT_EQ(evaluated, grid.x.size() * grid.y.size() * grid.z.size());
-    }
+template <typename T> Samples<T> cubic(std::size_t side, double reach) {
+    return shapes::samples<T>({side, side + 1, side + 2}, glm::dvec3(-reach), glm::dvec3(reach));
 }
 
 // As planned, and by scan conversion where that serves.
 template <typename T>
-void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside = layout::kInsidePseudonormal,
+void hold(const PolygonSoup& polygons, const Samples<T>& grid, layout::uint inside = layout::kInsidePseudonormal,
           FreeSpace free = FreeSpace::skipped) {
-    StructureOptions options;
-    options.winding = true;
-    MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
-    if (is_solid(inspect(polygons)))
-        assume_solid(structure);
-    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
+    const MeshTables<T> tables = shapes::tables_of<T>(polygons, true);
     const layout::MeshView<T> mesh = tables.view();
-    const auto& [x, y, z] = grid;
-    hold(mesh, grid, inside, free, plan_blocks<T>(mesh, x, y, z, inside, 0, free));
+    const auto& [x, y, z] = grid.axes;
+    const auto counts = hold_plan(mesh, grid, inside, plan_blocks<T>(mesh, x, y, z, inside, 0, free));
+    EXPECT_TRUE(free == FreeSpace::skipped || counts.wanted == counts.samples);
     const auto scan = free == FreeSpace::skipped ? SolidScan<T>::make(mesh, x, y, z, inside, 0) : nullptr;
     if (scan)
-        hold(mesh, grid, inside, free, scan->plan(0, z.size()));
-}
-
-template <typename T> Grid<T> cubic(std::size_t side, double reach) {
-    return {axis<T>(side, -reach, reach), axis<T>(side + 1, -reach, reach), axis<T>(side + 2, -reach, reach)};
+        hold_plan(mesh, grid, inside, scan->plan(0, z.size()));
 }
 
 TEST(BlockPlan, ListsWhatIsInsideAndNearest) {
@@ -164,10 +84,10 @@ TEST(BlockPlan, ListsWhatIsNearestOfFarMoreTrianglesThanSamples) {
 }
 
 TEST(BlockPlan, SkipsWhatIsOutside) {
-    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::icosphere(3)));
-    const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);
-    const Grid<float> grid = cubic<float>(64, 1.2);
-    const BlockPlan plan = plan_blocks<float>(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal);
+    const MeshTables<float> tables =
+        make_mesh_tables<float>(build_structure(shapes::mesh_of(shapes::icosphere(3))), 1000);
+    const auto [x, y, z] = cubic<float>(64, 1.2).axes;
+    const BlockPlan plan = plan_blocks<float>(tables.view(), x, y, z, layout::kInsidePseudonormal);
     const double share = static_cast<double>(plan.voxels_evaluated) / (64. * 65 * 66);
     const double sphere = 4.18879 / (2.4 * 2.4 * 2.4);
     EXPECT_GT(share, 0.98 * sphere);
@@ -177,13 +97,13 @@ TEST(BlockPlan, SkipsWhatIsOutside) {
 // Far from a coarse mesh many triangles are nearly as near as the nearest, and planes alone tell little.
 TEST(BlockPlan, SkipsWhatIsFarOutsideOfASolid) {
     const PolygonSoup cube = shapes::cube(true);
-    const Grid<float> grid = cubic<float>(64, 4);
-    const auto evaluated = [&](bool solid) {
+    const auto [x, y, z] = cubic<float>(64, 4).axes;
+    const auto evaluated = [&, &x = x, &y = y, &z = z](bool solid) {
         MeshStructure structure = build_structure(shapes::mesh_of(cube));
         if (solid)
             assume_solid(structure);
         const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);
-        return plan_blocks<float>(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal).voxels_evaluated;
+        return plan_blocks<float>(tables.view(), x, y, z, layout::kInsidePseudonormal).voxels_evaluated;
     };
     EXPECT_LT(evaluated(true), 24u * 24 * 24);
     EXPECT_GT(evaluated(false), 3 * evaluated(true));
@@ -194,14 +114,11 @@ TEST(BlockPlan, SkipsWhatIsFarOutsideOfASolid) {
 // What a scan plans says which voxels are wanted.
 template <typename T>
 bool is_scanned(const PolygonSoup& polygons, std::size_t side, Evaluator evaluator = Evaluator::processor) {
-    MeshStructure structure = build_structure(shapes::mesh_of(polygons));
-    if (is_solid(inspect(polygons)))
-        assume_solid(structure);
-    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
-    const Grid<T> grid = cubic<T>(side, 1.1);
-    const BlockPlanner<T> planner(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal, 0,
-                                  FreeSpace::skipped, evaluator);
-    return !planner.plan(0, grid.z.size()).wanted.empty();
+    const MeshTables<T> tables = shapes::tables_of<T>(polygons);
+    const auto [x, y, z] = cubic<T>(side, 1.1).axes;
+    const BlockPlanner<T> planner(tables.view(), x, y, z, layout::kInsidePseudonormal, 0, FreeSpace::skipped,
+                                  evaluator);
+    return !planner.plan(0, z.size()).wanted.empty();
 }
 
 TEST(BlockPlan, IsByScanConversionWhereThatIsFaster) {
@@ -235,11 +152,11 @@ TEST(BlockPlan, KnowsASolid) {
 }
 
 TEST(BlockPlan, DoesNotDependOnThreadsNorOnSlabs) {
-    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::random_polyhedra(50, 3)));
-    const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);
-    const Grid<float> grid = cubic<float>(70, 1.1);
+    const MeshTables<float> tables = shapes::tables_of<float>(shapes::random_polyhedra(50, 3));
+    const Samples<float> grid = cubic<float>(70, 1.1);
     const auto planner = [&](unsigned threads) {
-        return BlockPlanner<float>(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal, threads);
+        const auto& [x, y, z] = grid.axes;
+        return BlockPlanner<float>(tables.view(), x, y, z, layout::kInsidePseudonormal, threads);
     };
     const BlockPlan one = planner(1).plan(0, 72), many = planner(5).plan(0, 72);
     const auto same = [](const layout::MeshBlock& p, const layout::MeshBlock& q) {

@@ -1,106 +1,40 @@
 // Plans by scan conversion against the tree at every sample, and their fields against those of the other planner.
-#include <algorithm>
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <random>
 
-#include <gtest/gtest.h>
-
-#include "host/mesh/block_plan.h"
-#include "host/mesh/findings.h"
 #include "host/mesh/solid_scan.h"
-#include "host/mesh/structure.h"
 #include "host/reference/field.h"
-#include "host/reference/mesh_contact.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/planned.h"
 
 namespace forceshade {
 namespace {
 
-using reference::Vector;
+using shapes::Samples;
+using shapes::samples;
+using shapes::tables_of;
 
-template <typename T> struct Samples { std::array<std::vector<T>, 3> axes; };
+struct Counts : shapes::PlanCounts {
+    std::size_t grids = 0, scanned = 0;
+};
 
-// In the mesh's frame, from and to of each axis.
-template <typename T>
-Samples<T> samples(const std::array<std::size_t, 3>& counts, const glm::dvec3& from, const glm::dvec3& to) {
-    Samples<T> result;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (std::size_t i = 0; i < counts[axis]; ++i) {
-            const int a = static_cast<int>(axis);
-            const double share = counts[axis] > 1 ? static_cast<double>(i) / static_cast<double>(counts[axis] - 1) : 0;
-            result.axes[axis].push_back(static_cast<T>(from[a] + (to[a] - from[a]) * share));
-        }
-    return result;
+template <typename T> auto scan_of(const MeshTables<T>& tables, const Samples<T>& grid, unsigned threads) {
+    const auto& [x, y, z] = grid.axes;
+    return SolidScan<T>::make(tables.view(), x, y, z, layout::kInsidePseudonormal, threads);
 }
 
-struct Counts {
-    std::size_t meshes = 0, scanned = 0, samples = 0, inside = 0, wanted = 0, candidates = 0, blocks = 0;
-};
-
-template <typename T> class SolidMesh {
-public:
-    explicit SolidMesh(const PolygonSoup& polygons, bool is_known_solid = false) {
-        MeshStructure structure = build_structure(shapes::mesh_of(polygons));
-        if (is_known_solid || is_solid(inspect(polygons)))
-            assume_solid(structure);
-        tables_ = make_mesh_tables<T>(structure, 1000);
-    }
-
-    layout::MeshView<T> view() const { return tables_.view(); }
-
-    // Whether a scan serves on these samples; and if so, that it lists what is inside, and there what is nearest.
-    bool hold(const Samples<T>& grid, Counts& counts) const {
-        const layout::MeshView<T> mesh = view();
-        const auto& [x, y, z] = grid.axes;
-        ++counts.meshes;
-        const auto scan = SolidScan<T>::make(mesh, x, y, z, layout::kInsidePseudonormal, 2);
-        if (!scan)
-            return false;
-        ++counts.scanned;
-        const BlockPlan plan = scan->plan(0, z.size());
-        std::map<std::array<std::size_t, 3>, std::size_t> blocks;
-        for (std::size_t b = 0; b < plan.blocks.size(); ++b) {
-            const layout::MeshBlock& block = plan.blocks[b];
-            EXPECT_TRUE(blocks.try_emplace({block.x, block.y, block.z}, b).second);
-            EXPECT_TRUE(block.count > 0 && block.count <= kMostCandidates);
-            EXPECT_TRUE(b == 0 || plan.blocks[b - 1].z <= block.z);
-            counts.candidates += block.count;
-        }
-        counts.blocks += plan.blocks.size();
-        layout::uint hint = 0;
-        std::uint64_t evaluated = 0;
-        std::size_t missed = 0, other = 0;
-        for (std::size_t k = 0; k < z.size(); ++k)
-            for (std::size_t j = 0; j < y.size(); ++j)
-                for (std::size_t i = 0; i < x.size(); ++i) {
-                    const auto nearest = reference::nearest(mesh, Vector<T>(x[i], y[j], z[k]), hint);
-                    hint = nearest.triangle;
-                    const bool is_inside = reference::inside_by_pseudonormal(mesh, nearest);
-                    const auto at = blocks.find({i / 2 * 2, j / 2 * 2, k / 2 * 2});
-                    const bool is_wanted =
-                        at != blocks.end() && (plan.wanted[at->second] >> (k % 2 * 4 + j % 2 * 2 + i % 2) & 1u) != 0;
-                    ++counts.samples;
-                    counts.inside += is_inside;
-                    counts.wanted += is_wanted;
-                    evaluated += is_wanted;
-                    missed += is_inside && !is_wanted;
-                    if (!is_wanted)
-                        continue;
-                    const layout::MeshBlock& block = plan.blocks[at->second];
-                    const auto first = plan.candidates.begin() + block.first;
-                    other += std::find(first, first + block.count, hint) == first + block.count;
-                }
-        EXPECT_EQ(missed, 0u);
-        EXPECT_EQ(other, 0u);
-        EXPECT_EQ(evaluated, plan.voxels_evaluated);
-        return true;
-    }
-
-private:
-    MeshTables<T> tables_;
-};
+// Whether a scan serves on these samples; and if so, that it lists what is inside, and there what is nearest.
+template <typename T> bool hold(const MeshTables<T>& tables, const Samples<T>& grid, Counts& counts) {
+    const auto scan = scan_of(tables, grid, 2);
+    ++counts.grids;
+    if (!scan)
+        return false;
+    ++counts.scanned;
+    const auto more = hold_plan(tables.view(), grid, layout::kInsidePseudonormal, scan->plan(0, grid.axes[2].size()),
+                                kMostCandidates);
+    counts.samples += more.samples, counts.inside += more.inside, counts.wanted += more.wanted;
+    counts.candidates += more.candidates, counts.blocks += more.blocks;
+    return true;
+}
 
 // The grid of a scene fits about the mesh; others cut it, or are coarser along some axes.
 template <typename T> std::vector<Samples<T>> grids(std::uint32_t seed) {
@@ -117,9 +51,9 @@ template <typename T> std::vector<Samples<T>> grids(std::uint32_t seed) {
 }
 
 template <typename T> void hold_on_all(const PolygonSoup& polygons, std::uint32_t seed, Counts& counts) {
-    const SolidMesh<T> mesh(polygons);
+    const MeshTables<T> tables = tables_of<T>(polygons);
     for (const Samples<T>& grid : grids<T>(seed))
-        mesh.hold(grid, counts);
+        hold(tables, grid, counts);
 }
 
 // A sphere with bumps, dents and spikes of some size.
@@ -156,7 +90,7 @@ PolygonSoup slit_block(double width, double lean) {
 
 void report(const char* what, const Counts& counts) {
     std::printf("%s: %zu of %zu grids scanned, %zu samples, %zu inside, %zu wanted, %.2f candidates a block\n", what,
-                counts.scanned, counts.meshes, counts.samples, counts.inside, counts.wanted,
+                counts.scanned, counts.grids, counts.samples, counts.inside, counts.wanted,
                 static_cast<double>(counts.candidates) / static_cast<double>(counts.blocks));
 }
 
@@ -169,7 +103,7 @@ TEST(SolidScan, ListsWhatIsInsideAndNearestOfRandomSolids) {
         ASSERT_FALSE(HasFailure()) << seed;
     }
     report("random", counts);
-    EXPECT_GT(counts.scanned, counts.meshes / 2);
+    EXPECT_GT(counts.scanned, counts.grids / 2);
 }
 
 TEST(SolidScan, ListsWhatIsNearestAboutSlits) {
@@ -185,20 +119,10 @@ TEST(SolidScan, ListsWhatIsNearestAboutSlits) {
 
 // Where more are as near as a list takes, the tree says which comes first.
 TEST(SolidScan, ListsWhatComesFirstOfVeryMany) {
-    constexpr std::uint32_t kSides = 700;
-    PolygonSoup spindle;
-    spindle.vertices = {{0, 0, 1}, {0, 0, -1}};
-    for (std::uint32_t i = 0; i < kSides; ++i) {
-        const double angle = 2 * std::numbers::pi * i / kSides;
-        spindle.vertices.push_back({std::cos(angle), std::sin(angle), 0});
-        const std::uint32_t next = (i + 1) % kSides;
-        shapes::add_facet(spindle, {i + 2, next + 2, 0});
-        shapes::add_facet(spindle, {next + 2, i + 2, 1});
-    }
     for (const auto& grid : {samples<float>({9, 9, 9}, glm::dvec3(-0.5), glm::dvec3(0.5)),
                              samples<float>({10, 8, 4}, glm::dvec3(-0.7), glm::dvec3(0.7))}) {
         Counts counts;
-        EXPECT_TRUE(SolidMesh<float>(spindle).hold(grid, counts));
+        EXPECT_TRUE(hold(tables_of<float>(shapes::double_cone(700, 1)), grid, counts));
     }
 }
 
@@ -230,20 +154,19 @@ template <typename T> struct Rows {
 };
 
 template <typename T>
-Rows<T> field_of(const layout::MeshView<T>& mesh, const Samples<T>& grid, unsigned threads, FreeSpace free,
+Rows<T> field_of(const MeshTables<T>& tables, const Samples<T>& grid, unsigned threads, FreeSpace free,
                  std::size_t chunk_bytes) {
     layout::FieldInput<T> input;
-    input.law.mesh = mesh;
+    input.law.mesh = tables.view();
     input.law.features.surface = layout::kSurfaceMesh;
     input.law.features.channels =
         layout::kChannelForce | layout::kChannelDepth | layout::kChannelProxy | layout::kChannelFacet;
     input.x = grid.axes[0];
     input.y = grid.axes[1];
     input.z = grid.axes[2];
-    const BlockPlanner<T> planner(mesh, input.x, input.y, input.z, layout::kInsidePseudonormal, threads, free);
-    const auto scan = free == FreeSpace::skipped
-                          ? SolidScan<T>::make(mesh, input.x, input.y, input.z, layout::kInsidePseudonormal, threads)
-                          : nullptr;
+    const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, layout::kInsidePseudonormal, threads,
+                                  free);
+    const auto scan = free == FreeSpace::skipped ? scan_of(tables, grid, threads) : nullptr;
     BlockPlan plan;
     Rows<T> rows;
     const auto append = [](auto& to, const auto& values) { to.insert(to.end(), values.begin(), values.end()); };
@@ -263,13 +186,13 @@ Rows<T> field_of(const layout::MeshView<T>& mesh, const Samples<T>& grid, unsign
 }
 
 template <typename T> void hold_fields(const PolygonSoup& polygons) {
-    const SolidMesh<T> mesh(polygons);
+    const MeshTables<T> tables = tables_of<T>(polygons);
     const Samples<T> grid = samples<T>({37, 41, 46}, glm::dvec3(-1.04), glm::dvec3(1.04));
-    const Rows<T> expected = field_of(mesh.view(), grid, 2, FreeSpace::visited, std::size_t(1) << 25);
+    const Rows<T> expected = field_of(tables, grid, 2, FreeSpace::visited, std::size_t(1) << 25);
     EXPECT_TRUE(std::ranges::any_of(expected.depth, [](T depth) { return depth > 0; }));
     for (const std::size_t bytes : {std::size_t(1) << 25, std::size_t(1) << 16, std::size_t(1) << 10})
-        EXPECT_TRUE(field_of(mesh.view(), grid, 1, FreeSpace::skipped, bytes) == expected) << bytes;
-    EXPECT_TRUE(field_of(mesh.view(), grid, 5, FreeSpace::skipped, std::size_t(1) << 25) == expected);
+        EXPECT_TRUE(field_of(tables, grid, 1, FreeSpace::skipped, bytes) == expected) << bytes;
+    EXPECT_TRUE(field_of(tables, grid, 5, FreeSpace::skipped, std::size_t(1) << 25) == expected);
 }
 
 TEST(SolidScan, GivesTheFieldOfTheOtherPlanner) {
@@ -286,12 +209,9 @@ TEST(SolidScan, GivesTheFieldOfTheOtherPlanner) {
 
 // Beams come to slabs from all sides.
 bool hold_in_parts(const PolygonSoup& polygons) {
-    const SolidMesh<float> mesh(polygons);
+    const MeshTables<float> tables = tables_of<float>(polygons);
     const Samples<float> grid = samples<float>({50, 52, 70}, glm::dvec3(-1.04), glm::dvec3(1.04));
-    const auto scan = [&](unsigned threads) {
-        return SolidScan<float>::make(mesh.view(), grid.axes[0], grid.axes[1], grid.axes[2],
-                                      layout::kInsidePseudonormal, threads);
-    };
+    const auto scan = [&](unsigned threads) { return scan_of(tables, grid, threads); };
     const auto same = [](const layout::MeshBlock& p, const layout::MeshBlock& q) {
         return p.x == q.x && p.y == q.y && p.z == q.z && p.count == q.count;
     };
@@ -331,11 +251,9 @@ TEST(SolidScan, DoesNotDependOnThreadsNorOnSlabs) {
 
 TEST(SolidScan, ServesSolidsThatKeepApartOnEvenGrids) {
     const auto serves = [](const PolygonSoup& polygons, auto change) {
-        const SolidMesh<float> mesh(polygons);
         Samples<float> grid = samples<float>({20, 20, 20}, glm::dvec3(-1), glm::dvec3(1));
         change(grid);
-        const auto& [x, y, z] = grid.axes;
-        return SolidScan<float>::make(mesh.view(), x, y, z, layout::kInsidePseudonormal, 1) != nullptr;
+        return scan_of(tables_of<float>(polygons), grid, 1) != nullptr;
     };
     const auto as_it_is = [](Samples<float>&) {};
     EXPECT_TRUE(serves(shapes::icosphere(2), as_it_is));
