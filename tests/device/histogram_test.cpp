@@ -23,16 +23,10 @@ TEST(Histogram, ItsBinsFollowEachOtherFrom0ToTheLargestNumber) {
         ASSERT_EQ(Histogram::bin_of(begin), bin);
         ASSERT_EQ(Histogram::bin_of(begin + (end - begin) / 2), bin);
         ASSERT_EQ(Histogram::bin_of(end - 1), bin);
+        ASSERT_LE(end - begin, std::max<std::uint64_t>(1, begin / 32)) << "no wider than that share of its times";
     }
     EXPECT_EQ(Histogram::bin_of(kLargest), Histogram::kBins - 1);
     EXPECT_EQ(Histogram::begin_of(Histogram::kBins), kLargest) << "what the end of the last bin is rounded to";
-}
-
-TEST(Histogram, ABinIsNoWiderThanAThirtySecondOfItsTimes) {
-    for (std::size_t bin = 1; bin < Histogram::kBins; ++bin) {
-        const std::uint64_t begin = Histogram::begin_of(bin), width = Histogram::begin_of(bin + 1) - begin;
-        ASSERT_LE(width, std::max<std::uint64_t>(1, begin / 32)) << bin;
-    }
 }
 
 // Of n sorted times the least that a share of them does not exceed is number ceil(share n), counted from 1.

@@ -13,8 +13,6 @@ LiveOutcome usual(double rate);
 LiveOutcome as_fast_as_possible();
 LiveOutcome one_sample();
 LiveOutcome no_sample();
-/// The process was stopped for a second.
-LiveOutcome stopped();
 /// Texts of others that are long, or no UTF-8, and every remark and event there is.
 LiveOutcome talkative();
 /// Times beyond any that a clock gives, and numbers that are none.

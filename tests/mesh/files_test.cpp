@@ -195,12 +195,6 @@ TEST_F(MeshFiles, StlOfSeveralSolidsAndOfAnyCase) {
     EXPECT_EQ(read("b.stl", "solid empty\nendsolid\n").facets(), 0u);
 }
 
-TEST_F(MeshFiles, ATruncatedFileIsNoticed) {                              // any prefix: fuzz_mesh_file
-    const std::string obj = testing::as_obj(testing::fine_tetrahedron()); // announces nothing: a broken line is told
-    EXPECT_NE(refusal<IoError>("a.obj", obj.substr(0, obj.size() - 4)), "");
-    EXPECT_NE(refusal<IoError>("b.obj", obj.substr(0, obj.find("f ")) + "f"), "");
-}
-
 // Of a binary PLY file, between two facets too.
 TEST_F(MeshFiles, ATruncatedListIsNoticed) {
     const std::string bytes = testing::as_ply_binary(testing::fine_tetrahedron(), false);

@@ -42,20 +42,6 @@ TEST(Findings, ACubeIsClosedAndFaultless) {
     EXPECT_NO_THROW(refuse_if_meaningless(found, "cube"));
 }
 
-TEST(Findings, SpotIsFaultless) {
-    const MeshFindings found = inspect(shapes::spot());
-    EXPECT_TRUE(found.closed);
-    EXPECT_GT(found.volume, 0);
-    EXPECT_TRUE(faults(found).empty());
-}
-
-TEST(Findings, AHole) {
-    const MeshFindings found = inspect(shapes::open_cube());
-    EXPECT_FALSE(found.closed);
-    EXPECT_EQ(found.boundary_edges, 4u);
-    EXPECT_EQ(found.holes, 1u);
-}
-
 TEST(Findings, FacetsTurnedInward) {
     const PolygonSoup cube = shapes::cube();
     const MeshFindings one = inspect(reversed(cube, 2));

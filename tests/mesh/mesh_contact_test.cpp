@@ -126,16 +126,6 @@ TEST(MeshContact, TextureAndMapAreTheReferees) {
     }
 }
 
-TEST(MeshContact, OutOfContactIsNothingAtAll) {
-    const Oracle oracle(shapes::cube());
-    const Contact contact = oracle.at({0.3, 1.5, 0.2});
-    EXPECT_EQ(contact.depth, 0);
-    EXPECT_EQ(contact.force, glm::dvec3(0.0));
-    EXPECT_EQ(contact.unshaded, glm::dvec3(0.0));
-    EXPECT_EQ(contact.proxy, glm::dvec3(0.3, 1.5, 0.2));
-    EXPECT_EQ(contact.facet, layout::kNoFacet);
-}
-
 TEST(MeshContact, TiesGoToTheLowestFacet) {
     for (const bool triangles : {false, true}) {
         const Oracle oracle(shapes::cube(triangles));
@@ -154,17 +144,6 @@ TEST(MeshContact, OnAConcaveEdgeTheLowerFacetHasTheForceOnBothSides) {
     for (int i = 0; i < 1000; ++i) {
         const double y = 0.9 * shapes::uniform(random);
         EXPECT_EQ(oracle.at({0.1 + 0.05 * shapes::uniform(random), y, -0.5}).facet, 0u);
-    }
-}
-
-TEST(MeshContact, SingleAndDoublePrecisionAgree) {
-    Oracle oracle(shapes::icosphere(3));
-    shapes::MeshLaw<float> rounded(shapes::icosphere(3), kContactStiffness);
-    oracle.law.features.shading = rounded.law.features.shading = layout::kShadingMeanValue;
-    std::mt19937 random(11);
-    for (int i = 0; i < 2000; ++i) {
-        const glm::dvec3 world = shapes::anywhere(random, 1);
-        EXPECT_NEAR(rounded.at(world).depth, oracle.at(world).depth, 1e-6);
     }
 }
 

@@ -67,18 +67,6 @@ TEST(Placement, RefusesWhatIsNoPlacement) {
                  UsageError);
 }
 
-TEST(Triangles, OfTrianglesAreThemselves) {
-    const PolygonSoup sphere = shapes::icosphere(1);
-    const Mesh mesh = prepared(sphere);
-    ASSERT_EQ(mesh.triangles.corners.size(), sphere.facets());
-    for (std::uint32_t i = 0; i < mesh.triangles.corners.size(); ++i) {
-        EXPECT_EQ(mesh.triangles.corners[i],
-                  (Corners{sphere.corners[3 * i], sphere.corners[3 * i + 1], sphere.corners[3 * i + 2]}));
-        EXPECT_EQ(mesh.triangles.facets[i], i);
-        EXPECT_EQ(mesh.triangles.normals[i], mesh.facet_normals[i]);
-    }
-}
-
 TEST(Triangles, OfAQuadrilateralHaveTheShorterDiagonal) {
     EXPECT_EQ(prepared(polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}})).triangles.corners,
               (std::vector<Corners>{{0, 1, 2}, {0, 2, 3}}));

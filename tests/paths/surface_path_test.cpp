@@ -161,57 +161,5 @@ TEST_F(SurfacePath, IsFiniteAtTheLimitsOfItsPrecision) {
     }
 }
 
-// Any float: what the writer prints is read back as the same bits.
-template <typename T, typename Bits> void expect_round_trip(const Folder& folder) {
-    std::mt19937_64 random(1996);
-    std::vector<T> values{T(0),
-                          -T(0),
-                          std::numeric_limits<T>::denorm_min(),
-                          std::numeric_limits<T>::min(),
-                          std::numeric_limits<T>::max(),
-                          -std::numeric_limits<T>::max(),
-                          T(0.1),
-                          T(1) / T(3)};
-    while (values.size() < 40000) {
-        const auto bits = static_cast<Bits>(random());
-        T value;
-        std::memcpy(&value, &bits, sizeof value);
-        if (std::isfinite(value))
-            values.push_back(value);
-    }
-    PathCsvWriter writer(folder / "all.csv", {[](std::uint64_t) { return 1; },
-                                              [&](std::uint64_t, std::uint64_t step) { return double(values[step]); }});
-    std::vector<T> position, vectors;
-    for (const T value : values) {
-        position.insert(position.end(), {value, 0, 0});
-        vectors.insert(vectors.end(), 3, value);
-    }
-    const std::vector<layout::uint> facets(values.size(), 3), lengths{layout::uint(values.size())};
-    PathRows<T> rows_of_all{};
-    rows_of_all.path_count = 1;
-    rows_of_all.pitch = values.size();
-    rows_of_all.steps = lengths;
-    rows_of_all.force = rows_of_all.proxy = vectors;
-    rows_of_all.position = position;
-    rows_of_all.depth = values;
-    rows_of_all.facet = facets;
-    writer.write(rows_of_all);
-    writer.finish();
-    const auto rows = rows_of(folder.read("all.csv"));
-    ASSERT_EQ(rows.size(), values.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        EXPECT_TRUE(same_bits(number_in<double>(rows[i][1]), double(values[i])));
-        EXPECT_TRUE(same_bits(number_in<T>(rows[i][2]), values[i]));
-        for (std::size_t k = 5; k < 12; ++k)
-            EXPECT_TRUE(same_bits(number_in<T>(rows[i][k]), values[i]));
-    }
-}
-
-TEST(PathCsvWriter, PrintsNumbersThatReadBackExactly) {
-    const Folder folder;
-    expect_round_trip<float, std::uint32_t>(folder);
-    expect_round_trip<double, std::uint64_t>(folder);
-}
-
 } // namespace
 } // namespace forceshade::testing
