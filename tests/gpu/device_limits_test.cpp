@@ -137,12 +137,35 @@ TEST_F(DeviceLimits, SmallerDispatchesServeWhereMemoryIsShort) {
                 ++served;
             } catch (const DeviceError& error) {
                 EXPECT_EQ(error.kind(), DeviceError::Kind::out_of_memory) << error.what();
+                EXPECT_NE(std::string(error.what()).find("while allocating a buffer of"), std::string::npos);
+                for (const Held& held : kernels.hold<float>(row))
+                    EXPECT_TRUE(is_equal(held)) << row.name << ": the kernel serves on, after buffer " << at;
                 ++ended;
             }
         }
         fmt::print("{}: {} served, {} ended with an error\n", row.name, served, ended);
         EXPECT_LE(ended, tables.at(row.name)) << "tables alone have no smaller form";
     }
+}
+
+// What found no memory is smaller when it is tried again.
+TEST_F(DeviceLimits, ADispatchThatFindsNoMemoryIsHalved) {
+    const FieldTables<float> tables = test::tables_of<float>(a_row_of_each().front().ground());
+    const auto dispatches = [&](const std::string& limits) {
+        compute::Device device = limited(limits);
+        compute::KernelOptions options;
+        options.chunk_bytes = options.software_chunk_bytes = 400'000;
+        compute::FieldKernel kernel(device, options);
+        return kernel.evaluate<float>(tables.input(), [](const layout::FieldChunk<float>&) {}).dispatches;
+    };
+    const std::uint64_t whole = dispatches("memory=1073741824");
+    std::uint64_t most = 0;
+    for (int at = 1; at < 24; ++at)
+        try {
+            most = std::max(most, dispatches(fmt::format("memory=1073741824,short-at={}", at)));
+        } catch (const DeviceError&) { // a table's
+        }
+    EXPECT_GT(most, whole);
 }
 
 // A dispatch of the whole takes longer than the device lets it; those that are paced do not.

@@ -114,11 +114,5 @@ TEST(SoftwareDevice, IsThereAndDescribed) {
         EXPECT_EQ(devices[i].index, i);
 }
 
-TEST(SoftwareDevice, AWishThatNoDeviceFitsIsAnError) {
-    DeviceOptions options;
-    options.wanted = "no such card";
-    EXPECT_THROW(Device{options}, DeviceError);
-}
-
 } // namespace
 } // namespace forceshade::compute

@@ -46,10 +46,5 @@ TEST(FloatControls, ComeWithTheirCapabilitiesAndLeaveTheRest) {
     EXPECT_TRUE(std::ranges::equal(with_float_controls(kernel, kNone, kNone), kernel));
 }
 
-TEST(FloatControls, AreNamed) {
-    EXPECT_EQ(text_of(kAll), "denormals, infinities and NaN, nearest");
-    EXPECT_EQ(text_of({}), "");
-}
-
 } // namespace
 } // namespace forceshade::compute

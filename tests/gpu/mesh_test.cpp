@@ -1,5 +1,4 @@
-// Of meshes, what the table's rows do not say: what is inside by the winding number, and that kernels get what the law
-// reads and no more.
+// Of meshes, what the table's rows do not say: that kernels get what the law reads and no more.
 #include <gtest/gtest.h>
 
 #include "host/mesh/block_plan.h"
@@ -45,25 +44,6 @@ protected:
         EXPECT_EQ(uploaded<T>(polygons, Shading::mean_value, InsideTest::pseudonormal, layout::kMapSine), shaded);
     }
 };
-
-TEST_F(MeshField, IsInsideWhereTheWindingNumberIsAboveOneHalf) {
-    // Within a cube without its top that is so up to where the top was, and nowhere else.
-    const FieldTables<float> tables =
-        test::tables_of<float>(test::mesh_of(shapes::open_cube(), Shading::none, {.inside = InsideTest::winding}),
-                               {{50, 51, 52}, glm::dvec3(-1.3), glm::dvec3(1.3)});
-    layout::FieldInput<float> input = tables.input();
-    EXPECT_TRUE(is_equal(kernels().mesh_field<float>({}, tables)));
-    reference::evaluate_field<float>(input, {}, [&](const layout::FieldChunk<float>& chunk) {
-        for (std::size_t z = 0; z < chunk.z_count; ++z)
-            for (std::size_t y = 0; y < chunk.y_count; ++y)
-                for (std::size_t x = 0; x < chunk.x_count; ++x) {
-                    const float at[3] = {input.x[x], input.y[chunk.y_first + y], input.z[chunk.z_first + z]};
-                    const bool inside = std::abs(at[0]) < 1 && std::abs(at[1]) < 1 && std::abs(at[2]) < 1;
-                    ASSERT_EQ(chunk.facet[(z * chunk.y_count + y) * chunk.x_pitch + x] != layout::kNoFacet, inside)
-                        << at[0] << ' ' << at[1] << ' ' << at[2];
-                }
-    });
-}
 
 TEST_F(MeshField, UploadsWhatTheLawReadsAlone) {
     const PolygonSoup wall =
@@ -116,10 +96,8 @@ TEST_F(MeshPaths, UploadWhatIsReadAlone) {
     EXPECT_EQ(uploaded(ball, Shading::none, twice) - least, 8 * 5 * 3 * sizeof(float))
         << "recorded paths have places and no motions";
     // Pseudonormals are for the host alone. Three sheets meet at an edge; the path stays far off.
-    PolygonSoup sheets;
-    sheets.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}};
-    sheets.corners = {0, 1, 2, 1, 0, 3, 0, 1, 4};
-    sheets.begins = {0, 3, 6, 9};
+    const PolygonSoup sheets =
+        shapes::soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
     test::PathShape far_off = shape;
     far_off.probes = test::Probes::lines;
     far_off.places = {{30, 0, 0}, {30, 0, 0}};

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <random>
@@ -12,6 +10,7 @@
 
 #include "host/field/prepared_case.h"
 #include "host/mesh/structure.h"
+#include "host/paths/scene_paths.h"
 #include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
 #include "tests/mesh/god_object_walks.h"
@@ -45,25 +44,6 @@ struct PathShape {
     std::optional<glm::dvec3> focus = {}; /* m: about which they wander, if not everywhere */
     std::vector<glm::dvec3> places = {};  /* m: those of the one recorded path there is, if given */
 };
-
-/// Mass, damping, spring over a sample by the series of the matrix exponential.
-inline std::array<double, 6> axis_map(double mass, double damping, double spring, double period) {
-    // Rows of exp(A t) - I for A = [[0, 1, 0], [-k/m, -b/m, 1/m], [0, 0, 0]].
-    const double a[3][3] = {{0, 1, 0}, {-spring / mass, -damping / mass, 1 / mass}, {0, 0, 0}};
-    double term[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, sum[3][3] = {};
-    for (int n = 1; n < 60; ++n) {
-        double next[3][3] = {};
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                for (int k = 0; k < 3; ++k)
-                    next[i][j] += term[i][k] * a[k][j] * period / n;
-        std::memcpy(term, next, sizeof(term));
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                sum[i][j] += term[i][j];
-    }
-    return {sum[0][0], sum[0][1], sum[0][2], sum[1][0], 1 + sum[1][1], sum[1][2]};
-}
 
 template <typename T> class PathCase final : public layout::PathSource<T> {
 public:
@@ -165,8 +145,9 @@ private:
         const double rate = 1000, mass = uniform(0.05, 0.2), damping = uniform(0.5, 5);
         const bool plain = shape_.own_hands && index % 2 == 1;
         const auto map = [&](double spring) {
-            const auto m = axis_map(mass, damping, spring, 1 / rate);
-            return layout::AxisMap<T>{T(m[0]), T(m[1]), T(m[2]), T(m[3]), T(m[4]), T(m[5])};
+            const layout::AxisMap<double> m = axis_map({mass, damping, spring}, 1 / rate);
+            return layout::AxisMap<T>{T(m.x_error), T(m.x_speed), T(m.x_force),
+                                      T(m.v_error), T(m.v_speed), T(m.v_force)};
         };
         const double along_z = shape_.seed % 2 ? shape_.grip : 0;
         hand.lateral = map(shape_.grip);

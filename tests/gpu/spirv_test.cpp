@@ -37,72 +37,50 @@ struct Expected {
 #define FS_MEMBERS(Type, ...) std::vector<Expected>{FS_EXPAND(FS_MEMBER(Type, __VA_ARGS__))}
 // clang-format on
 
-template <typename real> std::vector<Expected> map_members() {
-    return FS_MEMBERS(layout::MapParams<real>, half_width, half_length, radius, slope, inverse_length, nodes_per_x,
-                      nodes_per_y, columns, rows);
-}
-
-template <typename real> std::vector<Expected> law_members() {
-    return FS_MEMBERS(layout::LawParams<real>, stiffness, texture_stiffness, half_width, radius, centre_depth, map,
-                      texture, facets, zero);
-}
-
-template <typename real> std::vector<Expected> mesh_members() {
-    return FS_MEMBERS(layout::MeshParams<real>, centre_x, centre_y, centre_z, map_x, map_y, scale, stiffness, facets,
-                      triangles, nodes, zero);
-}
-
-std::vector<Expected> mesh_chunk_members() {
-    return FS_MEMBERS(layout::MeshChunkParams, x_pitch, y_first, y_count, y_axis, z_first, z_count, z_axis, blocks,
-                      candidates);
-}
-
-std::vector<Expected> chunk_members() {
-    return FS_MEMBERS(layout::ChunkParams, x_pitch, y_first, y_count, y_axis, z_first, z_count, z_axis, rows);
-}
-
-std::vector<Expected> path_chunk_members() {
-    return FS_MEMBERS(layout::PathChunkParams, paths, step_first, step_end, steps, own_lengths, own_hands, stretch);
-}
-
-std::vector<Expected> mesh_path_chunk_members() {
-    return FS_MEMBERS(layout::MeshPathChunkParams, first, listed, paths, row_first, rows, step_end, own_hands, pause,
-                      limit, stretch, vertices);
-}
-
-template <typename real> std::vector<Expected> motion_members() {
-    return FS_MEMBERS(layout::MotionParams<real>, centre_x, centre_y, centre_z, heading_x, heading_y, reach, across,
-                      depth, depth_back, lift, phase, phase_step, radius_phase, radius_step, run, turn, lines, key_low,
-                      key_high, zero);
-}
-
-template <typename real> std::vector<Expected> harmonic_members() {
-    return FS_MEMBERS(layout::Harmonic<real>, amplitude, phase, phase_step);
-}
-
-template <typename real> std::vector<Expected> axis_members() {
-    return FS_MEMBERS(layout::AxisMap<real>, x_error, x_speed, x_force, v_error, v_speed, v_force);
-}
-
-template <typename real> std::vector<Expected> hand_members() {
-    return FS_MEMBERS(layout::HandParams<real>, lateral, vertical, rate, period, stiffness, stiffness_z, damping,
-                      push_x, push_y, push_z, quantum, coulomb, max_force, gain, bound, start_depth, coupling, delay,
-                      zero);
-}
-
-template <typename real> std::vector<Expected> metrics_members() {
-    return FS_MEMBERS(layout::PathMetrics<real>, largest_force, force_square, force_square_rest, largest_turn,
-                      steepest_turn, steepest_distance, least_depth, largest_depth, first_depth, depth, depth_rest,
-                      depth_square, depth_square_rest, work, work_rest, effort, effort_rest, round_begin,
-                      round_begin_rest, largest_round, least_round, early_speed, late_speed, contact_samples, rounds,
-                      unstable_step, fell, unfinished, trail);
-}
-
-template <typename real> std::vector<Expected> state_members() {
-    return FS_MEMBERS(layout::PathState<real>, x, y, z, speed_x, speed_y, speed_z, measured_x, measured_y, measured_z,
-                      force_x, force_y, force_z, anchor_x, anchor_y, anchor_z, anchor_force_x, anchor_force_y,
-                      anchor_force_z, steepest, lag, metrics, step, directed);
-}
+template <typename real>
+const std::vector<Expected> kMapMembers = FS_MEMBERS(layout::MapParams<real>, half_width, half_length, radius, slope,
+                                                     inverse_length, nodes_per_x, nodes_per_y, columns, rows);
+template <typename real>
+const std::vector<Expected> kLawMembers = FS_MEMBERS(layout::LawParams<real>, stiffness, texture_stiffness, half_width,
+                                                     radius, centre_depth, map, texture, facets, zero);
+template <typename real>
+const std::vector<Expected> kMeshMembers = FS_MEMBERS(layout::MeshParams<real>, centre_x, centre_y, centre_z, map_x,
+                                                      map_y, scale, stiffness, facets, triangles, nodes, zero);
+const std::vector<Expected> kMeshChunkMembers = FS_MEMBERS(layout::MeshChunkParams, x_pitch, y_first, y_count, y_axis,
+                                                           z_first, z_count, z_axis, blocks, candidates);
+const std::vector<Expected> kChunkMembers =
+    FS_MEMBERS(layout::ChunkParams, x_pitch, y_first, y_count, y_axis, z_first, z_count, z_axis, rows);
+const std::vector<Expected> kPathChunkMembers =
+    FS_MEMBERS(layout::PathChunkParams, paths, step_first, step_end, steps, own_lengths, own_hands, stretch);
+const std::vector<Expected> kMeshPathChunkMembers =
+    FS_MEMBERS(layout::MeshPathChunkParams, first, listed, paths, row_first, rows, step_end, own_hands, pause, limit,
+               stretch, vertices);
+template <typename real>
+const std::vector<Expected> kMotionMembers = FS_MEMBERS(layout::MotionParams<real>, centre_x, centre_y, centre_z,
+                                                        heading_x, heading_y, reach, across, depth, depth_back, lift,
+                                                        phase, phase_step, radius_phase, radius_step, run, turn, lines,
+                                                        key_low, key_high, zero);
+template <typename real>
+const std::vector<Expected> kHarmonicMembers = FS_MEMBERS(layout::Harmonic<real>, amplitude, phase, phase_step);
+template <typename real>
+const std::vector<Expected> kAxisMembers = FS_MEMBERS(layout::AxisMap<real>, x_error, x_speed, x_force, v_error,
+                                                      v_speed, v_force);
+template <typename real>
+const std::vector<Expected> kHandMembers = FS_MEMBERS(layout::HandParams<real>, lateral, vertical, rate, period,
+                                                      stiffness, stiffness_z, damping, push_x, push_y, push_z, quantum,
+                                                      coulomb, max_force, gain, bound, start_depth, coupling, delay,
+                                                      zero);
+template <typename real>
+const std::vector<Expected> kMetricsMembers =
+    FS_MEMBERS(layout::PathMetrics<real>, largest_force, force_square, force_square_rest, largest_turn, steepest_turn,
+               steepest_distance, least_depth, largest_depth, first_depth, depth, depth_rest, depth_square,
+               depth_square_rest, work, work_rest, effort, effort_rest, round_begin, round_begin_rest, largest_round,
+               least_round, early_speed, late_speed, contact_samples, rounds, unstable_step, fell, unfinished, trail);
+template <typename real>
+const std::vector<Expected> kStateMembers = FS_MEMBERS(layout::PathState<real>, x, y, z, speed_x, speed_y, speed_z,
+                                                       measured_x, measured_y, measured_z, force_x, force_y, force_z,
+                                                       anchor_x, anchor_y, anchor_z, anchor_force_x, anchor_force_y,
+                                                       anchor_force_z, steepest, lag, metrics, step, directed);
 
 void expect_members(const SpirvModule& module, std::uint32_t type, const std::vector<Expected>& expected) {
     const auto members = module.members(type);
@@ -135,12 +113,12 @@ void expect_params(const SpirvModule& module, std::uint32_t binding, bool mesh, 
     if (mesh) {
         expect_members(module, law, FS_MEMBERS(layout::MeshLawParams<real>, law, mesh));
         const auto params = module.members(law);
-        expect_members(module, params.at(1).type, mesh_members<real>());
+        expect_members(module, params.at(1).type, kMeshMembers<real>);
         law = params[0].type;
     }
-    expect_members(module, law, law_members<real>());
-    expect_members(module, module.members(law).at(5).type, map_members<real>());
-    expect_members(module, module.members(law).at(6).type, map_members<real>());
+    expect_members(module, law, kLawMembers<real>);
+    expect_members(module, module.members(law).at(5).type, kMapMembers<real>);
+    expect_members(module, module.members(law).at(6).type, kMapMembers<real>);
     const auto push = module.members(module.push_constants().value());
     ASSERT_EQ(push.size(), 1u);
     EXPECT_EQ(push[0].offset, 0u);
@@ -151,26 +129,26 @@ void expect_params(const SpirvModule& module, std::uint32_t binding, bool mesh, 
 template <typename real>
 void expect_path_structs(const SpirvModule& module, std::uint32_t motions, std::uint32_t states) {
     using namespace layout;
-    expect_structs(module, motions, motion_members<real>(), sizeof(MotionParams<real>));
-    expect_structs(module, motions + 1, harmonic_members<real>(), sizeof(Harmonic<real>));
-    if (const auto hand = expect_structs(module, motions + 2, hand_members<real>(), sizeof(HandParams<real>))) {
-        expect_members(module, module.members(hand).at(0).type, axis_members<real>());
+    expect_structs(module, motions, kMotionMembers<real>, sizeof(MotionParams<real>));
+    expect_structs(module, motions + 1, kHarmonicMembers<real>, sizeof(layout::Harmonic<real>));
+    if (const auto hand = expect_structs(module, motions + 2, kHandMembers<real>, sizeof(HandParams<real>))) {
+        expect_members(module, module.members(hand).at(0).type, kAxisMembers<real>);
         expect_members(module, module.members(hand).at(16).type,
                        FS_MEMBERS(layout::Coupling<real>, depth, lag, free, kept, rest));
     }
-    if (const auto state = expect_structs(module, states, state_members<real>(), sizeof(PathState<real>)))
-        expect_members(module, module.members(state).at(20).type, metrics_members<real>());
+    if (const auto state = expect_structs(module, states, kStateMembers<real>, sizeof(PathState<real>)))
+        expect_members(module, module.members(state).at(20).type, kMetricsMembers<real>);
 }
 
 template <typename real> void expect_layout(const SpirvModule& module, const std::string& kernel) {
     if (kernel == "field")
-        expect_params<real>(module, layout::kBindLaw, false, chunk_members());
+        expect_params<real>(module, layout::kBindLaw, false, kChunkMembers);
     if (kernel == "mesh_field")
-        expect_params<real>(module, layout::kMeshBindLaw, true, mesh_chunk_members());
+        expect_params<real>(module, layout::kMeshBindLaw, true, kMeshChunkMembers);
     if (kernel == "path")
-        expect_params<real>(module, layout::kPathBindLaw, false, path_chunk_members());
+        expect_params<real>(module, layout::kPathBindLaw, false, kPathChunkMembers);
     if (kernel == "mesh_path")
-        expect_params<real>(module, layout::kMeshPathBindLaw, true, mesh_path_chunk_members());
+        expect_params<real>(module, layout::kMeshPathBindLaw, true, kMeshPathChunkMembers);
     if (kernel == "path")
         expect_path_structs<real>(module, layout::kPathBindMotions, layout::kPathBindStates);
     if (kernel == "mesh_path")

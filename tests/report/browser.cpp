@@ -45,7 +45,7 @@ Launch launch(const std::filesystem::path& profile) {
                         "--user-data-dir=" + profile.string(),
                         "about:blank"};
     launch.environment["HOME"] = profile.string();
-    launch.timeout = 900;              // it serves the tests of a whole suite
+    launch.timeout = 900;                                 // it serves the tests of a whole suite
     launch.environment["VK_LOADER_DRIVERS_SELECT"] = "*"; // its own software device draws WebGL
     return launch;
 }
