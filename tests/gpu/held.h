@@ -92,6 +92,13 @@ public:
                     take(reinterpret_cast<const std::byte*>(results.data()), results.size_bytes());
             });
         };
+        each_result([&](const std::byte* results, std::size_t size) { // perhaps within what was another's
+            for (auto& [at, other] : places_)
+                if (at < results)
+                    other.left = std::min(other.left, static_cast<std::size_t>(results - at));
+                else if (at > results && at < results + size)
+                    other.left = 0;
+        });
         bool intact = true;
         each_result([&](const std::byte* results, std::size_t size) {
             Place& place = places_[results];
