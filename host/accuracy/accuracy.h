@@ -49,8 +49,9 @@ struct WorstRounding {
 };
 
 /// The law without a history, searched as deep as a hand goes (scene_shape) by climbing from the worst of `places` that
-/// are aimed at facets, edges and corners, and of a tenth as many ties, where two facets are equally near. At most two:
-/// the worst of the same facet, and the worst of a choice between two.
+/// are aimed at facets, edges and corners, and of a fifth as many ties, where two facets are equally near: below
+/// ridges, where normals meet the medial axis, anywhere. At most two: the worst of the same facet, and the worst of a
+/// choice between two.
 /// With `strokes`: the same of a god-object on a mesh, at the ends of as many straight strokes of some samples from the
 /// open. A tie is then where strokes fork: of two that are neighbours in double the proxies end on different facets.
 std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::size_t places, bool strokes = false);

@@ -227,7 +227,7 @@ public:
           ridge_(ridges_, [](const Ridge& one) { return reference::length(one.end - one.begin); }),
           triangle_(mesh_ ? mesh_->triangles.corners : decltype(mesh_->triangles.corners){},
                     [&](const auto& corners) { return area_of(*mesh_, corners); }),
-          places_(both.shape(), prepared, 12), draw_(11) {}
+          places_(both.shape(), prepared, 12), draw_(11), normal_draw_(13) {}
 
     /// Below a facet, an edge or a corner of a mesh, or anywhere below another surface; moved by up to a twentieth of
     /// the depth of a hand.
@@ -238,20 +238,20 @@ public:
             const auto place = places_();
             return place ? std::optional(Probed{place->at + aside, {}}) : std::nullopt;
         }
-        const std::size_t triangle = triangle_(draw_);
-        double weights[3] = {draw_(0, 1), draw_(0, 1), draw_(0, 1)};
-        const double kind = draw_(0, 3); // within, on an edge, at a corner
-        weights[0] = kind > 1 ? 0 : weights[0];
-        weights[1] = kind > 2 ? 0 : weights[1];
-        glm::dvec3 at(0);
-        for (std::size_t i = 0; i < 3; ++i)
-            at += weights[i] / (weights[0] + weights[1] + weights[2]) *
-                  mesh_->polygons.vertices[mesh_->triangles.corners[triangle][i]];
-        const glm::dvec3 normal = mesh_->triangles.normals[triangle];
+        const auto [at, normal] = on_the_mesh(draw_);
         Probed found{at - log_uniform(draw_, scale.shallowest(), scale.deepest) * normal + aside, {}};
         if (both_.strokes())
             found.from = at + draw_(0.01, 1) * scale.deepest * (normal + 0.7 * any_direction(draw_));
         return found;
+    }
+
+    /// Where a normal of a mesh, inwards, meets its medial axis.
+    std::optional<Tie> tie_on_a_normal() {
+        if (!mesh_ || both_.strokes())
+            return std::nullopt;
+        const auto [at, normal] = on_the_mesh(normal_draw_);
+        const TouchScale& scale = both_.shape().scale;
+        return both_.tie_on({at - scale.shallowest() * normal, {}}, -scale.deepest * normal);
     }
 
     /// On the plane between the facets at a ridge, or on a way from a place below the surface.
@@ -285,6 +285,22 @@ public:
     }
 
 private:
+    struct OnMesh {
+        glm::dvec3 at, normal; /* m, 1 */
+    };
+    OnMesh on_the_mesh(Random& draw) const {
+        const std::size_t triangle = triangle_(draw);
+        double weights[3] = {draw(0, 1), draw(0, 1), draw(0, 1)};
+        const double kind = draw(0, 3); // within, on an edge, at a corner
+        weights[0] = kind > 1 ? 0 : weights[0];
+        weights[1] = kind > 2 ? 0 : weights[1];
+        glm::dvec3 at(0);
+        for (std::size_t i = 0; i < 3; ++i)
+            at += weights[i] / (weights[0] + weights[1] + weights[2]) *
+                  mesh_->polygons.vertices[mesh_->triangles.corners[triangle][i]];
+        return {at, mesh_->triangles.normals[triangle]};
+    }
+
     std::optional<Tie> below_a_ridge() {
         const Ridge& ridge = ridges_[ridge_(draw_)];
         const TouchScale& scale = both_.shape().scale;
@@ -304,7 +320,7 @@ private:
     std::vector<Ridge> ridges_;
     WeightedDraw ridge_, triangle_;
     PlaceDraw places_;
-    Random draw_;
+    Random draw_, normal_draw_;
 };
 
 // What was found at a place; at a tie, on the worse of its sides.
@@ -380,8 +396,9 @@ std::vector<WorstRounding> worst_rounding(const PreparedCase& prepared, std::siz
         if (const auto at = aim.below_the_surface())
             smooth.keep(i * climbs / places, [&](double least) { return seen_at(both, *at, least); });
     for (std::size_t i = 0; i < places / 10; ++i)
-        if (const auto tie = aim.tie())
-            ties.keep(tie->facets, [&](double least) { return seen_at(both, tie, least); });
+        for (const auto& tie : {aim.tie(), aim.tie_on_a_normal()})
+            if (tie)
+                ties.keep(tie->facets, [&](double least) { return seen_at(both, tie, least); });
     std::vector<WorstRounding> found;
     smooth.add_climbed(found, climbs, scale, [&](const Seen& best, double reach) {
         return seen_at(both, aim.near({best.place, best.from.value_or(glm::dvec3(0))}, reach), best.error);

@@ -20,7 +20,7 @@
 namespace forceshade {
 namespace {
 
-constexpr std::size_t kSearched = 2000; // places that the search for the worst rounding begins at
+constexpr std::size_t kSearched = 20000; // places that the search for the worst rounding begins at
 
 struct ValidateArguments {
     std::string study, only = "*", renderer;

@@ -6,6 +6,7 @@
 #include "host/field/engine.h"
 #include "host/study/error_time/subject.h"
 #include "host/study/stability/stability.h"
+#include "tests/places.h"
 
 namespace forceshade::study {
 namespace {
@@ -75,6 +76,13 @@ TEST(WorstRounding, IsAJumpOnTies) {
     add_worst_rounding(data, found, true);
     ASSERT_EQ(data.findings.size(), 1u);
     EXPECT_NE(data.findings[0].text.find("equally near"), std::string::npos);
+}
+
+// Between opposite sides of thin parts: on other ways as many places end at 0.5.
+TEST(WorstRounding, IsSoughtOnTheMedialAxis) {
+    const PreparedCase spot = CasePreparation().prepare(parse_scene(
+        "surface = {kind = \"mesh\", file = \"" + in_source("tests/data/spot.obj") + "\", unit = \"cm\"}", "spot"));
+    EXPECT_GT(worst_rounding(spot, 2000).back().error, 1.7) << "from fifty times as many places 1.85";
 }
 
 // A stroke between arcs about the axis of a cylinder of 8 x 8 cells, deep under a ridge, and the largest change of a
