@@ -194,7 +194,7 @@ private:
 
     struct Box {
         Vector low, high; /* m */
-        /// Of a place from the box, and at most from what it holds.
+        /// m: of a place from the box, no more than from what it holds.
         Real distance(const Vector& place) const;
     };
 
