@@ -98,7 +98,7 @@ std::vector<Row> field_rows(); // of analytic surfaces
 std::vector<Row> mesh_field_rows();
 std::vector<Row> path_rows(); // over analytic surfaces
 std::vector<Row> mesh_path_rows();
-std::vector<Row> long_path_rows(); // two thousand paths of a thousand steps, or ten
+std::vector<Row> long_path_rows(); // two thousand paths of a thousand steps; with FORCESHADE_LONG ten
 std::vector<Row> long_mesh_path_rows();
 
 template <typename T> FieldTables<T> tables_of(const Ground& ground, const MeshGrid& grid = {});

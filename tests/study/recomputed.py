@@ -78,18 +78,23 @@ def true_force(at):
     return np.maximum(circle_height(at[:, 0], TIGHT) - at[:, 2], 0)[:, None] * round_normals(at[:, 0], TIGHT)
 
 
+def trilinear(place, cell, value_at):
+    """Between the values at the corners of cells with this edge, m, whose corners are multiples of it."""
+    share, first = np.modf(place / cell)
+    return sum(np.where(corner, share, 1 - share).prod(1)[:, None] * value_at((first + corner) * cell)
+               for corner in np.ndindex(2, 2, 2))
+
+
 def forces_read(at, axes, begin, of_depth, spacing):
     """m: read by trilinear interpolation between forces, or between signed depths and directions, at samples along
     `axes` (columns), the first at `begin`."""
-    share, first = np.modf((at @ axes - begin) / spacing)
-    total = 0
-    for corner in np.ndindex(2, 2, 2):
-        sample = ((first + corner) * spacing + begin) @ axes.T
+    def sampled(place):
+        sample = (place + begin) @ axes.T
         depth = facets_at(sample[:, 0], 64, TIGHT)[0] - sample[:, 2]
         normals = round_normals(sample[:, 0], TIGHT)
-        values = np.column_stack([depth, normals]) if of_depth else np.maximum(depth, 0)[:, None] * normals
-        total = total + np.where(corner, share, 1 - share).prod(1)[:, None] * values
-    return np.maximum(total[:, :1], 0) * unit(total[:, 1:]) if of_depth else total
+        return np.column_stack([depth, normals]) if of_depth else np.maximum(depth, 0)[:, None] * normals
+    read = trilinear(at @ axes - begin, spacing, sampled)
+    return np.maximum(read[:, :1], 0) * unit(read[:, 1:]) if of_depth else read
 
 
 def octree(axes, random):
@@ -127,10 +132,7 @@ def octree(axes, random):
         while (child[node] >= 0).any():
             half = (place >= low[node] + edges[node][:, None] / 2) @ [4, 2, 1]
             node = np.where(child[node] >= 0, child[node] + half, node)
-        cell = edges[node][:, None] / 4
-        share, first = np.modf((place - low[node]) / cell)
-        return sum(np.where(corner, share, 1 - share).prod(1)[:, None] * force_at(low[node] + (first + corner) * cell)
-                   for corner in np.ndindex(2, 2, 2))
+        return trilinear(place - low[node], edges[node][:, None] / 4, lambda within: force_at(low[node] + within))
     return read
 
 
