@@ -206,10 +206,12 @@ inline bool is_significant(const Interval& ratio, double none = 1) {
     return ratio.high < none || ratio.low > none;
 }
 
-/// The interval of a ratio of times that holds other runs', too: where nothing changed reruns differ by a tenth more
-/// than rounds do (a god-object without its hint took 1.56 [1.51, 1.61] and 1.72 [1.62, 1.76] times as long in two).
+/// By how many times a ratio of times moves from run to run, beyond its interval, where nothing changed (a god-object
+/// without its hint took 1.56 [1.51, 1.61] and 1.72 [1.62, 1.76] times as long in two).
+inline constexpr double kRerun = 1.1;
+
+/// The interval of a ratio of times that holds other runs', too.
 inline Interval across_reruns(const Interval& ratio) {
-    constexpr double kRerun = 1.1;
     return {ratio.low / kRerun, ratio.median, ratio.high * kRerun};
 }
 

@@ -29,30 +29,24 @@ Times times_of(const std::vector<double>& seconds, std::size_t rounds = 31) {
 }
 
 TEST(PairedRounds, TellApartWhatTheMachinesLoadWouldHide) {
-    const Times times = times_of({1, 1.1, 1.001});
+    const Times times = times_of({1, 1.2, 1.001, 1.05});
     const Interval ratio = times.ratio(1, 0);
-    EXPECT_GT(ratio.low, 1);
-    EXPECT_LT(ratio.low, 1.1);
-    EXPECT_GT(ratio.high, 1.1 * 0.98);
+    EXPECT_GT(ratio.low, 1.1);
+    EXPECT_LT(ratio.low, 1.2);
+    EXPECT_GT(ratio.high, 1.2 * 0.98);
     EXPECT_TRUE(times.is_cheaper(0, 1));
     EXPECT_FALSE(times.is_cheaper(1, 0));
     EXPECT_FALSE(times.is_cheaper(0, 2) || times.is_cheaper(2, 0)) << "a tie";
+    EXPECT_GT(times.ratio(3, 0).low, 1);
+    EXPECT_FALSE(times.is_cheaper(0, 3)) << "a rerun may have it the other way round";
     EXPECT_EQ(times.ratio(1, 1).high, 1);
 }
 
 TEST(PairedRounds, NameTiesOfTheCheapest) {
-    const Cheapest cheapest = cheapest_of(times_of({1, 1.1, 1.0005, 2}), {0, 1, 2, 3});
+    const Cheapest cheapest = cheapest_of(times_of({1, 1.3, 1.0005, 2}), {0, 1, 2, 3});
     EXPECT_TRUE(cheapest.method == 0 || cheapest.method == 2);
     EXPECT_EQ(cheapest.ties, std::vector<std::size_t>{2 - cheapest.method});
-    EXPECT_EQ(cheapest_of(times_of({1, 1.1}), {1}).ties.size(), 0u);
-}
-
-TEST(PairedRounds, FrontHasWhatIsCheaperForSure) {
-    const Times times = times_of({1, 2, 2.001, 4, 3});
-    //                           error: 8, 4, 5 (tied with 4), 1, none
-    EXPECT_EQ(front_of(times, {0, 1, 2, 3, 4}, {8, 4, 5, 1, NAN}), (std::vector<std::size_t>{3, 1, 0}));
-    EXPECT_EQ(front_of(times, {0, 1}, {1, 2}), std::vector<std::size_t>{0}) << "closer and cheaper";
-    EXPECT_EQ(front_of(times, {0, 1}, {1.001, 1}), std::vector<std::size_t>{0}) << "dearer, and hardly closer";
+    EXPECT_EQ(cheapest_of(times_of({1, 1.3}), {1}).ties.size(), 0u);
 }
 
 TEST(PairedRounds, SayHowSureAFrontIs) {
@@ -90,8 +84,7 @@ TEST(LoopRuns, ErrByTheirPeriodAndNotWhereTheyRest) {
     const auto rims = loop_runs("bump", variant_named(subjects.front(), "64 facets, reference"), *engine, 1);
     for (const double rate : {1000.0, 2000.0, 4000.0}) {
         const LoopRun coarse = error(rims, rate, Precision::f64), fine = error(rims, 2 * rate, Precision::f64);
-        EXPECT_GT(coarse.median_error / fine.median_error, 1.7) << rate;
-        EXPECT_LT(coarse.median_error / fine.median_error, 2.6) << rate;
+        EXPECT_NEAR(coarse.median_error / fine.median_error, 2, 0.2) << rate;
         EXPECT_NEAR(coarse.force_error / fine.force_error, std::sqrt(2.0), 0.25) << rate;
     }
     const auto flat = loop_runs("plane", variant_named(subjects.front(), "1 facets, none"), *engine, 1);

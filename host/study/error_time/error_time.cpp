@@ -164,32 +164,6 @@ Interval Times::seconds(std::size_t method) const {
     return {of_unit.low * unit, of_unit.median * unit, of_unit.high * unit};
 }
 
-std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& methods,
-                                  const std::vector<double>& errors) {
-    constexpr double kCloser = 1.01; // times: a smaller gain is none
-    std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < methods.size(); ++i)
-        if (std::isfinite(errors[i]))
-            order.push_back(i);
-    std::ranges::stable_sort(order, {},
-                             [&](std::size_t i) { return std::pair(errors[i], times.seconds(methods[i]).median); });
-    std::vector<std::size_t> front;
-    for (const std::size_t i : order)
-        if (std::ranges::all_of(front,
-                                [&](std::size_t closer) { return times.is_cheaper(methods[i], methods[closer]); }))
-            front.push_back(i);
-    std::ranges::reverse(front);
-    double error = INFINITY;
-    std::vector<std::size_t> result;
-    for (const std::size_t i : front)
-        if (kCloser * errors[i] <= error) {
-            error = errors[i];
-            result.push_back(methods[i]);
-        }
-    std::ranges::reverse(result);
-    return result;
-}
-
 std::vector<double> front_shares(const Times& times, const std::vector<std::size_t>& methods,
                                  const std::vector<std::vector<double>>& errors) {
     constexpr int kSamples = 200;
@@ -216,7 +190,8 @@ std::vector<double> front_shares(const Times& times, const std::vector<std::size
                 ratios.reserve(some.size());
                 for (const Round* round : some)
                     ratios.push_back((*round)[methods[i]] / (*round)[times.unit()]);
-                found.push_back({error, quantile(std::move(ratios), 0.5), i});
+                const double rerun = std::pow(kRerun, random(-1, 1));
+                found.push_back({error, rerun * quantile(std::move(ratios), 0.5), i});
             }
         for (const Found& one : found)
             shares[one.at] += std::ranges::none_of(found, [&](const Found& other) {

@@ -66,8 +66,11 @@ public:
     Interval seconds(std::size_t method) const;
     /// Time of one method over that of another, in the same rounds.
     Interval ratio(std::size_t method, std::size_t other) const;
-    /// Whether a method is significantly cheaper than another: the interval of their ratio lies below 1.
-    bool is_cheaper(std::size_t method, std::size_t other) const { return ratio(method, other).high < 1; }
+    /// Whether a method is significantly cheaper than another, in other runs, too: the interval of their ratio lies
+    /// below 1.
+    bool is_cheaper(std::size_t method, std::size_t other) const {
+        return across_reruns(ratio(method, other)).high < 1;
+    }
 
     const std::vector<Round>& rounds() const { return rounds_; }
     std::size_t unit() const { return unit_; }
@@ -78,14 +81,9 @@ private:
     mutable std::map<std::pair<std::size_t, std::size_t>, Interval> ratios_; /* asked for so far */
 };
 
-/// Of methods with errors, by rising error: each that is significantly cheaper than all on the front before it, and
-/// closer than the next by 1 % or more. NaN errors are left out.
-std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& methods,
-                                  const std::vector<double>& errors);
-
-/// How sure that is: of each method the share of 200 random samples of the rounds, with errors of a draw each, in which
-/// none is as good by error and median time and better in one of them by 5 %. `errors`: by method, one or one for each
-/// draw.
+/// Of each method the share of 200 random samples of the rounds, with errors of a draw each and times that differ as
+/// those of reruns do, in which none is as good by error and median time and better in one of them by 5 %. `errors`: by
+/// method, one or one for each draw.
 std::vector<double> front_shares(const Times& times, const std::vector<std::size_t>& methods,
                                  const std::vector<std::vector<double>>& errors);
 
@@ -169,7 +167,7 @@ struct LoopRun {
     const Variant* variant = nullptr;
     double rate = 0; /* Hz */
     Precision precision = Precision::f32;
-    double force_error = 0;    /* 1: RMS difference of the force from that at kFinestRate in double, over its RMS */
+    double force_error = 0;    /* 1: RMS difference of the force from that of an ever faster loop, over its RMS */
     double median_error = 0;   /* 1: the same difference, median over the instants, over the RMS force */
     double position_error = 0; /* m: RMS difference of the probe's position */
     Interval by_stroke{};      /* 1: median_error of single strokes, median */
@@ -179,10 +177,8 @@ struct LoopRun {
 /// Places that a batch evaluates at once.
 inline constexpr std::size_t kBatch = 65536;
 
-/// Hz: 64 times the rate of most devices. Its own median error is a third of that of the next rate shown, and its RMS
-/// error half of it, since a stroke that crosses a rim a little later errs by the whole turn meanwhile. A finer rate
-/// gains nothing: strokes advance by whole 2^-32 of a round a step (`phase_of_turns`), which rounds their speed by
-/// up to 1e-5 there and 1e-4 at 1 MHz.
+/// Hz: of the faster of the two loops from which the limit is extrapolated. A finer rate gains nothing: strokes advance
+/// by whole 2^-32 of a round a step (`phase_of_turns`), which rounds their speed by up to 1e-5 there and 1e-4 at 1 MHz.
 inline constexpr double kFinestRate = 64000;
 
 /// By rising rate, each in both precisions; `rounds` of timing.
