@@ -117,15 +117,15 @@ void store_free_proxy(uint at) {
 
 Winners search(uint first, uint count, Points probes) {
     Winners winners = Winners(Eight(real4(INFINITY), real4(INFINITY)), uvec4(kNoCandidate), uvec4(kNoCandidate));
-    uint at = first;
-    uint end = first + count;
-    for (; at != end; ++at) {
+    uint left = count;
+    for (uint at = first; at != first + count; ++at) {
+        --left;
         uint candidate = plan[at];
         uint record = 3u * (candidate >> kMeshCandidateShift);
         consider(candidate, records[record], records[record + 1u], records[record + 2u], probes, winners);
     }
-    // A driver that silently ends long loops leaves `at` behind.
-    if (at != end)
+    // A driver that silently ends long loops leaves some. Not "at": compilers know where loops end by it.
+    if (left != 0u)
         atomicOr(status, kStatusUnfinished);
     return winners;
 }

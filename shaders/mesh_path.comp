@@ -191,9 +191,9 @@ void main() {
     rest.sources = uvec2(0u, 1u);
     rest.back = (constraints & kContactBack) != 0u;
     is_left = !found && !left && (is_left || begins_left(constraints, probe));
-    bool going = !is_left;
+    bool going = !is_left, complete = false;
     [[dont_unroll]] do {
-        bool complete = found || left;
+        complete = found || left;
         if (!complete) {
             walk_on();
             is_left = is_left || (!walk_runs && !walk_rests) || spent > chunk.limit;
@@ -231,8 +231,8 @@ void main() {
         going = !is_left && state.step < end && (spent < pause || (!complete && spent < 2u * pause));
         ++spent;
     } while (going);
-    // A driver that silently ends long loops leaves a lane going.
-    if (going)
+    // A driver that silently ends long loops leaves a lane going. Not "going": compilers know that the loop ends by it.
+    if (!is_left && state.step < end && (spent <= pause || (!complete && spent <= 2u * pause)))
         atomicOr(status, kStatusUnfinished);
     bool begun = is_left || (walk_substeps > 0u && !left);
     put_walk_word(path, kWalkWordPhase, begun && state.step < end ? kPhaseHost : kPhaseStep);

@@ -142,7 +142,7 @@ Eigen::MatrixXd LinearLoop::map_of(double stiffness) const {
 // Whether a matrix has an eigenvalue beyond 1, as far as its powers show it: none if one of them has a norm below 1,
 // some if the trace of one is larger than its rows are many. Far cheaper than eigenvalues, but for a matrix near both.
 template <int rows> std::optional<bool> grows_by_powers(const Eigen::MatrixXd& map) {
-    constexpr int kSquarings = 16;
+    constexpr int kSquarings = 26;
     constexpr double kSure = 2; // against rounding errors
     Eigen::Matrix<double, rows, rows> power = map, square;
     for (int i = 0; i < kSquarings; ++i) {

@@ -102,6 +102,22 @@ TEST_F(LoopLimit, IsNoticedInMeshFields) {
     EXPECT_TRUE(is_equal(test::hold_field(kernel, input)));
 }
 
+// Steps of a walk, where nothing makes an invocation pause.
+TEST_F(LoopLimit, IsNoticedInMeshPaths) {
+    const test::Ground ground = test::mesh_of(shapes::icosphere(2));
+    const FieldTables<float> tables = test::tables_of<float>(ground);
+    test::PathShape shape;
+    shape.features.channels = layout::kChannelDepth;
+    shape.paths = 3;
+    shape.steps = kRows;
+    test::PathCase<float> one(tables, ground.mesh(), shape);
+    const auto length = [&](std::size_t path) { return one.length(path); };
+    device_error(DeviceError::Kind::unfinished, [&] {
+        kernels().paths<float>({.rows = kRows, .pause = 1U << 30, .limit = 1U << 30}, one.input(), length);
+    });
+    EXPECT_TRUE(is_equal(kernels().paths<float>({}, one.input(), length)));
+}
+
 class Limits : public test::SoftwareDeviceTest {
 protected:
     // Every channel and a texture.
