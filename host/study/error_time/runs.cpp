@@ -314,29 +314,37 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
                                   const std::vector<LoopRun>& loops) {
     std::vector<Finding> findings;
     const auto in_percent = [](const Interval& share) {
-        return fmt::format("{:.3g} [{:.3g}, {:.3g}]", 100 * share.median, 100 * share.low, 100 * share.high);
+        const std::string median = fmt::format("{:.3g}", 100 * share.median);
+        return share.low == share.high ? median // strokes that do not differ
+                                       : fmt::format("{} [{:.3g}, {:.3g}]", median, 100 * share.low, 100 * share.high);
     };
     const auto in_double = [&](double rate) {
         return std::ranges::find_if(loops,
                                     [&](const LoopRun& r) { return r.rate == rate && r.precision == Precision::f64; });
     };
     if (const auto slow = in_double(1000), fast = in_double(4000);
-        slow != loops.end() && std::isfinite(slow->median_error + fast->median_error))
+        slow != loops.end() && std::isfinite(slow->median_error + fast->median_error)) {
+        const bool of_first_order = std::abs(slow->median_error / fast->median_error / 4 - 1) < 0.25;
+        const bool crosses_rims = slow->force_error > 3 * slow->median_error;
+        const auto single = std::ranges::find_if(loops, [](const LoopRun& r) { return r.precision == Precision::f32; });
+        const bool as_double = single != loops.end() && single->rate == slow->rate &&
+                               std::abs(single->median_error / slow->median_error - 1) < 0.05;
         findings.push_back(
             {"loop_rate",
              fmt::format("Stroking, the force of a loop of 1 kHz is off that of an ever faster loop by {} % of the RMS "
-                         "force, that of one of 4 kHz by {} % (median){}. Where a stroke crosses a rim earlier or "
-                         "later it is off by far more, so that the RMS error is {:.2g} and {:.2g} %. Single precision "
-                         "adds nothing to that.",
+                         "force, that of one of 4 kHz by {} % (median){}. {} RMS error is {:.2g} and {:.2g} %.{}",
                          in_percent(slow->by_stroke), in_percent(fast->by_stroke),
-                         std::abs(slow->median_error / fast->median_error / 4 - 1) < 0.25
-                             ? ", an error in proportion to the period"
-                             : "",
-                         100 * slow->force_error, 100 * fast->force_error),
+                         of_first_order ? ", an error in proportion to the period" : "",
+                         crosses_rims ? "Where a stroke crosses a rim earlier or later it is off by far more, so that "
+                                        "the"
+                                      : "The",
+                         100 * slow->force_error, 100 * fast->force_error,
+                         as_double ? " Single precision adds nothing to that." : ""),
              "loop-rates", fmt::format("{}, {}", slow->surface, slow->variant->name),
              fmt::format("{} strokes of {} s with the scene's hand, without their first {} s", kStrokes, kStrokeSeconds,
                          kSettled),
              "95 % bootstrap interval of the median"});
+    }
     const auto by = [&](std::size_t nth) -> const FieldRun* { // of the spacings, from the finest
         if (fields.empty())
             return nullptr;

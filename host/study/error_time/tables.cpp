@@ -372,10 +372,10 @@ Figure error_over_time(const Subject& subject, bool own) {
         fmt::format(
             "Each mark is a way of computing a force where a hand touches: its colour is the shading, its shape the "
             "method. Left is cheaper, down is closer to {}. The error is the 95th percentile over the places, over the "
-            "force there. Whiskers are 95 % intervals of paired rounds. The lines join those than which no other is "
-            "both faster and closer in 80 % of repetitions or more; names stand where there is room. Methods that miss "
-            "the force at more than 1 % of the places are left out. A loop of 4 kHz has 250 000 ns for a force, one of "
-            "1 kHz 1 000 000; 1e9 voxels in 10 min are 600 ns each.",
+            "force there. Whiskers are 95 % intervals of paired rounds. The lines join the methods that no other beats "
+            "in both, in 80 % of repetitions or more; names stand where there is room. Methods that miss the force at "
+            "more than 1 % of the places are left out. A loop of 4 kHz has 250 000 ns for a force, one of 1 kHz "
+            "1 000 000; 1e9 voxels in 10 min are 600 ns each.",
             subject.against),
         FigureKind::scatter, "ways", {{"surface", subject.name}}, {"time_ns", "time of an evaluation / ns", true},
         {"shown_local_1", "error over the force there, 95 % of places", true}, "shading", "on_front",
