@@ -160,6 +160,7 @@ std::optional<double> start_seconds(const std::vector<std::string>& engine, cons
     std::vector<std::string> words{program, "field", scene, "--out", volume, "--overwrite", "--quiet"};
     append(words, engine);
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words)
         arguments.push_back(word.data());
     arguments.push_back(nullptr);
