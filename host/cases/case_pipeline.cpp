@@ -282,9 +282,10 @@ private:
 
     bool encode_field(Transfer& transfer, CaseRecord& record) {
         FieldOutput output(*transfer.job, threads_a_volume_, engine_.software);
-        while (const auto waiting = transfer.chunks.pop()) {
+        while (auto waiting = transfer.chunks.pop()) {
             check_interrupt();
             std::visit([&](const auto& owned) { output.write(owned.view); }, waiting->chunk);
+            transfer.chunks.encoded(*std::move(waiting));
         }
         if (!transfer.chunks.whole())
             return false;

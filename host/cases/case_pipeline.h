@@ -40,7 +40,7 @@ struct CaseOutcome {
 
 struct PipelineOptions {
     unsigned encoders = 0;                              /* threads; 0: one a core, at most one a case */
-    std::size_t waiting_bytes = std::size_t(128) << 20; /* between engine and encoders */
+    std::size_t waiting_bytes = std::size_t(32) << 20; /* between engine and encoders */
 };
 
 /// Runs every job; `next` yields them one by one (null at the end), so that only those under way are in memory. `done`

@@ -7,6 +7,7 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -22,28 +23,34 @@ template <typename T> struct OwnedChunk {
     std::vector<T> force, depth, proxy, unshaded;
     std::vector<layout::uint> facet;
 
-    explicit OwnedChunk(const layout::FieldChunk<T>& from)
-        : view(from), force(from.force.begin(), from.force.end()), depth(from.depth.begin(), from.depth.end()),
-          proxy(from.proxy.begin(), from.proxy.end()), unshaded(from.unshaded.begin(), from.unshaded.end()),
-          facet(from.facet.begin(), from.facet.end()) {
-        view.force = force;
-        view.depth = depth;
-        view.proxy = proxy;
-        view.unshaded = unshaded;
-        view.facet = facet;
-    }
+    OwnedChunk() = default;
+    explicit OwnedChunk(const layout::FieldChunk<T>& from) { assign(from); }
     OwnedChunk(OwnedChunk&&) noexcept = default; // the vectors' memory stays where it is
     OwnedChunk& operator=(OwnedChunk&&) noexcept = default;
 
-    std::size_t bytes() const {
-        return (force.size() + depth.size() + proxy.size() + unshaded.size()) * sizeof(T) +
-               facet.size() * sizeof(layout::uint);
+    void assign(const layout::FieldChunk<T>& from) {
+        view = from;
+        const auto copy = []<typename Value>(std::vector<Value>& own, std::span<const Value>& samples) {
+            own.assign(samples.begin(), samples.end());
+            samples = own;
+        };
+        copy(force, view.force);
+        copy(depth, view.depth);
+        copy(proxy, view.proxy);
+        copy(unshaded, view.unshaded);
+        copy(facet, view.facet);
     }
 };
 
+template <typename T> std::size_t bytes_of(const layout::FieldChunk<T>& chunk) {
+    return (chunk.force.size() + chunk.depth.size() + chunk.proxy.size() + chunk.unshaded.size()) * sizeof(T) +
+           chunk.facet.size() * sizeof(layout::uint);
+}
+
 using AnyChunk = std::variant<OwnedChunk<float>, OwnedChunk<double>>;
 
-/// Bytes that may wait between engine and encoders; one chunk always may.
+/// Bytes that may wait between engine and encoders; one chunk always may. The memory of those that were encoded is
+/// used again: fresh memory would take longer to be cleared than to be filled.
 class ChunkBudget {
 public:
     explicit ChunkBudget(std::size_t bytes) : free_(bytes), all_(bytes) {}
@@ -77,6 +84,27 @@ public:
         return Share(*this, taken);
     }
 
+    /// A copy, in the memory of one that was encoded if there is one.
+    template <typename T> OwnedChunk<T> copy_of(const layout::FieldChunk<T>& chunk) {
+        OwnedChunk<T> copy;
+        {
+            const std::lock_guard lock(mutex_);
+            if (!encoded_.empty()) {
+                if (auto* const same = std::get_if<OwnedChunk<T>>(&encoded_.back()))
+                    copy = std::move(*same);
+                encoded_.pop_back();
+            }
+        }
+        copy.assign(chunk);
+        return copy;
+    }
+    void encoded(AnyChunk chunk) {
+        constexpr std::size_t kKept = 2; // the engine takes one at a time
+        const std::lock_guard lock(mutex_);
+        if (encoded_.size() < kKept)
+            encoded_.push_back(std::move(chunk));
+    }
+
 private:
     void give(std::size_t bytes) {
         const std::lock_guard lock(mutex_);
@@ -87,6 +115,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::size_t free_, all_;
+    std::vector<AnyChunk> encoded_;
 };
 
 /// A chunk on its way; it counts against the budget as long as it lives.
@@ -107,8 +136,8 @@ public:
 
     /// Waits for room. \throws EncoderFailed once the consumer has abandoned the queue.
     template <typename T> void push(const layout::FieldChunk<T>& chunk) {
-        OwnedChunk<T> owned(chunk);
-        ChunkBudget::Share share = budget_.take(owned.bytes());
+        ChunkBudget::Share share = budget_.take(bytes_of(chunk));
+        OwnedChunk<T> owned = budget_.copy_of(chunk);
         const std::lock_guard lock(mutex_);
         if (abandoned_)
             throw EncoderFailed();
@@ -135,6 +164,8 @@ public:
         return chunk;
     }
     bool whole() const { return whole_; }
+    /// A chunk that came from here is not needed any more.
+    void encoded(WaitingChunk chunk) { budget_.encoded(std::move(chunk.chunk)); }
 
     /// The consumer gives up: waiting chunks are dropped, further ones refused.
     void abandon() {
