@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
+#include <future>
 #include <thread>
 
 #include <sched.h>
@@ -34,5 +36,23 @@ inline unsigned most_threads() noexcept {
 inline void limit_threads(unsigned count) noexcept {
     detail::thread_limit = count;
 }
+
+/// Does one piece of work after the other while whoever hands them in goes on; with one thread alone, when the next
+/// comes. Its end waits for the last.
+class OneBehind {
+public:
+    /// Waits for the piece before. \throws what that one threw.
+    void add(std::function<void()> piece) {
+        wait();
+        last_ = std::async(most_threads() > 1 ? std::launch::async : std::launch::deferred, std::move(piece));
+    }
+    void wait() {
+        if (last_.valid())
+            last_.get();
+    }
+
+private:
+    std::future<void> last_;
+};
 
 } // namespace forceshade

@@ -6,6 +6,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,7 @@
 #include "host/paths/scene_paths.h"
 #include "host/picture/picture.h"
 #include "host/program.h"
+#include "host/threads.h"
 
 namespace forceshade {
 
@@ -241,6 +243,7 @@ public:
         record_.engine_times = engine_.explore(
             input, [this](const layout::PathChunk<T>& chunk) { receive(chunk); },
             [this](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { receive(first, metrics); });
+        written_.wait();
         finish();
         return record_;
     }
@@ -297,7 +300,34 @@ private:
         progress(std::min(batch_samples(), chunk.path_count * (chunk.step_first + chunk.step_count)));
     }
 
+    // The next batch is computed while this one is written: rows wait for their metrics, but those of a path alone come
+    // in pieces.
     void receive(const PathRows<T>& rows) {
+        if (rows.step_first + rows.pitch < source.longest())
+            written_.add([this, rows] { write(rows); });
+        else
+            rows_ = rows;
+    }
+    void receive(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+        check_interrupt();
+        written_.add([this, batch = Batch{std::exchange(rows_, std::nullopt),
+                                          first,
+                                          {metrics.begin(), metrics.end()},
+                                          {source.lengths().begin(), source.lengths().end()},
+                                          source.inside()}] { write(batch); });
+        done_ += batch_samples();
+        progress(0);
+    }
+
+    struct Batch {
+        std::optional<PathRows<T>> rows;
+        std::size_t first = 0; // path
+        std::vector<layout::PathMetrics<T>> metrics;
+        std::vector<layout::uint> steps;
+        std::vector<bool> inside; // empty without a mesh
+    };
+
+    void write(const PathRows<T>& rows) {
         if (times_)
             times_->add(rows);
         require_finite(rows);
@@ -329,22 +359,23 @@ private:
                                 stem_, id_of(path), where));
     }
 
-    void receive(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
-        check_interrupt();
+    void write(const Batch& batch) {
+        if (batch.rows)
+            write(*batch.rows);
         if (!is_oracle_)
-            oracle.compare(first, metrics);
+            oracle.compare(batch.first, batch.metrics);
         const bool closed = input.features.loop == layout::kLoopClosed;
-        for (std::size_t i = 0; i < metrics.size(); ++i) {
-            const bool inside = !source.inside().empty() && source.inside()[i];
+        for (std::size_t i = 0; i < batch.metrics.size(); ++i) {
+            const layout::PathMetrics<T>& metrics = batch.metrics[i];
+            const std::uint64_t path = batch.first + i;
+            const bool inside = !batch.inside.empty() && batch.inside[i];
             const PathFigures figures =
-                figures_of(metrics[i], {source.lengths()[i], rate_, closed, inside, times_of(first + i, metrics[i])});
+                figures_of(metrics, {batch.steps[i], rate_, closed, inside, times_of(path, metrics)});
             if (!std::isfinite(figures.largest_force + figures.rms_force + figures.work + figures.steepest_turn))
-                refuse(first + i, "");
-            output_.add(id_of(first + i), figures);
-            count(figures, metrics[i].contact_samples);
+                refuse(path, "");
+            output_.add(id_of(path), figures);
+            count(figures, metrics.contact_samples);
         }
-        done_ += batch_samples();
-        progress(0);
     }
 
     std::optional<PathTimes> times_of(std::uint64_t path, const layout::PathMetrics<T>& metrics) {
@@ -412,6 +443,8 @@ private:
     PathOutput output_;
     double depth_ = 0, depth_square_ = 0; // m, m^2: sums over the samples in contact
     PathRecord record_;
+    std::optional<PathRows<T>> rows_; // of the present batch, complete
+    OneBehind written_;               // last: it uses the others
 };
 
 } // namespace

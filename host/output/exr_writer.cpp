@@ -4,7 +4,6 @@
 #include <array>
 #include <cstring>
 #include <functional>
-#include <future>
 #include <limits>
 #include <mutex>
 #include <new>
@@ -34,6 +33,7 @@
 #include "host/output/raw_formats.h"
 #include "host/output/rows.h"
 #include "host/program.h"
+#include "host/threads.h"
 
 namespace forceshade {
 
@@ -264,7 +264,6 @@ private:
     // Where the part's next row goes.
     std::byte* target(PartRows& rows) { return rows.rows.data() + group_count_ * row_bytes(rows); }
     void flush_group();
-    void wait_for_group();
     bool refused() const;
     void throw_if_refused(const PlaceText& place) const;
 
@@ -278,13 +277,13 @@ private:
     std::uint64_t group_count_ = 0; // rows in the group so far
     std::vector<float> rounded_;    // a row, or a part of one
     std::vector<layout::uint> ids_; // of the facets
-    std::future<void> group_;       // the one before, as it is written; ends before what it uses
+    OneBehind group_;               // the one before, as it is written; ends before what it uses
 };
 
 // By a thread of its own while the next group comes, if the file may ask for parallel work. An image that will be
 // refused is only watched to its end, so that the message can name its largest value.
 void RowsWriter::flush_group() {
-    wait_for_group();
+    group_.wait();
     check_interrupt();
     for (PartRows& rows : parts_)
         std::swap(rows.rows, rows.handed);
@@ -297,16 +296,11 @@ void RowsWriter::flush_group() {
     };
     const bool wanted = !refused() && group_count_ > 0;
     if (wanted && sheet_.threads > 0)
-        group_ = std::async(write); // later by this thread where no other is to be had
+        group_.add(write);
     else if (wanted)
         write();
     group_first_ += group_count_;
     group_count_ = 0;
-}
-
-void RowsWriter::wait_for_group() {
-    if (group_.valid())
-        group_.get();
 }
 
 bool RowsWriter::refused() const {
@@ -343,7 +337,7 @@ VolumeResult RowsWriter::finish(const PlaceText& place) {
     // cannot be flushed or published any more.
     timed(timings.encode, [&] {
         flush_group();
-        wait_for_group();
+        group_.wait();
         for (PartRows& rows : parts_)
             rows.output.reset();
         output_.reset();

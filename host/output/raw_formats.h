@@ -73,8 +73,8 @@ private:
 /// Library and version, which decide a file's bytes: "ISA-L 2.30.0".
 std::string deflate_name();
 
-/// In zlib's format. The same bytes on every processor with CRC-32 instructions. \throws std::bad_alloc, std::runtime_error if what was packed is
-/// not what comes out again.
+/// In zlib's format. The same bytes on every processor with CRC-32 instructions. \throws std::bad_alloc,
+/// std::runtime_error if what was packed is not what comes out again.
 void deflate(std::span<const std::byte> from, std::vector<std::byte>& to);
 
 /// CRC-32 of bytes that follow others, whose own is `before`.

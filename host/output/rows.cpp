@@ -216,18 +216,22 @@ template <typename T> void RowGatherer<T>::add(const layout::PathChunk<T>& chunk
     const std::size_t begin = alone ? chunk.step_first : 0; // of the rows
     const std::size_t width = alone ? chunk.step_count : source_.longest();
     const Window window{chunk.path_count, chunk.pitch, chunk.step_first - begin, chunk.step_count, width};
-    transpose(window, chunk.position, 3, position_);
-    transpose(window, chunk.force, 3, force_);
-    transpose(window, chunk.depth, 1, depth_);
-    transpose(window, chunk.facet, 1, facet_);
-    transpose(window, chunk.proxy, 3, proxy_);
+    Rows& rows = rows_[filled_];
+    transpose(window, chunk.position, 3, rows.position);
+    transpose(window, chunk.force, 3, rows.force);
+    transpose(window, chunk.depth, 1, rows.depth);
+    transpose(window, chunk.facet, 1, rows.facet);
+    transpose(window, chunk.proxy, 3, rows.proxy);
     next_step_ += chunk.step_count;
     const bool whole = next_step_ >= source_.longest();
     if (whole)
         next_step_ = 0;
-    if (whole || alone)
-        receive_({chunk.path_first, chunk.path_count, width, source_.lengths(), position_, force_, depth_, facet_,
-                  proxy_, begin});
+    if (!whole && !alone)
+        return;
+    rows.steps.assign(source_.lengths().begin(), source_.lengths().end());
+    receive_({chunk.path_first, chunk.path_count, width, rows.steps, rows.position, rows.force, rows.depth, rows.facet,
+              rows.proxy, begin});
+    filled_ = 1 - filled_;
 }
 
 template class RowGatherer<float>;

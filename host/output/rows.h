@@ -287,8 +287,8 @@ private:
 template <typename T> class RowGatherer {
 public:
     using Receiver = std::function<void(const PathRows<T>&)>;
-    /// `receive` gets every batch of paths when its last step has come, of a batch of one path every chunk. `source`
-    /// gives the chunks' batches.
+    /// `receive` gets every batch of paths when its last step has come, of a batch of one path every chunk; what it got
+    /// stays until it has returned from the next. `source` gives the chunks' batches.
     RowGatherer(const BatchedSource<T>& source, Receiver receive) : source_(source), receive_(std::move(receive)) {}
 
     /// The next steps of a batch. \throws std::logic_error if they come out of order.
@@ -297,9 +297,13 @@ public:
 private:
     const BatchedSource<T>& source_;
     Receiver receive_;
+    struct Rows {
+        std::vector<T> position, force, depth, proxy;
+        std::vector<layout::uint> facet, steps;
+    };
     std::size_t next_step_ = 0;
-    std::vector<T> position_, force_, depth_, proxy_;
-    std::vector<layout::uint> facet_;
+    std::array<Rows, 2> rows_; // that are filled, and that were handed over before
+    std::size_t filled_ = 0;
 };
 
 extern template class RowGatherer<float>;
