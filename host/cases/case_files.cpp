@@ -135,9 +135,8 @@ std::string left_out_text(const std::vector<std::string>& omitted, const std::st
 std::string left_out_text(const CaseRecord& record) {
     return left_out_text(record.omitted, record.evaluated == record.voxels
                                              ? ""
-                                             : fmt::format("{:.0f} % of the voxels, modelled saving {:.2g} s",
-                                                           100 - 100 * double(record.evaluated) / double(record.voxels),
-                                                           record.saved()));
+                                             : fmt::format("{:.3g} % of the voxels, and of their time, modelled",
+                                                           record.share_saved() * 100));
 }
 
 std::string left_out_text(const Scene& scene) {

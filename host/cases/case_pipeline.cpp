@@ -137,8 +137,9 @@ void FieldOutput::add_pictures(CaseRecord& record) const {
     const double y = choice.axis == 1 ? slice.axes.at : grid.at(1, middle); /* m */
     const SceneStroke stroke = stroke_of(prepared, y);
     const std::string depth = numbers::quantity_text(stroke.depth, "m");
-    const std::string at_y =
-        picture::position_labels("y", {y}, slice.axes.at_spacing, numbers::choose_unit(stroke.depth, "m")).front();
+    const std::string at_y = picture::position_labels("y", {y}, slice.axes.at_spacing,
+                                                      numbers::choose_unit(std::max(stroke.depth, std::abs(y)), "m"))
+                                 .front();
     output_.draw(".stroke",
                  picture::draw_stroke(look(true, ", stroked along x"),
                                       {fmt::format("probe {} below the surface, {}", depth, at_y)}, stroke.forces,

@@ -113,12 +113,9 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
     const bool paths = any_case(study, [](const Scene& scene) { return scene.paths.has_value(); });
     if (result.evaluated < result.voxels)
         print_note(
-            "left out: {:.3g} % of {} voxels, which are {}, modelled saving {:.2g} s; summary.csv says what else\n",
+            "left out: {:.3g} % of {} voxels, which are {}, and of their time, modelled; summary.csv says what else\n",
             100 - 100 * double(result.evaluated) / double(result.voxels), result.voxels,
-            any_case(study, [](const Scene& scene) { return scene.surface.kind == SurfaceKind::mesh; })
-                ? "alike or in free space"
-                : "alike along y",
-            result.saved);
+            result.free_space ? "alike or in free space" : "alike along y");
     for (const std::string& warning : result.warnings)
         print_note("warning: {}\n", warning);
     if (!result.untouched.empty())

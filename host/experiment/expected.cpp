@@ -113,7 +113,7 @@ void add_findings(study::StudyData& data, const std::vector<Expected>& rows, con
         data.findings.push_back(
             {"facets",
              fmt::format("A model fitted to bumps of one to three facets expects the cylinder's answers, within {} "
-                         "percentage points, from {} facets on unshaded and {} shaded.",
+                         "percentage points, from {} facets upwards unshaded and from {} shaded.",
                          kClose, fmt::join(bare, ", "), fmt::join(shaded, ", ")),
              "facets", "bumps of this width", "the limit of a rigid surface, the observer's published parameters",
              "a model's expectation: more than three facets were never tested"});

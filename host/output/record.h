@@ -168,8 +168,8 @@ struct CaseRecord {
 
     /// The value of one that varies, by its key; empty: it has none.
     std::string parameter(std::string_view key) const;
-    /// s: modelled: of the voxels that were not evaluated, if each took as long as the others.
-    double saved() const { return evaluated == 0 ? 0 : engine_times.kernel * (double(voxels) / double(evaluated) - 1); }
+    /// Of the voxels, and modelled of their time, if each took as long as the others.
+    double share_saved() const { return voxels == 0 ? 0 : 1 - double(evaluated) / double(voxels); }
 };
 
 /// What is wrong with a case whose field or paths are further from the oracle than rounding allows; else empty.

@@ -1,6 +1,7 @@
 // "My device": what the page computes the limits of any hand's loop from.
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -24,7 +25,7 @@ Json weak_places_data(std::span<const NamedScene> scenes) {
     for (const auto& [name, scene, weak_places] : scenes) {
         check_interrupt();
         const std::optional<Case> stated = stated_scene(scene);
-        if (!stated || std::exchange(known[stated->scene.force.shading != Shading::none], true))
+        if (std::exchange(known[stated->scene.force.shading != Shading::none], true))
             continue;
         try {
             const Json places =
@@ -56,7 +57,8 @@ Json loop_data(const std::string& scene) {
             {"stiffness", coupled_share(hand, stiffness) * stiffness}};
 }
 
-std::string device_section(std::span<const NamedScene> scenes) {
+std::string device_section(std::vector<NamedScene> scenes) {
+    std::erase_if(scenes, [](const NamedScene& one) { return !stated_scene(one.scene); }); // volumes without one
     Json data{{"scene", !scenes.empty()}, {"loop", nullptr}, {"weak", weak_places_data(scenes)}};
     for (const NamedScene& one : scenes)
         if (data["loop"].is_null())

@@ -164,7 +164,7 @@ struct NamedScene {
 
 /// "My device", which the page fills in: of the first of `scenes` that says so the loop to begin with, and the places
 /// of their surfaces where any hand's loop is the least stable; without one the page takes the paper's bump.
-std::string device_section(std::span<const NamedScene> scenes);
+std::string device_section(std::vector<NamedScene> scenes);
 
 /// s: between samples of a scene's paths; NaN where it does not say, as of recorded ones.
 double path_period(const std::string& scene);

@@ -218,7 +218,7 @@ std::string range_text(std::vector<DrawnNumber> values, double factor, const cha
     if (values.empty())
         return "nowhere defined";
     constexpr double kNothing = 1e-5; // deg, 1 or N: rounding
-    const auto text = [&](double value) { return number_text(value < kNothing ? 0 : factor * value, 2); };
+    const auto text = [&](double value) { return number_text(std::abs(value) < kNothing ? 0 : factor * value, 2); };
     const std::string low = text(std::ranges::min(values, {}, &DrawnNumber::low).low),
                       high = text(std::ranges::max(values, {}, &DrawnNumber::high).high);
     return low == high          ? fmt::format("{} {}", low, unit)
@@ -324,6 +324,39 @@ std::string compare_finding(const Sweep& sweep) {
             depths_text(cases));
     }
     return text;
+}
+
+// mJ on the hand, the mean of a case's paths.
+double work_of(const CaseRecord& one) {
+    return 1e3 * one.paths->work / std::max(1.0, double(one.paths->paths));
+}
+
+// What the paths of the cases meet.
+void add_path_figures(const Sweep& sweep, study::StudyData& data) {
+    const Rows cases = with_paths(sweep);
+    if (cases.empty())
+        return;
+    using Row = const Plotted&;
+    const auto compared = [](Row r) {
+        const auto& deviation = r.record->paths->deviation;
+        return deviation && deviation->angles > 0 ? study::Cell(deviation->rms_angle) : study::Cell();
+    };
+    const Axes axes = axes_of(cases);
+    std::vector<DrawnError> figures{
+        {"path-force", "Largest force along the paths", {"largest_force_N", "largest force / N"}},
+        {"path-work", "Work on the hand along the paths", {"work_mJ", "work on the hand / mJ, mean of the paths"}}};
+    if (std::ranges::all_of(axes.rows, [&](Row r) { return !compared(r).text().empty(); }))
+        figures.insert(figures.begin(), {"path-angle",
+                                         "Error of the force's direction along the paths",
+                                         {"angle_deg", "RMS angle to the shape of [compare] / deg"}});
+    add_errors(data, axes, "path_results", "What the paths meet",
+               {{{"largest_force_N", "N", ""}, [](Row r) { return r.record->paths->largest_force; }},
+                {{"work_mJ", "mJ", "on the hand, mean of the paths"}, [](Row r) { return work_of(*r.record); }},
+                {{"mean_depth_mm", "mm", "in contact"}, [](Row r) { return 1e3 * r.record->paths->mean_depth; }},
+                {{"unstable", "1", "paths that left their bound"}, [](Row r) { return r.record->paths->unstable; }},
+                {{"angle_deg", "deg", "between the force and the normal of the shape of [compare], root mean square"},
+                 compared}},
+               "Over all paths of a case.", figures);
 }
 
 } // namespace
@@ -440,16 +473,11 @@ std::string force(const Rows& cases) {
 
 std::string cost(const Rows& cases) {
     const auto kernel = [](const CaseRecord* one) { return one->engine_times.kernel; };
-    const CaseRecord &dearest = **std::ranges::max_element(cases, {}, kernel),
-                     &cheapest = **std::ranges::min_element(cases, {}, kernel);
+    const CaseRecord& dearest = **std::ranges::max_element(cases, {}, kernel);
     if (kernel(&dearest) <= 0)
         return "";
-    std::string text =
-        fmt::format("The dearest case took {} ms to compute, {}", number_text(1e3 * kernel(&dearest), 3), dearest.name);
-    if (cases.size() > 1 && kernel(&cheapest) > 0)
-        text += fmt::format("; that is {} times the cheapest, {}", number_text(kernel(&dearest) / kernel(&cheapest), 2),
-                            cheapest.name);
-    return text + ".";
+    return fmt::format("The dearest case took {} ms to compute, {}.", number_text(1e3 * kernel(&dearest), 3),
+                       dearest.name);
 }
 
 std::string left_out(const Rows& cases) {
@@ -471,9 +499,15 @@ std::string paths(const Sweep& sweep) {
     const std::uint64_t samples = sum_of(cases, [](const CaseRecord& one) { return one.paths->samples; });
     if (count == 0)
         return "";
-    return fmt::format("{} paths with {} samples were followed; {} left {} bound.", count_text(count),
-                       count_text(samples), unstable == 0 ? "none" : count_text(unstable),
-                       unstable == 1 ? "its" : "their");
+    return fmt::format(
+        "The largest force on a path is {}, the work on the hand per path {}. {} paths with {} samples were "
+        "followed; {} left {} bound.",
+        by_shading(
+            cases, [](const CaseRecord& one) { return exact(one.paths->largest_force); }, 1, "N"),
+        by_shading(
+            cases, [](const CaseRecord& one) { return exact(work_of(one)); }, 1, "mJ"),
+        count_text(count), count_text(samples), unstable == 0 ? "none" : count_text(unstable),
+        unstable == 1 ? "its" : "their");
 }
 
 // Of a comparison with the oracle: empty for cases that it computed itself, and left out if it computed all.
@@ -564,6 +598,8 @@ study::StudyData tables_of(const Sweep& sweep) {
     add_compare_figures(sweep, data);
     if (data.figures.empty())
         add_touch_figures(sweep, data);
+    if (data.figures.empty())
+        add_path_figures(sweep, data);
     if (!fields.empty()) {
         data.tables.push_back(cases_table(sweep, fields));
         data.tables.push_back(times_table(fields));

@@ -155,13 +155,8 @@ std::string verdict_rows(const StudyData& errors, const StudyData* stability, co
         const std::string draws = low == high ? "" : fmt::format(" ({} to {})", low, high);
         std::string time = "1";
         if (plain.contains(kElements) && plain.at(kElements) != row) {
-            const study::Interval measured = time_ratio(rounds, row, plain.at(kElements)),
-                                  ratio = study::across_reruns(measured);
             time = was_busy(ways) ? "not known: the machine was busy"
-                   : study::takes_other_time(ratio)
-                       ? study::ratio_text(ratio)
-                       : fmt::format("{} [{:.2f}, {:.2f}]", study::was_busy(measured) ? "open" : "about 1", ratio.low,
-                                     ratio.high);
+                                  : study::times_text(time_ratio(rounds, row, plain.at(kElements)));
         }
         const std::string cells[] = {
             fmt::format("{}{}", shown(ways.needed(row, "direction_rms_deg")), draws),
@@ -191,14 +186,12 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
     if (enough == plain.end() || !shaded.contains(kElements) || enough->first <= kElements)
         return "";
     std::string text = fmt::format(
-        "{} unshaded err by {} deg and {} % of the force", fmt::format(fmt::runtime(of), enough->first),
+        "{} unshaded err by {} deg and {} % of the RMS force (both RMS)", fmt::format(fmt::runtime(of), enough->first),
         shown(ways.needed(enough->second, "direction_rms_deg")), percent(ways.needed(enough->second, "typical_rms_1")));
     if (was_busy(ways))
         return text;
-    const study::Interval ratio = study::across_reruns(time_ratio(rounds, enough->second, shaded.at(kElements)));
-    return text + fmt::format(", and take {} as {} shaded",
-                              study::takes_other_time(ratio) ? study::ratio_text(ratio) + " times as long"
-                                                             : std::string("about as long"),
+    return text + fmt::format(", and take {} times as long as {} shaded",
+                              study::times_text(time_ratio(rounds, enough->second, shaded.at(kElements))),
                               fmt::format(fmt::runtime(of), kElements));
 }
 

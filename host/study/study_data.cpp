@@ -98,14 +98,13 @@ std::string ratio_text(const Interval& ratio) {
     return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", ratio.median, digits, ratio.low, digits, ratio.high, digits);
 }
 
-std::string times_as_long(const Interval& measured, const char* other) {
+std::string times_text(const Interval& measured) {
     const Interval ratio = across_reruns(measured);
-    if (takes_other_time(ratio))
-        return fmt::format("takes {} times as long as {}", ratio_text(ratio), other);
-    if (was_busy(measured))
-        return fmt::format("takes [{:.2f}, {:.2f}] times as long as {}, which leaves open whether more or less",
-                           ratio.low, ratio.high, other);
-    return fmt::format("takes about as long as {} ([{:.2f}, {:.2f}] times)", other, ratio.low, ratio.high);
+    return takes_other_time(ratio) ? ratio_text(ratio) : fmt::format("{:.2f} to {:.2f}", ratio.low, ratio.high);
+}
+
+std::string times_as_long(const Interval& measured, const char* other) {
+    return fmt::format("takes {} times as long as {}", times_text(measured), other);
 }
 
 double quantile(std::vector<double> values, double share) {

@@ -230,7 +230,9 @@ inline bool was_busy(const Interval& control) {
 /// "1.30 [1.21, 1.42]", with as many digits as it takes for its ends to differ from 1.
 std::string ratio_text(const Interval& ratio);
 
-/// "takes 1.30 [1.10, 1.56] times as long as the other", across reruns, or that it takes about as long.
+/// Across reruns "1.30 [1.10, 1.56]", or "0.95 to 1.15" where that may be 1.
+std::string times_text(const Interval& measured);
+/// "takes 1.30 [1.10, 1.56] times as long as the other".
 std::string times_as_long(const Interval& measured, const char* other);
 
 /// The quantile at this share, the middle of neighbours between ranks; 0 without values.

@@ -175,7 +175,7 @@ Columns columns_of(const Study& study) {
     add_touch("touch_force_error_low", [](const T& t) { return t.median_error.low; });
     add_touch("touch_force_error_high", [](const T& t) { return t.median_error.high; });
     add_touch("touch_missed", [](const T& t) { return t.missed.value; });
-    add("evaluations_saved", [](const R& r) { return r.voxels ? 1 - double(r.evaluated) / double(r.voxels) : 0.0; });
+    add("evaluations_saved", &R::share_saved);
     add("exr_bytes", [](const R& r) { return r.files.front().bytes; });
     add("exr_sha256", [](const R& r) { return r.files.front().sha256; });
     const auto any = [&](auto has) { return std::ranges::any_of(study.cases, has, &Case::scene); };

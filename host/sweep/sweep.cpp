@@ -89,7 +89,7 @@ void prepare_folder(const std::filesystem::path& folder) {
 void count(SweepResult& result, const CaseRecord& record) {
     result.voxels += record.voxels;
     result.evaluated += record.evaluated;
-    result.saved += record.saved();
+    result.free_space |= std::ranges::count(record.omitted, kFreeSpace) > 0;
     result.largest_relative_error = std::max(result.largest_relative_error, record.error.relative());
     result.differing += record.error.differing;
     if (record.voxels > 0 && record.largest_force == 0 && record.error.largest_force == 0) // else it underflows

@@ -163,7 +163,7 @@ struct SweepResult {
     std::uint64_t differing = 0;             /* voxels of the chosen cases whose bits are not the oracle's */
     std::uint64_t differing_samples = 0;     /* of their paths */
     std::uint64_t voxels = 0, evaluated = 0; /* of the chosen cases; the others are copies, or free space */
-    double saved = 0;                        /* s: modelled, as CaseRecord has it, of all of them */
+    bool free_space = false;                 /* whether some are */
     double largest_relative_error = 0;       /* against the oracle in double, over all chosen cases */
     RunAccount account;
 };

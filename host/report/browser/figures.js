@@ -195,11 +195,12 @@ function drawScatter(element, study, figure) {
         drawKey(key, ...style);
       });
   });
+  const coloured = {}; // how many lines of a colour there are: they differ by their dashes
   for (const name of names) {
-    const style = styleOf(name), own = rows.filter((row) => !figure.series || String(row[figure.series] || "") === name);
+    const style = styleOf(name), dash = CURVE_DASHES[(coloured[style.colour] = (coloured[style.colour] ?? -1) + 1) % 5], own = rows.filter((row) => !figure.series || String(row[figure.series] || "") === name);
     const at = (row) => [x(row[figure.x.column]), y(row[figure.y.column])];
     if (figure.joined)
-      drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, null, over.length ? 0.9 : undefined);
+      drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, dash, over.length ? 0.9 : undefined);
     for (const row of own) {
       const [px, py] = at(row);
       const whisker = (axis, low, high, line) => {
@@ -219,7 +220,7 @@ function drawScatter(element, study, figure) {
     if (figure.series)
       frame.addLegend(name, (key) => {
         if (figure.joined)
-          drawKey(key, style.colour, null);
+          drawKey(key, style.colour, dash);
         if (figure.shape)
           key.append("rect").attr("x", -6).attr("y", -6).attr("width", 12).attr("height", 12).attr("fill", style.colour);
         else
@@ -234,7 +235,7 @@ function drawScatter(element, study, figure) {
     ({ text: String(row[figure.label]), x: x(row[figure.x.column]), y: y(row[figure.y.column]) })),
   [...rows.map((row) => [x(row[figure.x.column]), y(row[figure.y.column])]), ...curves.flatMap((curve) => curve.points.map(([a, b]) => [x(a), y(b)]))]);
   if (rows.length < all.length)
-    d3.select(element).append("p").attr("class", "note").text(`${all.length - rows.length} of the ${all.length} rows have no number to be drawn here; the table has them.`);
+    d3.select(element).append("p").attr("class", "note").text(`The table has ${all.length} rows; ${all.length - rows.length} without a number for this figure.`);
 }
 
 // Names next to the marks that have one, where there is room: the others show theirs when pointed at.

@@ -1,6 +1,7 @@
 #include "host/study/error_time/error_time.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <iterator>
 #include <numeric>
@@ -40,17 +41,39 @@ MethodErrors errors_of(const Forces& forces, const Forces& exact, const KindPlac
     return errors;
 }
 
-// The median of the draws, if there are several.
+// The median of a number over the draws that have it; NaN if none does.
+template <typename Number> double median_over(const std::vector<MethodErrors>& draws, const Number& number) {
+    std::vector<double> values;
+    for (const MethodErrors& one : draws)
+        if (const double value = number(one); !std::isnan(value))
+            values.push_back(value);
+    return values.empty() ? NAN : quantile(std::move(values), 0.5);
+}
+
+// Each number's median over the draws, so that no single one decides; of rounding the largest.
 MethodErrors over_all(std::vector<MethodErrors> all) {
     if (all.size() == 1)
         return std::move(all.front());
-    std::vector<std::size_t> order(all.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::ranges::sort(order, {}, [&](std::size_t i) {
-        const double rms = all[i].shared.typical.rms;
-        return std::isnan(rms) ? 0 : rms;
-    });
-    MethodErrors errors = all[order[order.size() / 2]];
+    MethodErrors errors;
+    const auto settle = [&](ForceErrors& median, const auto& of) {
+        for (const auto count :
+             {&ForceErrors::places, &ForceErrors::missed, &ForceErrors::phantom, &ForceErrors::above})
+            median.*count = static_cast<std::size_t>(
+                std::llround(median_over(all, [&](const MethodErrors& one) { return double(of(one).*count); })));
+        median.phantom_largest = median_over(all, [&](const MethodErrors& one) { return of(one).phantom_largest; });
+        for (const auto summary :
+             {&ForceErrors::direction, &ForceErrors::local, &ForceErrors::size, &ForceErrors::typical})
+            for (const auto number : {&Summary::rms, &Summary::median, &Summary::p95, &Summary::largest})
+                median.*summary.*number =
+                    median_over(all, [&](const MethodErrors& one) { return of(one).*summary.*number; });
+    };
+    settle(errors.shared, [](const MethodErrors& one) -> const ForceErrors& { return one.shared; });
+    for (const Kind kind : kKinds)
+        settle(errors.by_kind[static_cast<std::size_t>(kind)],
+               [&](const MethodErrors& one) -> const ForceErrors& { return one.of(kind); });
+    errors.precision.largest = 0;
+    for (const MethodErrors& one : all)
+        errors.precision.largest = std::max(errors.precision.largest, one.precision.largest);
     errors.by_draw = std::move(all);
     return errors;
 }
@@ -356,6 +379,9 @@ StudyData study_error_time(StudyRun& run) {
     data.figures = figures_of(measured, !run.scene());
     data.findings = error_time::findings_of(measured);
     add_other_times(data, measured, others);
+    for (Figure& figure : data.figures)
+        if (!measured.steady() && (figure.x.column.starts_with("time_") || !figure.curves.empty()))
+            figure.caption += " The machine was busy while these were measured: their times are not to be compared.";
     data.failed_renderers = failures.size();
     append(data.findings, std::move(failures));
     return data;

@@ -94,8 +94,11 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     for (const std::size_t i : same("look-up, depth and direction"))
         if (const auto of_depth = lookup_errors(*measured.methods[i].errors)) {
             see(*of_depth);
-            text += fmt::format(" A volume of signed depth and direction errs by {}{}, with {} of such places.",
-                                percents(of_depth->rms), at_the_rim(*of_depth), percent(of_depth->phantom.median));
+            text +=
+                fmt::format(" A volume of signed depth and direction, of {:.1f} times the bytes, errs by {}{}, with {} "
+                            "of such places.",
+                            double(measured.methods[i].built().bytes) / double(method.built().bytes),
+                            percents(of_depth->rms), at_the_rim(*of_depth), percent(of_depth->phantom.median));
         }
     for (const std::size_t i : same("look-up, adaptive")) // how long it takes differs by 1.6 from run to run
         if (const auto adaptive = lookup_errors(*measured.methods[i].errors)) {
@@ -141,8 +144,7 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     };
     const auto size = [&](std::size_t i) {
         const MethodErrors& errors = *measured.methods[i].errors;
-        const auto spread = over_draws(errors, [](const MethodErrors& one) { return one.shared.size.median; });
-        return percent(spread ? spread->median : errors.shared.size.median);
+        return percent(errors.shared.size.median);
     };
     const std::size_t draws = measured.methods[shaded[0]].errors->by_draw.size();
     findings.push_back(

@@ -346,19 +346,20 @@ std::vector<Finding> run_findings(const Measured& measured, const std::vector<Fi
                          kSettled),
              "95 % bootstrap interval of the median"});
     }
-    const auto by = [&](std::size_t nth) -> const FieldRun* { // of the spacings, from the finest
-        if (fields.empty())
-            return nullptr;
-        std::vector<const FieldRun*> same;
-        for (const FieldRun& run : fields)
-            if (run.surface == fields.front().surface && run.by == fields.front().by && run.precision == Precision::f32)
-                same.push_back(&run);
-        std::ranges::sort(same, {}, [](const FieldRun* run) { return run->grid.spacing[0]; });
-        return nth < same.size() ? same[nth] : nullptr;
-    };
-    const FieldRun *fine = by(0), *coarse = by(1);
-    if (!fine || !coarse || !measured.steady())
+    // By the engine that is the quickest at the finest spacing, as `auto` takes it.
+    std::vector<const FieldRun*> runs;
+    for (const FieldRun& run : fields)
+        if (run.surface == fields.front().surface && run.precision == Precision::f32)
+            runs.push_back(&run);
+    std::ranges::sort(runs, {},
+                      [](const FieldRun* run) { return std::pair(run->grid.spacing[0], quantile(run->whole(), 0.5)); });
+    if (runs.empty())
         return findings;
+    const FieldRun* const fine = runs.front();
+    std::erase_if(runs, [&](const FieldRun* run) { return run->by != fine->by; });
+    if (runs.size() < 2 || !measured.steady())
+        return findings;
+    const FieldRun* const coarse = runs[1];
     const auto of_fine = look_up_error(measured, *fine), of_coarse = look_up_error(measured, *coarse);
     if (!of_fine || !of_coarse)
         return findings;

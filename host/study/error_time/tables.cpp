@@ -45,17 +45,6 @@ auto of_draws(Summary ForceErrors::*summary, double Interval::*end) {
     };
 }
 
-// A number of the places that all laws share, the median over the draws: the same for laws that differ in nothing else.
-template <typename Number> auto over_all_draws(Number number) {
-    return [number](const ErrorRow& r) {
-        const auto of = [&](const MethodErrors& one) { return std::invoke(number, one.shared); };
-        if (!r.method.errors)
-            return Cell();
-        const auto spread = over_draws(*r.method.errors, of);
-        return Cell(spread ? spread->median : of(*r.method.errors));
-    };
-}
-
 const ErrorColumns& method_columns() {
     using R = ErrorRow;
     static const ErrorColumns columns{
@@ -92,17 +81,15 @@ const ErrorColumns& method_columns() {
          [](const R& r) { return r.busy ? "yes" : "no"; }},
         {"places", "1", "that all laws of the surface share, or that a grid has there",
          of_errors(&ForceErrors::places)},
-        {"one_sided", "1",
-         "share of the places where only one of the two has a force, this method or the reference; median over draws",
-         over_all_draws(&ForceErrors::one_sided_share)},
-        {"direction_rms_deg", "deg", "angle to the true force, root mean square",
+        {"one_sided", "1", "share of the places where only one of the two has a force, this method or the reference",
+         of_errors(&ForceErrors::one_sided_share)},
+        {"direction_rms_deg", "deg",
+         "angle to the true force, root mean square; this and all errors: median over draws",
          of_errors(&ForceErrors::direction, &Summary::rms)},
         {"direction_max_deg", "deg", "the largest", of_errors(&ForceErrors::direction, &Summary::largest)},
-        {"size_median_1", "1",
-         "error of the force's size alone over the true force there, where both have one, median; median over draws",
-         over_all_draws([](const ForceErrors& e) { return e.size.median; })},
-        {"size_p95_1", "1", "the same, 95th percentile",
-         over_all_draws([](const ForceErrors& e) { return e.size.p95; })},
+        {"size_median_1", "1", "error of the force's size alone over the true force there, where both have one, median",
+         of_errors(&ForceErrors::size, &Summary::median)},
+        {"size_p95_1", "1", "the same, 95th percentile", of_errors(&ForceErrors::size, &Summary::p95)},
         {"local_p95_1", "1",
          "error of the force, size and direction, over the true force there, 95th percentile; a missing force errs by "
          "1",
@@ -143,6 +130,15 @@ ErrorColumns kind_columns() {
          {"missed", "1", "of these: no force, but there should be one", of_errors(&ForceErrors::missed)},
          {"phantom", "1", "of these: a force, but there should be none", of_errors(&ForceErrors::phantom)}});
     as_in_methods({"direction_rms_deg", "direction_max_deg", "local_p95_1", "typical_rms_1"});
+    const auto local_over_draws = [](double Interval::*end) {
+        return [end](const R& r) {
+            const auto local =
+                over_draws(*r.method.errors, [&](const MethodErrors& one) { return one.of(r.kind).local.p95; });
+            return local ? Cell(*local.*end) : Cell();
+        };
+    };
+    columns.push_back({"local_low_1", "1", "local_p95_1, the least over draws", local_over_draws(&Interval::low)});
+    columns.push_back({"local_high_1", "1", "the largest", local_over_draws(&Interval::high)});
     return columns;
 }
 
@@ -311,7 +307,7 @@ Table draws_table(const Measured& measured) {
         "tessellated at random",
         {{"way", "", "as in ways", [](const R& r) { return r.method.name; }},
          {"spacing_mm", "mm", "as in ways", [](const R& r) { return 1e3 * r.method.spacing.value_or(NAN); }},
-         {"draw", "1", "its number; from the second on a volume is turned about the vertical", &R::draw},
+         {"draw", "1", "its number; from the second on a volume is shifted and turned", &R::draw},
          {"typical_rms_1", "1", "as in ways", [](const R& r) { return r.errors.shared.typical.rms; }},
          {"direction_rms_deg", "deg", "as in ways", [](const R& r) { return r.errors.shared.direction.rms; }},
          {"rim_direction_rms_deg", "deg", "angle to the true force at the rim, root mean square",
@@ -393,15 +389,17 @@ Figure lookup_figure(const Subject& subject, const Variant& variant) {
     return make_figure(
         "look-up-" + subject.name,
         fmt::format("{}, {}: error of a trilinear look-up by kind of place", subject.name, variant.name),
-        "95th percentile over the places of a kind, over the force there, at the draw of the volume's grid that has "
-        "the median error. A finer volume helps least where contact begins and where facets or surfaces meet.",
+        "95th percentile over the places of a kind, over the force there: the median, the least and the largest of "
+        "random draws of places and of the volume's grid. A finer volume helps least where contact begins and where "
+        "facets or surfaces meet.",
         FigureKind::scatter, "kinds",
         {{"surface", subject.name},
          {"family", "look-up, trilinear"},
          {"precision", "f32"},
          {"shading", variant.shading}},
         {"spacing_mm", "spacing of the volume / mm", true},
-        {"local_p95_1", "error over the force there, 95 % of places", true}, "kind", "", {.joined = true});
+        {"local_p95_1", "error over the force there, 95 % of places", true}, "kind", "",
+        {.low = "local_low_1", .high = "local_high_1", .joined = true});
 }
 
 Figure convergence(const Subject& subject, const std::string& family) {

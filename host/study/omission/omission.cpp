@@ -206,8 +206,8 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
         const std::string list = listed(scene);
         const Row& first = *scene.front();
         findings.push_back({"scene",
-                            fmt::format("Optional outputs that do not change the force cost time: the whole evaluation "
-                                        "takes {}; the kernel alone {} with {}.",
+                            fmt::format("What a scene need not ask for costs time where it does: the whole evaluation takes "
+                                        "{}; the kernel alone {} with {}.",
                                         list,
                                         costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio())
                                                                                : "not significantly longer",
@@ -271,11 +271,11 @@ Interval Measurement::whole_ratio() const {
 
 void add_omissions(StudyData& data, const std::vector<BaseScene>& scenes, const std::vector<Measurement>& rows) {
     data.tables = {feature_table(rows), omitted_table(scenes, rows)};
-    data.figures = {bars("whole", "What features cost that are left out: the whole evaluation",
+    data.figures = {bars("whole", "What is left out would cost this: time of the whole evaluation",
                          "Time with a feature over that without it; whiskers are 95 % intervals. Only what costs more "
                          "than the control, two sides that are alike; the table has the others.",
                          "time with it / time without it"),
-                    bars("kernel", "What features cost that are left out: the kernel",
+                    bars("kernel", "What is left out would cost this: time of the kernel",
                          "The same for the kernel alone, without the host's work for a feature.",
                          "kernel time with it / without it")};
     std::erase_if(data.figures, [&](const Figure& figure) { // without a bar

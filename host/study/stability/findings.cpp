@@ -80,10 +80,16 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
                                    newtons(*worst.limit), newtons(worst.wall), newtons(surface.stiffness), ratio,
                                    ratio < 1 ? "" : ", and unstable");
     } else {
+        std::vector<std::string> lowest{worst.surface};
+        for (const LoopSurface& other : results.surfaces)
+            if (const LeastLimit* const least = worst_of(results.limits, other.name);
+                least && other.name != worst.surface && *least->limit < 1.001 * *worst.limit)
+                lowest.push_back(other.name);
         finding.text = fmt::format(
-            "Of {} surfaces the {} has the lowest limit: away from places where the direction jumps the loop is stable "
+            "Of {} surfaces the {} {} the lowest limit: away from places where the direction jumps the loop is stable "
             "up to {} of depth{}, {} (flat wall: {}).",
-            results.surfaces.size(), worst.surface, limit_at(results, worst.surface, worst.place.depth),
+            results.surfaces.size(), fmt::join(lowest, " and the "), lowest.size() > 1 ? "have" : "has",
+            limit_at(results, worst.surface, worst.place.depth),
             is_of_the_grip(results, worst) ? fmt::format(" (the grip's spring holds at most {:.2g} N that turn so "
                                                          "fast; neither more damping nor a faster rate helps)",
                                                          *worst.limit * worst.place.depth)
@@ -127,6 +133,18 @@ std::string over_tessellations(const LoopResults& results, const std::string& su
     return least.size() < 2 ? "" : fmt::format(" ({:.0f} to {} on {} tessellations)", low, newtons(high), least.size());
 }
 
+// N/m: the least of a surface at a depth, over the usual holds or over any press.
+double least_at(const LoopResults& results, const std::string& surface, double depth, bool any_press) {
+    double least = INFINITY;
+    for (const LeastLimit& one : results.limits)
+        if (one.own && one.surface == surface && one.place.depth == depth) {
+            least = std::min(least, one.limit.value_or(INFINITY));
+            if (any_press && one.any_press)
+                least = std::min(least, one.any_press->limit);
+        }
+    return least;
+}
+
 void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
     std::vector<std::string> parts, places, sure;
     for (const char* surface : {"bump", "mesh"}) {
@@ -134,18 +152,19 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
                          *shaded = worst_of(results.limits, "shaded " + std::string(surface));
         if (!bare || !shaded)
             continue;
-        const auto change_at = [&](double depth) {
+        const auto change_at = [&](double depth, bool any_press) {
             constexpr double kSame = 0.01;
-            const double change = *worst_of(results.limits, shaded->surface, depth)->limit /
-                                  *worst_of(results.limits, surface, depth)->limit;
-            return std::abs(change - 1) < kSame
-                       ? fmt::format("no change at {:.2g} mm", 1e3 * depth)
-                       : fmt::format("from {} to {}", newtons(*worst_of(results.limits, surface, depth)->limit),
-                                     limit_at(results, shaded->surface, depth));
+            const double before = least_at(results, surface, depth, any_press),
+                         after = least_at(results, shaded->surface, depth, any_press);
+            return std::abs(after / before - 1) < kSame
+                       ? fmt::format("not at {:.2g} mm", 1e3 * depth)
+                       : fmt::format("from {} to {} at {:.2g} mm", newtons(before), newtons(after), 1e3 * depth);
         };
-        parts.push_back(fmt::format("{} {} of depth{}, {}", of_facets(results, surface), change_at(shaded->place.depth),
-                                    over_tessellations(results, shaded->surface, shaded->place.depth),
-                                    change_at(results.surfaces.front().depths().front())));
+        const double deep = shaded->place.depth, shallow = results.surfaces.front().depths().front();
+        parts.push_back(fmt::format("{} {} of depth{}, {}; pressed in any direction {}, {}",
+                                    of_facets(results, surface), change_at(deep, false),
+                                    over_tessellations(results, shaded->surface, deep), change_at(shallow, false),
+                                    change_at(deep, true), change_at(shallow, true)));
         places.push_back(place_of(*shaded));
         sure.push_back(fmt::format("{}: {}", shaded->surface, sureness_of(results, shaded->surface)));
     }
@@ -154,8 +173,8 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back(
         {"loop_shading",
          fmt::format(
-             "Away from places where the direction jumps, force shading changes the largest stable stiffness: for {}.",
-             fmt::join(parts, "; for ")),
+             "Away from places where the direction jumps, force shading changes the largest stable stiffness. For {}.",
+             fmt::join(parts, ". For ")),
          "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_text(results.surfaces.front()),
          fmt::format("{}", fmt::join(sure, "; "))});
 }
@@ -397,7 +416,7 @@ void add_basin(std::vector<Finding>& findings, const LoopResults& results) {
          fmt::format(
              "Without any damping {:.3g} N of friction lets a kick die out up to 8 f_c / (pi K T w), w = sqrt(K / m): "
              "{:.2g} mm on 1000 N/m, {:.2g} mm on 5000 N/m; a larger one grows. That is of a flat wall; other places "
-             "stand in the interval, and where the force is a sample late it is up to a third of that.",
+             "stand in the interval, and where the force is a sample late it falls to as little as a third of that.",
              cell.hand.coulomb, basin(1000), basin(5000)),
          "loop-basin", fmt::format("{}, a wall", loops.any->surface),
          hand_text(results.surfaces.front()) + ", no damping",
