@@ -39,7 +39,7 @@ struct CaseOutcome {
 };
 
 struct PipelineOptions {
-    unsigned encoders = 0;                              /* threads; 0: one a core, at most one a case */
+    unsigned encoders = 0;                             /* threads; 0: one a core, at most one a case */
     std::size_t waiting_bytes = std::size_t(32) << 20; /* between engine and encoders */
 };
 

@@ -42,7 +42,7 @@ int give(const LastBlock& last, Bytef* to, uLongf* room) {
 int unpack_anew(Bytef* to, uLongf* room, Bytes from) {
     if (from.size() > kMostBytes)
         return Z_DATA_ERROR;
-    inflate_state state{};
+    inflate_state state;
     isal_inflate_init(&state);
     state.crc_flag = ISAL_ZLIB;
     state.next_in = const_cast<Bytef*>(from.data()); // only read
@@ -70,8 +70,9 @@ int pack_anew(std::vector<Bytef>& to, Bytes from) {
     to.resize(from.size() + kHeader * (from.size() / kStored + 1) + kRest);
     if (to.size() > kMostBytes)
         return Z_BUF_ERROR;
-    isal_zstream stream{}; // all of it: what the initialization leaves decides now and then where a match ends
+    isal_zstream stream;
     isal_deflate_stateless_init(&stream);
+    stream.hist_bits = 0; // the largest window: the initialization leaves what was there
     stream.level = 2; // the fastest on a field's blocks
     stream.level_buf = tokens.data();
     stream.level_buf_size = static_cast<std::uint32_t>(tokens.size());

@@ -109,6 +109,9 @@ std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep)
 void add_compare_figures(const Sweep& sweep, study::StudyData& data);
 /// Errors where a hand touches, over what the sweep varies most: a table and two figures, if something varies.
 void add_touch_figures(const Sweep& sweep, study::StudyData& data);
+/// What the paths of the cases meet, over what the sweep varies most: a table, and figures of force, work and, with
+/// [compare], direction, if something varies.
+void add_path_figures(const Sweep& sweep, study::StudyData& data);
 /// The findings of a sweep, a sentence each, computed from the cases alone; may be empty.
 std::vector<study::Finding> sweep_findings(const Sweep& sweep);
 

@@ -331,7 +331,8 @@ double work_of(const CaseRecord& one) {
     return 1e3 * one.paths->work / std::max(1.0, double(one.paths->paths));
 }
 
-// What the paths of the cases meet.
+} // namespace
+
 void add_path_figures(const Sweep& sweep, study::StudyData& data) {
     const Rows cases = with_paths(sweep);
     if (cases.empty())
@@ -358,8 +359,6 @@ void add_path_figures(const Sweep& sweep, study::StudyData& data) {
                  compared}},
                "Over all paths of a case.", figures);
 }
-
-} // namespace
 
 void add_compare_figures(const Sweep& sweep, study::StudyData& data) {
     const Rows cases = with_compare(sweep);

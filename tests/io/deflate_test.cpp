@@ -1,6 +1,8 @@
 // What compresses EXR blocks in zlib's place: zlib unpacks it, damage is told, and OpenEXR does call it.
+#include <array>
 #include <dlfcn.h>
 #include <random>
+#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -51,6 +53,24 @@ TEST(Deflate, IsReadByZlib) {
                 const std::string bytes = some_bytes(size, different);
                 EXPECT_EQ(unpacked_by_zlib(packed(bytes, level), size + 1), bytes) << size << ' ' << different;
             }
+}
+
+// What lies on the stack must not decide how far back matches are looked for.
+TEST(Deflate, HasTheSameBytesWhateverLiesInMemory) {
+    const auto fill_stack = [](std::uint16_t with) {
+        std::array<volatile std::uint16_t, 1 << 17> words;
+        for (volatile std::uint16_t& word : words)
+            word = with;
+        return words[7];
+    };
+    const std::string period = some_bytes(5000, 256), bytes = period + period, other = some_bytes(300, 5);
+    std::set<std::string> all;
+    for (const std::uint16_t with : std::initializer_list<std::uint16_t>{0, 3, 8, 15, 0x5555}) {
+        EXPECT_EQ(fill_stack(with), with);
+        all.insert(packed(bytes, 1));
+        packed(other, 1); // or the last block is given again
+    }
+    EXPECT_EQ(all.size(), 1u);
 }
 
 TEST(Deflate, UnpacksTheSameBlockAgainAndAnotherAfterIt) {

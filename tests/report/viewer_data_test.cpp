@@ -196,12 +196,13 @@ TEST(Verdict, SetsSchemesSideBySide) {
         return verdict_section(contents);
     };
     const std::string slower = with_times(1.5);
-    for (const char* cell : {"deg RMS (of draws)\">0.2 (0.16 to 0.24)</td>", "RMS force\">11</td>", "places\">25</td>",
-                             "interval]\">1.50 [1.34, 1.68]</td>", "tessellations)\">1.5 (1.5 to 1.6)</td>",
-                             "size goes from 8.4 to 7.6 % of the force there in the median and stays at 83 % in the",
-                             "from 4.2 to 0.2 deg", "only one has a force goes from 26 to 25 %",
-                             "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the RMS force (both RMS), and take 2.00 [1.78, 2.24] "
-                             "times as long as 8 x 8 cells shaded"})
+    for (const char* cell :
+         {"deg RMS (of draws)\">0.2 (0.16 to 0.24)</td>", "RMS force\">11</td>", "places\">25</td>",
+          "interval]\">1.50 [1.34, 1.68]</td>", "tessellations)\">1.5 (1.5 to 1.6)</td>",
+          "size goes from 8.4 to 7.6 % of the force there in the median and stays at 83 % in the",
+          "from 4.2 to 0.2 deg", "only one has a force goes from 26 to 25 %",
+          "64 x 64 cells unshaded err by 0.9 deg and 0.9 % of the RMS force (both RMS), and take 2.00 [1.78, 2.24] "
+          "times as long as 8 x 8 cells shaded"})
         EXPECT_TRUE(says(slower, cell)) << cell;
     EXPECT_FALSE(says(slower, "mesh, two_pass"));
     EXPECT_TRUE(says(with_times(1), ">0.89 to 1.12</td>"));
@@ -239,7 +240,7 @@ TEST(SweepFindings, FollowTheData) {
     expect("agreement", "3 differ, 1 of them by more than rounding allows");
     expect("largest_error", "5×10⁻⁷ of the case's largest force (10⁻⁶ N), in a.");
     expect("largest_force", "3 N, in b");
-    expect("dearest_case", "1000 ms to compute, a; that is 2 times");
+    expect("dearest_case", "1000 ms to compute, a.");
     expect("evaluated", "Only 1\u00a0010 of 2\u00a0000 voxels");
     sweep.cases[0].parameters = {{"facets", "2"}, {"shading", "none"}};
     sweep.cases[1].parameters = {{"facets", "2"}, {"shading", "reference"}};
@@ -262,7 +263,19 @@ TEST(SweepFindings, FollowTheData) {
             .from = "the sphere", .angles = 10, .rms_angle = 3, .magnitudes = 10, .rms_magnitude_error = 0.5};
     expect("compare",
            "Compared with the sphere, the force's direction differs by 3 deg without shading and 3 deg with it");
+    for (CaseRecord& one : sweep.cases) {
+        one.paths.emplace();
+        one.paths->paths = 4;
+        one.paths->largest_force = one.name == "a" ? 2 : 3;
+        one.paths->work = one.name == "a" ? -0.01 : 0.02;
+    }
+    expect("paths", "The largest force on a path is 2 N without shading and 3 N with it, the work on the hand per path "
+                    "−2.5 mJ without shading and 5 mJ with it. 8 paths");
     study::StudyData data;
+    add_path_figures(sweep, data);
+    ASSERT_EQ(data.figures.size(), 2u) << "without [compare]";
+    EXPECT_EQ(data.tables[0].number(1, "work_mJ"), 5);
+    data = {};
     add_touch_figures(sweep, data);
     ASSERT_EQ(data.figures.size(), 2u);
     EXPECT_EQ(data.figures[0].kind, study::FigureKind::bars) << "no number varies";

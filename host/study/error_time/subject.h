@@ -160,7 +160,8 @@ struct MethodErrors {
     ForceErrors shared;                             /* over the places that all laws share */
     std::array<ForceErrors, kKinds.size()> by_kind; /* without places: there are none of that kind */
     Summary precision; /* 1: |F - same law in double| over the root mean square true force; all places */
-    /// Of each draw of places, grid and mesh; then each of the others is the median over them, of `precision` the largest.
+    /// Of each draw of places, grid and mesh; then each of the others is the median over them, of `precision` the
+    /// largest.
     std::vector<MethodErrors> by_draw;
 
     const ForceErrors& of(Kind kind) const { return by_kind[static_cast<std::size_t>(kind)]; }

@@ -205,14 +205,15 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
     if (!scene.empty()) {
         const std::string list = listed(scene);
         const Row& first = *scene.front();
-        findings.push_back({"scene",
-                            fmt::format("What a scene need not ask for costs time where it does: the whole evaluation takes "
-                                        "{}; the kernel alone {} with {}.",
-                                        list,
-                                        costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio())
-                                                                               : "not significantly longer",
-                                        name_of(first)),
-                            "whole", name_of(first), kCondition, interval_of(rows, first)});
+        findings.push_back(
+            {"scene",
+             fmt::format("What a scene need not ask for costs time where it does: the whole evaluation takes "
+                         "{}; the kernel alone {} with {}.",
+                         list,
+                         costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio())
+                                                                : "not significantly longer",
+                         name_of(first)),
+             "whole", name_of(first), kCondition, interval_of(rows, first)});
     }
     const auto file_ratio = [](const Row* row) { return double(row->with.file) / double(row->without.file); };
     if (const auto largest = std::ranges::max_element(file, {}, file_ratio); largest != file.end())
