@@ -1,4 +1,5 @@
 // "My device": what the page computes the limits of any hand's loop from.
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,8 +25,8 @@ Json weak_places_data(std::span<const NamedScene> scenes) {
     CasePreparation preparation; // both may be of the same mesh
     for (const auto& [name, scene, weak_places] : scenes) {
         check_interrupt();
-        const std::optional<Case> stated = stated_scene(scene);
-        if (std::exchange(known[stated->scene.force.shading != Shading::none], true))
+        const std::optional<Case> stated = stated_scene(scene); // else a study's own surfaces
+        if (stated && std::exchange(known[stated->scene.force.shading != Shading::none], true))
             continue;
         try {
             const Json places =
@@ -58,8 +59,9 @@ Json loop_data(const std::string& scene) {
 }
 
 std::string device_section(std::vector<NamedScene> scenes) {
-    std::erase_if(scenes, [](const NamedScene& one) { return !stated_scene(one.scene); }); // volumes without one
-    Json data{{"scene", !scenes.empty()}, {"loop", nullptr}, {"weak", weak_places_data(scenes)}};
+    const auto is_stated = [](const NamedScene& one) { return stated_scene(one.scene).has_value(); };
+    std::erase_if(scenes, [&](const NamedScene& one) { return !is_stated(one) && one.weak_places.empty(); });
+    Json data{{"scene", std::ranges::any_of(scenes, is_stated)}, {"loop", nullptr}, {"weak", weak_places_data(scenes)}};
     for (const NamedScene& one : scenes)
         if (data["loop"].is_null())
             data["loop"] = loop_data(one.scene);

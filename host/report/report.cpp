@@ -222,7 +222,7 @@ std::vector<PagePart> parts_of(const std::filesystem::path& folder, Contents& co
     std::string text(is_score(contents) ? "" : assets::studies_js); // of the page, but for volumes
     for (const StudyPart& part : contents.studies) {
         taken += studies.emplace_back(PagePart{anchor(part), title(part), study_section(folder, part)}).html.size();
-        if (!part.data.scene.empty())
+        if (!part.data.scene.empty() || !part.data.weak_places.empty())
             scenes.push_back({"the scene of study " + (part.folder.empty() ? part.data.study : part.folder),
                               part.data.scene, part.data.weak_places});
     }

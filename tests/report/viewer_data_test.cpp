@@ -214,6 +214,14 @@ TEST(Verdict, SetsSchemesSideBySide) {
     EXPECT_EQ(verdict_section({}), "");
 }
 
+TEST(DeviceSection, TakesSurfacesOfStudiesAndNoVolumeWithoutAScene) {
+    const std::string none = device_section({{"a volume", ""}});
+    EXPECT_TRUE(says(none, "\"scene\":false")) << none;
+    EXPECT_TRUE(says(none, "\"weak\":[]")) << none;
+    EXPECT_TRUE(says(device_section({{"a volume", ""}, {"a study", "", "[{\"case\": \"the shaded bump\"}]"}}),
+                     "\"weak\":[{\"case\":\"the shaded bump\"}]"));
+}
+
 TEST(SweepFindings, FollowTheData) {
     Sweep sweep;
     EXPECT_TRUE(sweep_findings(sweep).empty());

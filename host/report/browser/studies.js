@@ -280,8 +280,9 @@ class Device {
       marked += within;
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
-    d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.scene
-      ? "On a scene's surface: the linearised loop at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of several scenes the first with shading and the first without. The sliders begin with the scene's hand."
+    d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.weak.length
+      ? "On a surface: the linearised loop at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of several scenes the first with shading and the first without. " : "") + (this.scene
+      ? "The sliders begin with the scene's hand."
       : "Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the default hand, at the rim of the paper's bump.") +
       (maps ? ` A cross marks it on ${maps > 1 ? marked + " of " + maps + " diagrams" : marked ? "the diagram" : "no diagram"} over stiffness and damping, drawn for a mass and a rate that may be others.` : ""));
   }

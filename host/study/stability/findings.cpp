@@ -16,7 +16,7 @@ namespace {
 
 std::string place_of(const LeastLimit& least) {
     const std::string from_jump =
-        least.place.edge_distance ? fmt::format(" ({:.2g} um from a jump)", 1e6 * *least.place.edge_distance) : "";
+        least.place.edge_distance ? fmt::format(" ({:.2g} µm from a jump)", 1e6 * *least.place.edge_distance) : "";
     return fmt::format("{}: {} at x = {:.4g} mm{}, y = {:.3g} mm, {:.2g} mm deep, held {}", least.surface,
                        name_of(least.place.kind), 1e3 * least.place.at.x, from_jump, 1e3 * least.place.at.y,
                        1e3 * least.place.depth, least.hold.name);
@@ -69,7 +69,7 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
         "loop_least", {}, "loop-kinds", place_of(worst), hand_text(surface), sureness_of(results, worst.surface)};
     if (worst.kick)
         finding.interval +=
-            fmt::format("; at half that stiffness, displacements up to {:.2g} um decay", 1e6 * *worst.kick);
+            fmt::format("; at half that stiffness, displacements up to {:.2g} µm decay", 1e6 * *worst.kick);
     if (!(*worst.limit > 0)) {
         finding.text = fmt::format("Unstable at every stiffness somewhere on the {}.", worst.surface);
     } else if (surface.stiffness > 0) {
@@ -200,7 +200,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back(
         {"loop_edges",
          fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: at {} the probe keeps "
-                     "oscillating, {:.3g} um peak to peak, {:.2g} mm deep at the worst of eight places.",
+                     "oscillating, {:.3g} µm peak to peak, {:.2g} mm deep at the worst of eight places.",
                      rest == 0 ? (all == 1 ? "the loop is not stable"
                                            : fmt::format("loops are stable on none of {} surfaces", all))
                                : fmt::format("{} of {} loops are not stable", all - rest, all),
@@ -212,7 +212,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
          fmt::format("the largest of eight places at feet of each surface; {} surfaces have some", all)});
 }
 
-// "20 to 5000 N/m", "20 um to 2 mm"
+// "20 to 5000 N/m", "20 µm to 2 mm"
 std::string range_text(double from, double to, const Quantity& quantity) {
     const std::string unit = quantity.unit;
     if (unit != "m" && unit != "s" && unit != "Hz")

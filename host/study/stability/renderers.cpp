@@ -175,7 +175,7 @@ std::string stable_text(const SteppedLimit& limit) {
     }
 }
 
-// "; at the scene's 1000 N/m it shakes the probe by 2.1 um"; empty where the probe comes to rest there.
+// "; at the scene's 1000 N/m it shakes the probe by 2.1 µm"; empty where the probe comes to rest there.
 std::string shakes_text(const RendererLimit& row, double stiffness) {
     if (row.limit.end == LimitEnd::no_force || std::isnan(row.limit.limit) || stiffness < row.limit.limit)
         return "";

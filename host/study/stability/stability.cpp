@@ -5,6 +5,7 @@
 #include <deque>
 #include <tuple>
 
+#include "host/limits/limits.h"
 #include "host/touch/cylinder_mesh.h"
 #include "host/touch/places.h"
 
@@ -270,8 +271,11 @@ StudyData study_stability(StudyRun& run) {
     StudyData data = run.data();
     add_loops(data, loops);
     data.findings = loop_findings(loops);
-    if (!run.scene())
+    if (!run.scene()) {
+        const auto bump = std::ranges::find(loops.surfaces, "shaded bump", &LoopSurface::name);
+        data.weak_places = weak_places_text("the " + bump->name, bump->prepared);
         add_numbers(data, joined(by_number));
+    }
     add_worst_rounding(data, joined(by_law), !run.scene());
     add_renderer_limits(data, loops.surfaces.front(), run.rubbing(), by_renderer);
     return data;
