@@ -73,7 +73,7 @@ int pack_anew(std::vector<Bytef>& to, Bytes from) {
     isal_zstream stream;
     isal_deflate_stateless_init(&stream);
     stream.hist_bits = 0; // the largest window: the initialization leaves what was there
-    stream.level = 2; // the fastest on a field's blocks
+    stream.level = 2;     // the fastest on a field's blocks
     stream.level_buf = tokens.data();
     stream.level_buf_size = static_cast<std::uint32_t>(tokens.size());
     stream.gzip_flag = IGZIP_ZLIB;
