@@ -37,14 +37,15 @@ inline void limit_threads(unsigned count) noexcept {
     detail::thread_limit = count;
 }
 
-/// Does one piece of work after the other while whoever hands them in goes on; with one thread alone, when the next
-/// comes. Its end waits for the last.
+/// Does one piece of work after the other while whoever hands them in goes on; where no other thread is to be had, when
+/// the next comes. Its end waits for what a thread does.
 class OneBehind {
 public:
     /// Waits for the piece before. \throws what that one threw.
     void add(std::function<void()> piece) {
         wait();
-        last_ = std::async(most_threads() > 1 ? std::launch::async : std::launch::deferred, std::move(piece));
+        constexpr auto kWhereThereIsOne = std::launch::async | std::launch::deferred;
+        last_ = std::async(most_threads() > 1 ? kWhereThereIsOne : std::launch::deferred, std::move(piece));
     }
     void wait() {
         if (last_.valid())

@@ -50,7 +50,7 @@ template <typename T> std::size_t bytes_of(const layout::FieldChunk<T>& chunk) {
 using AnyChunk = std::variant<OwnedChunk<float>, OwnedChunk<double>>;
 
 /// Bytes that may wait between engine and encoders; one chunk always may. The memory of those that were encoded is
-/// used again: fresh memory would take longer to be cleared than to be filled.
+/// used again: the system would have to clear fresh memory first.
 class ChunkBudget {
 public:
     explicit ChunkBudget(std::size_t bytes) : free_(bytes), all_(bytes) {}

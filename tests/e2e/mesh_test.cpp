@@ -96,7 +96,7 @@ TEST_F(MeshField, WithoutFreeSpaceDoesNotListIt) {
     const nlohmann::json one = read_json("out/manifest.json")["cases"].at(0);
     EXPECT_EQ(one["voxels_evaluated"], one["voxels"]);
     EXPECT_FALSE(says(one["omitted"].dump(), "free space"));
-    EXPECT_EQ(one["modelled_saving"], 0);
+    EXPECT_EQ(one["evaluations_saved"], 0);
 }
 
 TEST_F(MeshField, SweepsAndTellsWhatWasEvaluated) {
@@ -113,7 +113,7 @@ TEST_F(MeshField, SweepsAndTellsWhatWasEvaluated) {
         EXPECT_GE(one["voxels_evaluated"], 15 * 15 * 15);
         EXPECT_LE(one["voxels_evaluated"], 24 * 24 * 24);
         EXPECT_TRUE(says(one["omitted"].dump(), "blocks of free space"));
-        EXPECT_GT(one["modelled_saving"], 0);
+        EXPECT_GT(one["evaluations_saved"], 0);
     }
     EXPECT_TRUE(std::filesystem::exists(path("out/mesh_shading-none.exr")));
     EXPECT_TRUE(std::filesystem::exists(path("out/mesh_shading-none.arrows.png")));

@@ -16,7 +16,7 @@ using fuzz::require;
 bool stems_from(const Json& written, const Json& read) {
     if (written.is_object() && read.is_object()) {
         for (const auto& [key, value] : written.items())
-            if (read.contains(key) && key != "relative_error" && key != "modelled_saving" &&
+            if (read.contains(key) && key != "relative_error" && key != "evaluations_saved" &&
                 !stems_from(value, read[key]))
                 return false;
         return true;

@@ -1,8 +1,6 @@
 // What compresses EXR blocks in zlib's place: zlib unpacks it, damage is told, and OpenEXR does call it.
-#include <array>
 #include <dlfcn.h>
 #include <random>
-#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -55,24 +53,6 @@ TEST(Deflate, IsReadByZlib) {
             }
 }
 
-// What lies on the stack must not decide how far back matches are looked for.
-TEST(Deflate, HasTheSameBytesWhateverLiesInMemory) {
-    const auto fill_stack = [](std::uint16_t with) {
-        std::array<volatile std::uint16_t, 1 << 17> words;
-        for (volatile std::uint16_t& word : words)
-            word = with;
-        return words[7];
-    };
-    const std::string period = some_bytes(5000, 256), bytes = period + period, other = some_bytes(300, 5);
-    std::set<std::string> all;
-    for (const std::uint16_t with : std::initializer_list<std::uint16_t>{0, 3, 8, 15, 0x5555}) {
-        EXPECT_EQ(fill_stack(with), with);
-        all.insert(packed(bytes, 1));
-        packed(other, 1); // or the last block is given again
-    }
-    EXPECT_EQ(all.size(), 1u);
-}
-
 TEST(Deflate, UnpacksTheSameBlockAgainAndAnotherAfterIt) {
     const std::string one = some_bytes(5000, 9), other = some_bytes(7000, 5);
     for (const std::string* bytes : {&one, &one, &other, &one}) {
@@ -107,7 +87,7 @@ TEST(Deflate, TellsOfDamageAndOfTooLittleRoom) {
 
 // The dynamic linker gives OpenEXR the first of that name, and that is the program's.
 TEST(Deflate, IsWhatOpenExrCalls) {
-    EXPECT_NE(deflate_name().find("ISA-L "), std::string::npos);
+    EXPECT_NE(deflate_name().find("libdeflate "), std::string::npos);
     void* const found = ::dlsym(RTLD_DEFAULT, "compress2");
     ASSERT_NE(found, nullptr);
     Dl_info where{};

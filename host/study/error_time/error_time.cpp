@@ -41,40 +41,34 @@ MethodErrors errors_of(const Forces& forces, const Forces& exact, const KindPlac
     return errors;
 }
 
-// The median of a number over the draws that have it; NaN if none does.
-template <typename Number> double median_over(const std::vector<MethodErrors>& draws, const Number& number) {
-    std::vector<double> values;
-    for (const MethodErrors& one : draws)
-        if (const double value = number(one); !std::isnan(value))
-            values.push_back(value);
-    return values.empty() ? NAN : quantile(std::move(values), 0.5);
-}
-
-// Each number's median over the draws, so that no single one decides; of rounding the largest.
+// Each number's median over the draws that have it, so that no single one decides; of rounding the largest.
 MethodErrors over_all(std::vector<MethodErrors> all) {
     if (all.size() == 1)
         return std::move(all.front());
     MethodErrors errors;
+    errors.by_draw = std::move(all);
+    const auto median_of = [&](const auto& number) {
+        const auto spread = over_draws(errors, number);
+        return spread ? spread->median : NAN;
+    };
     const auto settle = [&](ForceErrors& median, const auto& of) {
         for (const auto count :
              {&ForceErrors::places, &ForceErrors::missed, &ForceErrors::phantom, &ForceErrors::above})
             median.*count = static_cast<std::size_t>(
-                std::llround(median_over(all, [&](const MethodErrors& one) { return double(of(one).*count); })));
-        median.phantom_largest = median_over(all, [&](const MethodErrors& one) { return of(one).phantom_largest; });
+                std::llround(median_of([&](const MethodErrors& one) { return double(of(one).*count); })));
+        median.phantom_largest = median_of([&](const MethodErrors& one) { return of(one).phantom_largest; });
         for (const auto summary :
              {&ForceErrors::direction, &ForceErrors::local, &ForceErrors::size, &ForceErrors::typical})
             for (const auto number : {&Summary::rms, &Summary::median, &Summary::p95, &Summary::largest})
-                median.*summary.*number =
-                    median_over(all, [&](const MethodErrors& one) { return of(one).*summary.*number; });
+                median.*summary.*number = median_of([&](const MethodErrors& one) { return of(one).*summary.*number; });
     };
     settle(errors.shared, [](const MethodErrors& one) -> const ForceErrors& { return one.shared; });
     for (const Kind kind : kKinds)
         settle(errors.by_kind[static_cast<std::size_t>(kind)],
                [&](const MethodErrors& one) -> const ForceErrors& { return one.of(kind); });
     errors.precision.largest = 0;
-    for (const MethodErrors& one : all)
+    for (const MethodErrors& one : errors.by_draw)
         errors.precision.largest = std::max(errors.precision.largest, one.precision.largest);
-    errors.by_draw = std::move(all);
     return errors;
 }
 
