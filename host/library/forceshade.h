@@ -129,7 +129,7 @@ typedef struct fs_touch {
 FORCESHADE_API fs_touch fs_scene_at(const fs_scene* scene, const double place[3]);
 
 /* The same for `count` places, 3 * count numbers, into `count` touches, on `threads` threads; 0: as many as there are
-   cores. On 1 it neither allocates nor locks. The touches do not depend on the threads. FS_FAILED where none starts. */
+   cores. On 1 it neither allocates nor locks. The touches do not depend on the threads. */
 FORCESHADE_API fs_error fs_scene_at_many(const fs_scene* scene, const double* places, size_t count, fs_touch* touches,
                                          unsigned threads);
 

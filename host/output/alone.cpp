@@ -1,5 +1,5 @@
-// What stands in the place of sha256.cpp and exr_image.cpp in the library, which does without OpenSSL and OpenEXR:
-// SHA-256 (FIPS 180-4), slower, with the same digits; and no height maps but PNG.
+// What stands in the place of sha256.cpp, exr_image.cpp and perhaps png_image.cpp in the library, which does without
+// OpenSSL and OpenEXR, and without libpng where that is missing: SHA-256 (FIPS 180-4), slower, with the same digits.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -100,5 +100,11 @@ HeightImage read_height_exr(const ReadableFile& file) {
                      "FORCESHADE_LIBRARY_ONLY=OFF",
                      file.path().string());
 }
+
+#ifdef FORCESHADE_WITHOUT_PNG
+HeightImage read_height_png(const ReadableFile& file) {
+    throw UsageError("{}: this build reads no PNG images: build it where libpng is installed", file.path().string());
+}
+#endif
 
 } // namespace forceshade
