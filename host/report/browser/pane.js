@@ -114,8 +114,8 @@ class Pane {
   }
 
   drawStroke(context) {
-    const colours = palette(), ends = this.view.stroke().map((end) => this.at(end));
-    strokeTwice(context, new Path2D("M" + ends.join("L")), [colours.paper, 5], [colours.focus, 2]);
+    const colours = palette(), line = this.view.stroke().map((place) => this.at(place)), ends = [line[0], line[line.length - 1]];
+    strokeTwice(context, new Path2D("M" + line.join("L")), [colours.paper, 5], [colours.focus, 2]);
     context.textAlign = "center";
     ends.forEach(([x, y], i) => {
       context.beginPath();

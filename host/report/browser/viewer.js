@@ -15,7 +15,7 @@ class Viewer {
     this.surfaces = about.surfaces;
     this.tables = { sequential: colourTable(d3.interpolateViridis), second: colourTable(d3.interpolatePlasma), diverging: colourTable((t) => d3.interpolateRdBu(1 - t)),
       cyclic: colourTable(d3.interpolateRainbow) };
-    this.state = { quantity: "direction", arrows: true, axis: 1, point: null, strokes: [null, null, null] };
+    this.state = { quantity: "direction", arrows: true, axis: 1, point: null, strokes: [null, null, null], follows: true, depth: 1e-3 };
     this.panes = { a: new Pane(byId("pane-a")), b: new Pane(byId("pane-b")), d: new Pane(byId("pane-d")) };
     this.space = new Space(this);
   }
@@ -95,6 +95,26 @@ class Viewer {
       strokes[axis] = [0.12, 0.88].map((part) => this.plane.map((one, c) => c === along ? low + part * (high - low) : middle[one]));
     }
     return strokes[axis];
+  }
+
+  // Where it leads, in the slice's plane (m): along A's surface at a depth where that is known and asked for, else straight.
+  get strokeLine() {
+    const { stroke } = this, height = this.state.follows ? this.surfaceOfSlice() : null;
+    return d3.range(PROFILE_SAMPLES + 1).map((i) => {
+      const [u, v] = stroke[0].map((from, c) => from + i / PROFILE_SAMPLES * (stroke[1][c] - from));
+      return [u, height ? height(u) - this.state.depth : v];
+    });
+  }
+
+  // The height of A's surface, z over x (m), in a slice across y; null where the page does not have it.
+  surfaceOfSlice() {
+    const { about } = this.a, { axis, point } = this.state, { nominal } = about.surface === undefined ? {} : this.surfaces[about.surface];
+    if (axis !== 1 || !nominal)
+      return null;
+    const share = (point[1] - about.origin_m[1]) / Math.max(about.spacing_m[1] * (about.full[1] - 1), Number.MIN_VALUE);
+    const row = nominal.z[Math.round(Math.min(Math.max(share, 0), 1) * (nominal.z.length - 1))];
+    const height = d3.scaleLinear(nominal.x, row).clamp(true);
+    return (x) => nominal.unit_m * height(x / nominal.unit_m);
   }
 
   // True where errors against [compare] are shown, and not forces.
@@ -185,7 +205,7 @@ class Viewer {
     const indexA = a.nearest(axis, point[axis]), indexB = b.nearest(axis, point[axis]), forces = this.pairs(indexA, (one, at) => one.sample(at), (one, point_) => one.force(point_));
     const pair = this.showsErrors ? this.pairs(indexA, (one, at) => one.comparedSample(at, quantity), (one, point_) => one.comparedAt(point_, quantity)) : forces;
     const scale = this.scale = this.sharedScale(indexA, indexB), differenceScale = this.differenceScale(pair, indexA);
-    const shared = { plane, arrows, stroke: () => this.stroke, cursor: () => plane.map((one) => point[one]) };
+    const shared = { plane, arrows, stroke: () => this.strokeLine, cursor: () => plane.map((one) => point[one]) };
     for (const [pane, volume_, index] of [[this.panes.a, a, indexA], [this.panes.b, b, indexB]])
       pane.show({ ...shared, volume: volume_, index, scale, cell: (at) => this.value(volume_, at), force: (at) => volume_.sample(at),
         arrowScale: Math.max(a.largest, b.largest), equalArrows: quantity === "direction" });
@@ -283,13 +303,14 @@ class Viewer {
   }
 
   drawStroke() {
-    const { stroke, plane } = this, { point } = this.state;
-    const whole = 1e3 * Math.hypot(stroke[1][0] - stroke[0][0], stroke[1][1] - stroke[0][1]);
+    const { plane } = this, { point } = this.state, known = this.surfaceOfSlice() !== null, line = this.strokeLine;
     const distances = [], forces = { a: [], b: [] };
-    for (let i = 0; i <= PROFILE_SAMPLES; ++i) {
-      const t = i / PROFILE_SAMPLES, at = [...point];
-      plane.forEach((axis, c) => { at[axis] = stroke[0][c] + t * (stroke[1][c] - stroke[0][c]); });
-      distances.push(t * whole);
+    let before = null;
+    for (const place of line) {
+      const at = [...point];
+      plane.forEach((axis, c) => { at[axis] = place[c]; });
+      distances.push(before ? distances[distances.length - 1] + 1e3 * Math.hypot(place[0] - before[0], place[1] - before[1]) : 0);
+      before = place;
       forces.a.push(this.a.force(at));
       forces.b.push(this.b.force(at));
     }
@@ -300,13 +321,15 @@ class Viewer {
     });
     drawProfile(byId("profile-size"), distances, lines(length), "|F| / N", "distance from end 1 / mm");
     drawProfile(byId("profile-direction"), distances, lines((f) => direction(f, plane)), this.directionLabel(), "distance from end 1 / mm");
+    byId("stroke-follow").hidden = !known;
     document.querySelectorAll(".u-name").forEach((one) => { one.textContent = AXES[plane[0]]; });
     document.querySelectorAll(".v-name").forEach((one) => { one.textContent = AXES[plane[1]]; });
     for (const end of [0, 1])
       for (const c of [0, 1]) {
         const input = byId("stroke-" + end + "-" + c);
+        input.disabled = known && this.state.follows && c === 1;
         if (document.activeElement !== input)
-          input.value = (1e3 * stroke[end][c]).toFixed(2);
+          input.value = (1e3 * line[end * PROFILE_SAMPLES][c]).toFixed(2);
       }
   }
 
@@ -348,7 +371,8 @@ class Viewer {
   onPointer(pane, event) {
     const box = pane.canvas.getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top, place = pane.place(x, y);
     if (event.type === "pointerdown") {
-      this.held = this.stroke.findIndex((end) => Math.hypot(pane.at(end)[0] - x, pane.at(end)[1] - y) < HANDLE);
+      const line = this.strokeLine;
+      this.held = [0, PROFILE_SAMPLES].map((i) => line[i]).findIndex((end) => Math.hypot(pane.at(end)[0] - x, pane.at(end)[1] - y) < HANDLE);
       if (this.held >= 0)
         pane.canvas.setPointerCapture(event.pointerId);
     }
@@ -377,6 +401,13 @@ class Viewer {
           if (Number.isFinite(place[c]))
             this.setStroke(end, place);
         });
+    byId("follows").addEventListener("change", (event) => { this.state.follows = event.target.checked; this.mark(true); });
+    byId("depth").addEventListener("input", (event) => {
+      if (Number.isFinite(event.target.valueAsNumber)) {
+        this.state.depth = event.target.valueAsNumber / 1e3;
+        this.mark(true);
+      }
+    });
     for (const pane of Object.values(this.panes)) {
       pane.canvas.addEventListener("keydown", (event) => this.onKey(event));
       for (const type of ["pointerdown", "pointermove", "pointerup", "pointercancel"])
