@@ -378,6 +378,8 @@ namespace {
 
 constexpr std::uint64_t kDrawn = 5;          // paths
 constexpr std::uint64_t kDrawnSteps = 40000; // of each
+constexpr std::uint64_t kBandPaths = 20000;  // at most, of which percentiles are
+constexpr std::uint64_t kBandSamples = 200000;
 
 struct OnLine {
     double height; /* m */
@@ -412,30 +414,72 @@ std::string follows(const Following& f, const char* line) {
 
 PathCollector::PathCollector(std::uint64_t paths, std::uint64_t steps, const glm::dvec3& origin)
     : count_(paths), every_(std::max<std::uint64_t>(1, (paths + kDrawn - 1) / kDrawn)),
-      stride_(std::max<std::uint64_t>(1, (steps + kDrawnSteps - 1) / kDrawnSteps)), origin_(origin) {}
+      stride_(std::max<std::uint64_t>(1, (steps + kDrawnSteps - 1) / kDrawnSteps)),
+      every_of_all_(paths / kBandPaths + 1),
+      stride_of_all_(
+          steps / std::max<std::uint64_t>(1, kBandSamples / std::clamp<std::uint64_t>(paths, 1, kBandPaths)) + 1),
+      origin_(origin) {}
 
 template <typename T> void PathCollector::add(const PathRows<T>& rows) {
-    for (std::size_t path = 0; path < rows.path_count; ++path)
+    for (std::size_t path = 0; path < rows.path_count; ++path) {
         if ((rows.path_first + path) % every_ == 0)
             add_path(rows, path);
+        if (every_ > 1 && (rows.path_first + path) % every_of_all_ == 0)
+            each_sample(rows, path, stride_of_all_, [&](const Sample& sample, std::size_t) { all_.push_back(sample); });
+    }
 }
 template void PathCollector::add<float>(const PathRows<float>&);
 template void PathCollector::add<double>(const PathRows<double>&);
+
+template <typename T, typename Use>
+void PathCollector::each_sample(const PathRows<T>& rows, std::size_t path, std::uint64_t stride, const Use& use) const {
+    const std::size_t end = rows.step_first + rows.samples(path);
+    for (std::size_t step = (rows.step_first + stride - 1) / stride * stride; step < end; step += stride) {
+        const std::size_t at = 3 * (path * rows.pitch + step - rows.step_first);
+        const double fx = double(rows.force[at]), fz = double(rows.force[at + 2]);
+        use(Sample{origin_.x + double(rows.position[at]), origin_.z + double(rows.position[at + 2]),
+                   fx == 0 && fz == 0 ? NAN : std::atan2(fx, fz) * kDegrees},
+            at);
+    }
+}
 
 template <typename T> void PathCollector::add_path(const PathRows<T>& rows, std::size_t path) {
     if (rows.step_first == 0)
         paths_.emplace_back().label = fmt::format("path {}", rows.path_first + path);
     picture::DrawnPath& drawn = paths_.back();
-    const std::size_t end = rows.step_first + rows.samples(path);
-    for (std::size_t step = (rows.step_first + stride_ - 1) / stride_ * stride_; step < end; step += stride_) {
-        const std::size_t at = 3 * (path * rows.pitch + step - rows.step_first);
-        const double fx = double(rows.force[at]), fz = double(rows.force[at + 2]);
-        drawn.way.push_back({origin_.x + double(rows.position[at]), origin_.z + double(rows.position[at + 2])});
-        drawn.direction.push_back(fx == 0 && fz == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                                     : std::atan2(fx, fz) * kDegrees);
+    each_sample(rows, path, stride_, [&](const Sample& sample, std::size_t at) {
+        drawn.way.push_back({sample.x, sample.z});
+        drawn.direction.push_back(sample.direction);
         y_sum_ += origin_.y + double(rows.position[at + 1]);
         ++y_samples_;
-    }
+    });
+}
+
+std::vector<picture::PathBand> PathCollector::bands() const {
+    constexpr std::size_t kBins = 100, kLeast = 20;
+    const auto [from, to, y] = reach();
+    std::vector<std::array<std::vector<double>, 2>> bins(kBins);
+    for (const Sample& sample : all_)
+        if (const double share = (sample.x - from) / (to - from); share >= 0 && share <= 1) {
+            auto& bin = bins[std::min(kBins - 1, static_cast<std::size_t>(share * double(kBins)))];
+            bin[0].push_back(sample.z);
+            if (!std::isnan(sample.direction))
+                bin[1].push_back(sample.direction);
+        }
+    const auto percentiles = [](std::vector<double>& values) -> std::array<double, 3> {
+        if (values.size() < kLeast)
+            return {NAN, NAN, NAN};
+        std::ranges::sort(values);
+        const auto at = [&](double share) {
+            return values[static_cast<std::size_t>(std::lround(share * double(values.size() - 1)))];
+        };
+        return {at(0.05), at(0.5), at(0.95)};
+    };
+    std::vector<picture::PathBand> all;
+    for (std::size_t i = 0; i < kBins && !all_.empty(); ++i)
+        all.push_back(
+            {std::lerp(from, to, (double(i) + 0.5) / double(kBins)), percentiles(bins[i][0]), percentiles(bins[i][1])});
+    return all;
 }
 
 PathCollector::Reach PathCollector::reach() const {
@@ -444,7 +488,7 @@ PathCollector::Reach PathCollector::reach() const {
 }
 
 picture::Picture PathCollector::draw(const picture::Look& look, const picture::SurfaceLines& surface) const {
-    picture::PathDrawing drawing{look, {}, paths_, surface, is_graph(surface.nominal)};
+    picture::PathDrawing drawing{look, {}, paths_, surface, is_graph(surface.nominal), bands()};
     std::string shown = fmt::format("{} of {} paths", paths_.size(), count_);
     if (stride_ > 1)
         shown += fmt::format(", every {}th sample", stride_);

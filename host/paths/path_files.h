@@ -183,7 +183,7 @@ public:
     template <typename T> void add(const std::optional<T>& value) { value ? add(*value) : add_empty(); }
     void end_row() { text_[size_ - 1] = '\n'; } // in place of the last comma
     std::size_t size() const { return size_; }  /* bytes that write() would write */
-    /// Writes what there is, and begins anew.
+    /// Writes what it holds, and begins anew.
     void write(TemporaryFile& file) {
         file.write(std::string_view(text_).substr(0, size_));
         size_ = 0;
@@ -341,7 +341,8 @@ private:
     std::vector<double> times_;       // s
 };
 
-// Keeps of explored paths what a picture shows: a handful of them, evenly chosen, however many and long they are.
+// Keeps of explored paths what a picture shows, however many and long they are: a handful of them, evenly chosen, and
+// samples of all.
 
 class PathCollector {
 public:
@@ -360,11 +361,19 @@ public:
     picture::Picture draw(const picture::Look& look, const picture::SurfaceLines& surface) const;
 
 private:
+    struct Sample {
+        double x, z, direction; /* m, deg: NaN without force */
+    };
     template <typename T> void add_path(const PathRows<T>& rows, std::size_t path);
+    /// Use(sample, at) for every stride-th sample of a path in these rows; `at`: its place in them.
+    template <typename T, typename Use>
+    void each_sample(const PathRows<T>& rows, std::size_t path, std::uint64_t stride, const Use& use) const;
+    std::vector<picture::PathBand> bands() const;
 
-    std::uint64_t count_, every_, stride_;
+    std::uint64_t count_, every_, stride_, every_of_all_, stride_of_all_;
     glm::dvec3 origin_; /* m */
     std::vector<picture::DrawnPath> paths_;
+    std::vector<Sample> all_; // empty where every path is drawn
     double y_sum_ = 0;
     std::uint64_t y_samples_ = 0;
 };

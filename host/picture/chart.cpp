@@ -14,6 +14,7 @@ constexpr int kChartWidth = 1000; // pixels
 constexpr double kRowOfBars = 34, kRowOfWords = 22, kPanelGap = 28, kPanelTitle = 26;
 constexpr TextStyle kChartLabelStyle{kSmallTextSize, false, Horizontal::left, Vertical::middle, false};
 constexpr std::size_t kMostLabels = 12;
+constexpr Rgb8 kBandFilling{222, 222, 222};
 
 bool can_show(const ChartAxis& axis, double value) {
     return std::isfinite(value) && (!axis.logarithmic || value > 0);
@@ -420,6 +421,23 @@ private:
                 std::array{Point{end.x - aside.x, end.y - aside.y}, Point{end.x + aside.x, end.y + aside.y}}, stroke);
     }
 
+    void draw_band(Canvas& canvas, const ChartSeries& series) const {
+        std::vector<Point> below, above;
+        for (std::size_t k = 0; k <= series.points.size(); ++k) {
+            if (k < series.points.size() && shown(series.points[k])) {
+                const ChartPoint& point = series.points[k];
+                below.push_back(place(point.x, point.y_low.value_or(point.y)));
+                above.push_back(place(point.x, point.y_high.value_or(point.y)));
+                continue;
+            }
+            below.insert(below.end(), above.rbegin(), above.rend());
+            if (!below.empty())
+                canvas.polygon(below, kBandFilling, {kBandFilling, 1, {}, true});
+            below.clear();
+            above.clear();
+        }
+    }
+
     void draw_line(Canvas& canvas, std::size_t number, const std::vector<Point>& places) {
         const ChartSeries& series = chart_.series[number];
         const std::vector<Stroke> strokes = series.strokes.empty() ? std::vector{stroke_of(number)} : series.strokes;
@@ -435,12 +453,14 @@ private:
         for (std::size_t i = 0; i < chart_.series.size(); ++i) {
             const ChartSeries& series = chart_.series[i];
             std::vector<Point> places;
+            if (series.band)
+                draw_band(canvas, series);
             for (const ChartPoint& point : series.points) {
                 if (shown(point))
                     places.push_back(place(point.x, point.y));
                 else if (!series.marks && !map())
                     places.push_back({NAN, NAN});
-                if (!shown(point))
+                if (!shown(point) || series.band)
                     continue;
                 const Stroke thin{series_colour(numbers_[i]), 1.3, {}, false};
                 if (point.x_low && point.x_high && can_show(chart_.x, *point.x_low))

@@ -191,6 +191,7 @@ struct ChartSeries {
     bool marks = true, joined = false, dashed = false; /* without marks a point that is not finite breaks the line */
     std::vector<Stroke> strokes{};                     /* of the line, one over the other; empty: by the name */
     bool bar_if_still = false;                         /* a line that stays in one place is a short bar there */
+    bool band = false;                                 /* filled between the points' whiskers, which are not drawn */
 };
 
 struct ChartCell {

@@ -40,6 +40,16 @@ ChartSeries line_of(std::string name, const std::vector<LinePoint>& line, std::v
     return series;
 }
 
+// A band about its median.
+ChartSeries band_of(const PathDrawing& drawing, std::string name, std::array<double, 3> PathBand::*values) {
+    ChartSeries series{std::move(name), {}, false, true, false, {{kQuietInk, 2.4, {1, 5}, true}}, false, true};
+    for (const PathBand& band : drawing.bands) {
+        const auto& [low, median, high] = band.*values;
+        series.points.push_back({band.x, median, {}, {}, low, high});
+    }
+    return series;
+}
+
 } // namespace
 
 Picture draw_paths(const PathDrawing& drawing) {
@@ -55,7 +65,16 @@ Picture draw_paths(const PathDrawing& drawing) {
             any_force = any_force || std::isfinite(direction);
         }
     }
+    for (const PathBand& band : drawing.bands)
+        for (const std::size_t i : {0, 2}) {
+            z_bounds.add(band.z[i]);
+            angles.add(band.direction[i]);
+        }
     Chart section, below;
+    if (!drawing.bands.empty()) {
+        section.series.push_back(band_of(drawing, "all paths: median, 5th to 95th percentile", &PathBand::z));
+        below.series.push_back(band_of(drawing, "", &PathBand::direction));
+    }
     const char* normals = drawing.draws_normals ? "; below, its normal" : "";
     std::vector<ChartSeries> surfaces;
     for (const bool smooth : {true, false}) {

@@ -97,12 +97,19 @@ struct DrawnPath {
     std::vector<double> direction; /* deg: in the x-z plane, from z towards x */
 };
 
+/// Of all paths about a place: the 5th percentile, the median and the 95th; NaN where they have too few samples.
+struct PathBand {
+    double x;                           /* m */
+    std::array<double, 3> z, direction; /* m, deg */
+};
+
 struct PathDrawing {
     Look look;
     std::vector<std::string> notes; // lines below the title
     std::vector<DrawnPath> paths;   // one at least, with a finite sample
     SurfaceLines surface;           // its normals are drawn with the forces' directions
     bool draws_normals = true;
+    std::vector<PathBand> bands{}; // beneath the paths, ascending in x; may be empty
 };
 
 /// Explored paths over the section of the surface, and below it where the force pointed.
