@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <exception>
 #include <functional>
 #include <future>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include <sched.h>
 
@@ -35,6 +39,34 @@ inline unsigned most_threads() noexcept {
 /// For --jobs; before anything is computed.
 inline void limit_threads(unsigned count) noexcept {
     detail::thread_limit = count;
+}
+
+/// Runs work(thread, index) for every index below count, shared out among threads; fewer, where no more are to be had.
+/// \throws what one of them threw
+template <typename Work> void share_out(std::size_t threads, std::size_t count, const Work& work) {
+    std::atomic<std::size_t> next{0};
+    std::vector<std::exception_ptr> failures(std::max<std::size_t>(threads, 1));
+    const auto run = [&](std::size_t thread) {
+        try {
+            for (std::size_t i; (i = next++) < count;)
+                work(thread, i);
+        } catch (...) {
+            failures[thread] = std::current_exception();
+            next = count;
+        }
+    };
+    {
+        std::vector<std::jthread> helpers;
+        try {
+            for (std::size_t i = 1; i < threads; ++i)
+                helpers.emplace_back(run, i);
+        } catch (const std::system_error&) { // no more threads
+        }
+        run(0);
+    }
+    for (const std::exception_ptr& failure : failures)
+        if (failure)
+            std::rethrow_exception(failure);
 }
 
 /// Does one piece of work after the other while whoever hands them in goes on; where no other thread is to be had, when

@@ -108,6 +108,28 @@ Part make_part(std::uint32_t channel, PixelType pixel, Compression compression);
 /// The parts of a volume in file order.
 std::vector<Part> parts_of(const VolumeHeader& header);
 
+/// Packs the blocks of a part as OpenEXR does, byte for byte. Threads may share it.
+class BlockPacker {
+public:
+    /// Memory of a thread.
+    struct Scratch {
+        std::vector<std::byte> raw, split, ready;
+    };
+    BlockPacker(const Part& part, std::uint64_t width, Compression compression);
+    /// Of a block, but for the last one.
+    std::uint64_t rows() const;
+    /// `rows`, some whole ones as they lie in memory, to a block's bytes in the file.
+    void pack(std::span<const std::byte> rows, Scratch& scratch, std::vector<std::byte>& packed) const;
+
+private:
+    void split_bytes(std::size_t count, Scratch& scratch) const;
+
+    Part part_;
+    std::size_t width_;
+    Compression compression_;
+    std::vector<std::size_t> order_; // of the components in the file
+};
+
 /// Throws UsageError if no EXR can hold such a grid.
 void require_possible(const VolumeHeader& header);
 

@@ -5,24 +5,17 @@
 #include <cstring>
 #include <functional>
 #include <limits>
-#include <mutex>
-#include <new>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
-#include <Iex.h>
 #include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
-#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfMultiPartOutputFile.h>
-#include <ImfOutputPart.h>
 #include <ImfPartType.h>
+#include <ImfStdIO.h>
 #include <ImfStringAttribute.h>
-#include <ImfThreading.h>
 #include <ImfVecAttribute.h>
 #include <fmt/core.h>
 
@@ -47,11 +40,18 @@ constexpr std::uint64_t kBlockRows = 16; // of ZIP and PXR24; the others have fe
 struct Sheet {
     std::uint64_t width = 0, rows = 0;
     std::vector<Part> parts;
-    std::vector<Imf::Header> headers; /* of the parts */
-    int threads = 0;                  /* that compress this file; 0: it asks for no parallel work */
+    std::vector<Compression> compressions; /* of the parts */
+    std::vector<Imf::Header> headers;      /* of the parts */
+    int threads = 0;                       /* that compress this file; 0: it asks for no parallel work */
+
+    void add(const Part& part, Compression compression, Imf::Header header) {
+        parts.push_back(part);
+        compressions.push_back(compression);
+        headers.push_back(std::move(header));
+    }
 };
 
-// Rows that are handed to OpenEXR at once: a multiple of every compression's block, about 4 MiB of force. It decides
+// Rows that are packed at once: a multiple of every compression's block, about 4 MiB of force. It decides
 // how the parts' blocks interleave in the file, so it may depend on the image's size alone.
 std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows) {
     constexpr std::uint64_t kGroupBytes = 4 << 20;
@@ -77,7 +77,6 @@ Imf::Header make_header(const Part& part, std::uint64_t width, std::uint64_t row
                        kCompressions[static_cast<std::size_t>(compression)]);
     header.setName(name_of_channel(part.channel));
     header.setType(Imf::SCANLINEIMAGE);
-    header.zipCompressionLevel() = kDeflateLevel;
     for (const char* name : part.channels)
         header.channels().insert(name, Imf::Channel(pixel_of(part.format)));
     header.insert("forceshade.units", Imf::StringAttribute(std::string("m ") + part.unit));
@@ -97,127 +96,44 @@ void add_place_origin(Imf::Header& header, const glm::dvec3& origin) {
         header.insert("forceshade.place_origin", attribute_of(origin.x, origin.y, origin.z));
 }
 
-// Describes `count` rows at `bytes`, the first of which is row `first`; pixel type as in the file.
-Imf::FrameBuffer frame_of(const Part& part, std::uint64_t width, std::uint64_t first, std::uint64_t count,
-                          const std::byte* bytes) {
-    Imf::FrameBuffer frame;
-    const Imath::V2i corner(0, static_cast<int>(first));
-    for (std::size_t c = 0; c < part.channels.size(); ++c)
-        frame.insert(part.channels[c],
-                     Imf::Slice::Make(pixel_of(part.format), bytes + c * bytes_of(part.format), corner,
-                                      static_cast<std::int64_t>(width), static_cast<std::int64_t>(count),
-                                      part.sample_bytes(), part.sample_bytes() * width));
-    return frame;
+// The file up to its blocks, whose offsets are still 0.
+std::string beginning_of(const std::vector<Imf::Header>& headers) {
+    Imf::StdOSStream stream;
+    Imf::MultiPartOutputFile(stream, headers.data(), static_cast<int>(headers.size()), false, 0);
+    return stream.str();
 }
 
-// OpenEXR's workers, which all files share, become at least `threads`.
-void require_workers(int threads) {
-    static std::mutex mutex;
-    const std::lock_guard lock(mutex);
-    if (Imf::globalThreadCount() < threads)
-        Imf::setGlobalThreadCount(threads);
-}
-
-// OpenEXR's stream into our file. OpenEXR retells some exceptions and swallows those in its destructors, so the first
-// failure is kept here.
-class WriteStream final : public Imf::OStream {
-public:
-    explicit WriteStream(TemporaryFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
-    void write(const char bytes[], int count) override {
-        const std::string_view text(bytes, static_cast<std::size_t>(count));
-        if (data_from_ && tellp() == data_to_) {
-            data_ = crc32_of(std::as_bytes(std::span(text)), data_);
-            data_to_ += text.size();
-        }
-        keep_failure([&] { file_.write(text); });
-    }
-    std::uint64_t tellp() override { return file_.tell(); }
-    void seekp(std::uint64_t position) override {
-        keep_failure([&] { file_.seek(position); });
-    }
-
-    // What comes from here on, one block after the other, is data. Offsets of blocks are put in before it later.
-    void begin_data() { data_from_ = data_to_ = tellp(); }
-    // The SHA-256 of the file. Throws IoError if the file does not hold the data that were written.
-    std::string read_back() {
-        std::uint32_t found = 0;
-        std::string sha256 =
-            sha256_of_file(file_.temporary_path(), [&](std::span<const std::byte> bytes, std::uint64_t at) {
-                if (at + bytes.size() > *data_from_)
-                    found = crc32_of(bytes.subspan(at < *data_from_ ? *data_from_ - at : 0), found);
-            });
-        if (found != data_)
-            throw IoError("cannot write {}: read back from the disk it differs from what was written; "
-                          "check the disk and the memory",
-                          file_.path().string());
-        return sha256;
-    }
-
-    // Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if it had one, else `cannot
-    // write PATH: what OpenEXR says`. Our own errors pass.
-    template <typename Work> void guard(const Work& work) const {
-        try {
-            work();
-        } catch (const Error&) {
-            throw;
-        } catch (const std::bad_alloc&) {
-            throw IoError("cannot write {}: out of memory", file_.path().string());
-        } catch (const std::exception& error) {
-            if (failure_)
-                throw IoError(*failure_);
-            throw IoError("cannot write {}: {}", file_.path().string(), error.what());
-        }
-    }
-
-private:
-    template <typename Work> void keep_failure(const Work& work) {
-        try {
-            work();
-        } catch (const IoError& error) {
-            failure_ = failure_ ? failure_ : error;
-            throw Iex::IoExc(error.what()); // OpenEXR cleans up only after its own kind
-        }
-    }
-
-    TemporaryFile& file_;
-    std::optional<IoError> failure_;
-    std::optional<std::uint64_t> data_from_; // byte of the file
-    std::uint64_t data_to_ = 0;              // byte of the file
-    std::uint32_t data_ = 0;                 // CRC-32
-};
-
-// The rows of one part on their way to OpenEXR.
+// The rows of one part on their way to its blocks.
 struct PartRows {
-    PartRows(const Part& part_, std::size_t bytes)
-        : part(part_), rows(bytes), handed(bytes), watch(components_of(part.channel)) {}
+    PartRows(const Part& part_, exr::BlockPacker packer_, std::size_t bytes)
+        : part(part_), packer(std::move(packer_)), rows(bytes), handed(bytes), watch(components_of(part.channel)) {}
 
     Part part;
+    exr::BlockPacker packer;
     std::vector<std::byte> rows;   // a group
-    std::vector<std::byte> handed; // the group before, which may still be compressed
+    std::vector<std::byte> handed; // the group before, which may still be packed
     PixelWatch watch;
-    std::optional<Imf::OutputPart> output;
+    std::vector<std::uint64_t> offsets; // byte of the file: of its blocks
 };
 
 using PlaceText = std::function<std::string(const Voxel&)>;
 
-// The rows of an image of several parts, handed to OpenEXR group by group, and read back before the file gets its name.
-// Memory is two groups of rows a part. The bytes of the file depend on the sheet and the rows alone.
+// The rows of an image of several parts, packed group by group, and read back before the file gets its name. Memory is
+// two groups of rows a part, and one packed. The bytes of the file depend on the sheet and the rows alone.
 class RowsWriter {
 public:
     // Throws IoError.
-    RowsWriter(const std::filesystem::path& path, Sheet sheet)
-        : sheet_(std::move(sheet)), file_(path), stream_(file_),
-          group_rows_(rows_per_group(sheet_.width, sheet_.rows)) {
-        require_workers(sheet_.threads);
-        for (const Part& part : sheet_.parts)
-            parts_.emplace_back(part, std::min(group_rows_, sheet_.rows) * sheet_.width * part.sample_bytes());
-        stream_.guard([&] {
-            output_ = std::make_unique<Imf::MultiPartOutputFile>(
-                stream_, sheet_.headers.data(), static_cast<int>(sheet_.headers.size()), false, sheet_.threads);
-            for (std::size_t i = 0; i < parts_.size(); ++i)
-                parts_[i].output.emplace(*output_, static_cast<int>(i));
-            stream_.begin_data();
-        });
+    RowsWriter(const std::filesystem::path& path, const Sheet& sheet)
+        : width_(sheet.width), threads_(static_cast<std::size_t>(std::max(sheet.threads, 1))),
+          in_parallel_(sheet.threads > 0), file_(path), group_rows_(rows_per_group(sheet.width, sheet.rows)),
+          scratch_(threads_) {
+        for (std::size_t i = 0; i < sheet.parts.size(); ++i) {
+            const Part& part = sheet.parts[i];
+            parts_.emplace_back(part, exr::BlockPacker(part, width_, sheet.compressions[i]),
+                                std::min(group_rows_, sheet.rows) * width_ * part.sample_bytes());
+        }
+        file_.write(beginning_of(sheet.headers));
+        data_from_ = file_.tell();
     }
 
     std::vector<PartRows>& parts() noexcept { return parts_; }
@@ -261,24 +177,31 @@ public:
     VolumeTimings timings;
 
 private:
-    std::size_t row_bytes(const PartRows& rows) const { return sheet_.width * rows.part.sample_bytes(); }
+    std::size_t row_bytes(const PartRows& rows) const { return width_ * rows.part.sample_bytes(); }
     // Where the part's next row goes.
     std::byte* target(PartRows& rows) { return rows.rows.data() + group_count_ * row_bytes(rows); }
     void flush_group();
+    void write_blocks(std::size_t number, std::uint64_t first, std::uint64_t count);
+    void write_data(std::span<const std::byte> bytes);
+    void write_offsets();
+    std::string read_back() const;
     bool refused() const;
     void throw_if_refused(const PlaceText& place) const;
 
-    Sheet sheet_;
+    std::size_t width_, threads_;
+    bool in_parallel_; // to whoever brings the rows
     TemporaryFile file_;
-    WriteStream stream_;
-    std::unique_ptr<Imf::MultiPartOutputFile> output_; // before the parts: they refer to it
     std::vector<PartRows> parts_;
     std::uint64_t group_rows_;
     std::uint64_t group_first_ = 0; // row of the file
     std::uint64_t group_count_ = 0; // rows in the group so far
     std::vector<float> rounded_;    // a row, or a part of one
     std::vector<layout::uint> ids_; // of the facets
-    OneBehind group_;               // the one before, as it is written; ends before what it uses
+    std::vector<exr::BlockPacker::Scratch> scratch_;
+    std::vector<std::vector<std::byte>> packed_; // blocks of a part's group
+    std::uint64_t data_from_ = 0;                // byte of the file: where blocks begin
+    std::uint32_t data_ = 0;                     // CRC-32 of them
+    OneBehind group_;                            // the one before, as it is written; ends before what it uses
 };
 
 // By a thread of its own while the next group comes, if the file may ask for parallel work. An image that will be
@@ -289,19 +212,77 @@ void RowsWriter::flush_group() {
     for (PartRows& rows : parts_)
         std::swap(rows.rows, rows.handed);
     const auto write = [this, first = group_first_, count = group_count_] {
-        for (PartRows& rows : parts_)
-            stream_.guard([&] {
-                rows.output->setFrameBuffer(frame_of(rows.part, sheet_.width, first, count, rows.handed.data()));
-                rows.output->writePixels(static_cast<int>(count));
-            });
+        for (std::size_t number = 0; number < parts_.size(); ++number)
+            write_blocks(number, first, count);
     };
     const bool wanted = !refused() && group_count_ > 0;
-    if (wanted && sheet_.threads > 0)
+    if (wanted && in_parallel_)
         group_.add(write);
     else if (wanted)
         write();
     group_first_ += group_count_;
     group_count_ = 0;
+}
+
+// A block of the same rows as the one before, as where a field does not depend on y, has its bytes.
+void RowsWriter::write_blocks(std::size_t number, std::uint64_t first, std::uint64_t count) {
+    PartRows& rows = parts_[number];
+    const std::uint64_t block_rows = rows.packer.rows(), blocks = (count + block_rows - 1) / block_rows;
+    const auto rows_of = [&](std::uint64_t block) {
+        const std::uint64_t begin = block * block_rows, end = std::min(begin + block_rows, count);
+        return std::span(rows.handed).subspan(begin * row_bytes(rows), (end - begin) * row_bytes(rows));
+    };
+    std::vector<std::uint64_t> own; // blocks that are packed
+    std::vector<std::size_t> as;    // of each block: whose bytes it has, an index of own
+    for (std::uint64_t block = 0; block < blocks; ++block) {
+        const auto is_alike = [&](std::span<const std::byte> one, std::span<const std::byte> other) {
+            return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size()) == 0;
+        };
+        if (block == 0 || !is_alike(rows_of(block), rows_of(block - 1)))
+            own.push_back(block);
+        as.push_back(own.size() - 1);
+    }
+    packed_.resize(std::max(packed_.size(), own.size()));
+    share_out(std::min(threads_, own.size()), own.size(), [&](std::size_t thread, std::size_t i) {
+        rows.packer.pack(rows_of(own[i]), scratch_[thread], packed_[i]);
+    });
+    for (std::uint64_t block = 0; block < blocks; ++block) {
+        const std::vector<std::byte>& packed = packed_[as[block]];
+        rows.offsets.push_back(file_.tell());
+        const std::array<std::int32_t, 3> head{static_cast<std::int32_t>(number),
+                                               static_cast<std::int32_t>(first + block * block_rows),
+                                               static_cast<std::int32_t>(packed.size())};
+        write_data(std::as_bytes(std::span(head)).subspan(parts_.size() > 1 ? 0 : sizeof(std::int32_t)));
+        write_data(packed);
+    }
+}
+
+void RowsWriter::write_data(std::span<const std::byte> bytes) {
+    data_ = crc32_of(bytes, data_);
+    file_.write(bytes);
+}
+
+void RowsWriter::write_offsets() {
+    std::vector<std::uint64_t> all;
+    for (const PartRows& rows : parts_)
+        all.insert(all.end(), rows.offsets.begin(), rows.offsets.end());
+    file_.seek(data_from_ - all.size() * sizeof(std::uint64_t));
+    file_.write(std::as_bytes(std::span(all)));
+}
+
+// The SHA-256 of the file. Throws IoError if it does not hold the blocks that were written.
+std::string RowsWriter::read_back() const {
+    std::uint32_t found = 0;
+    std::string sha256 =
+        sha256_of_file(file_.temporary_path(), [&](std::span<const std::byte> bytes, std::uint64_t at) {
+            if (at + bytes.size() > data_from_)
+                found = crc32_of(bytes.subspan(at < data_from_ ? data_from_ - at : 0), found);
+        });
+    if (found != data_)
+        throw IoError("cannot write {}: read back from the disk it differs from what was written; "
+                      "check the disk and the memory",
+                      file_.path().string());
+    return sha256;
 }
 
 bool RowsWriter::refused() const {
@@ -334,18 +315,14 @@ void RowsWriter::throw_if_refused(const PlaceText& place) const {
 VolumeResult RowsWriter::finish(const PlaceText& place) {
     throw_if_refused(place);
     VolumeResult result;
-    // OpenEXR writes the blocks' offsets from destructors, which swallow what goes wrong; but after a failure the file
-    // cannot be flushed or published any more.
     timed(timings.encode, [&] {
         flush_group();
         group_.wait();
-        for (PartRows& rows : parts_)
-            rows.output.reset();
-        output_.reset();
+        write_offsets();
     });
     timed(timings.flush, [&] { file_.flush_to_disk(); });
     // That blocks unpack to what was packed was seen when they were (deflate.cpp).
-    timed(timings.read_back, [&] { result.sha256 = stream_.read_back(); });
+    timed(timings.read_back, [&] { result.sha256 = read_back(); });
     result.bytes = std::filesystem::file_size(file_.temporary_path());
     timed(timings.flush, [&] { file_.publish(); });
     result.timings = timings;
@@ -358,9 +335,9 @@ VolumeResult RowsWriter::finish(const PlaceText& place) {
 Sheet sheet_of(const VolumeHeader& volume) {
     exr::require_possible(volume);
     const auto [nx, ny, nz] = volume.size;
-    Sheet sheet{nx, ny * nz, exr::parts_of(volume), {}, volume.threads};
+    Sheet sheet{nx, ny * nz, {}, {}, {}, volume.threads};
     const auto vector_of = [](const std::array<double, 3>& v) { return attribute_of(v[0], v[1], v[2]); };
-    for (const Part& part : sheet.parts) {
+    for (const Part& part : exr::parts_of(volume)) {
         Imf::Header header = make_header(part, nx, ny * nz, volume.compression, volume);
         header.insert("forceshade.grid",
                       Imf::V3iAttribute({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}));
@@ -368,7 +345,7 @@ Sheet sheet_of(const VolumeHeader& volume) {
         header.insert("forceshade.spacing", vector_of(volume.spacing));
         if (volume.channels & layout::kChannelProxy)
             add_place_origin(header, volume.place_origin);
-        sheet.headers.push_back(header);
+        sheet.add(part, volume.compression, std::move(header));
     }
     return sheet;
 }
@@ -434,7 +411,7 @@ void require_possible(const PathVolumeHeader& header) {
 
 Sheet sheet_of(const PathVolumeHeader& header) {
     require_possible(header);
-    Sheet sheet{header.steps, header.paths, {}, {}, header.threads};
+    Sheet sheet{header.steps, header.paths, {}, {}, {}, header.threads};
     for (const std::uint32_t channel : kPathChannels) {
         if (!(header.channels & channel) && channel != layout::kChannelForce && channel != layout::kChannelPosition)
             continue;
@@ -448,8 +425,7 @@ Sheet sheet_of(const PathVolumeHeader& header) {
         if (header.rate > 0)
             image.insert("forceshade.rate", Imf::DoubleAttribute(header.rate));
         add_place_origin(image, header.place_origin);
-        sheet.parts.push_back(part);
-        sheet.headers.push_back(image);
+        sheet.add(part, compression, std::move(image));
     }
     return sheet;
 }

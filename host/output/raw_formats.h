@@ -77,7 +77,7 @@ std::string deflate_name();
 inline constexpr int kDeflateLevel = 1;
 /// In zlib's format. The same bytes on every machine. \throws std::bad_alloc, std::runtime_error if what was packed is
 /// not what comes out again.
-void deflate(std::span<const std::byte> from, std::vector<std::byte>& to);
+void deflate(std::span<const std::byte> from, std::vector<std::byte>& to, int level = kDeflateLevel);
 
 /// CRC-32 of bytes that follow others, whose own is `before`.
 std::uint32_t crc32_of(std::span<const std::byte> bytes, std::uint32_t before);

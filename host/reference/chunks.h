@@ -21,18 +21,7 @@ inline unsigned threads_for(unsigned asked) {
     return asked > 0 ? asked : most_threads();
 }
 
-/// Runs work(thread, index) for every index below count, shared out among threads.
-template <typename Work> void share_out(std::size_t threads, std::size_t count, const Work& work) {
-    std::atomic<std::size_t> next{0};
-    const auto run = [&](std::size_t thread) {
-        for (std::size_t i; (i = next++) < count;)
-            work(thread, i);
-    };
-    std::vector<std::jthread> helpers;
-    for (std::size_t i = 1; i < threads; ++i)
-        helpers.emplace_back(run, i);
-    run(0);
-}
+using forceshade::share_out;
 
 /// Threads that stay and share out one piece of work after another. No thread waits for one that has not begun: on a
 /// busy machine that may take long.

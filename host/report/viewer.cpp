@@ -2,11 +2,10 @@
 #include <Imath/half.h>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include "host/error.h"
 #include "host/field/comparison.h"
@@ -14,6 +13,7 @@
 #include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/output/json.h"
+#include "host/output/raw_formats.h"
 #include "host/picture/picture.h"
 #include "host/program.h"
 #include "host/report/sections.h"
@@ -75,14 +75,10 @@ double power_of_two_above(std::span<const float> values) {
 }
 
 std::string compressed(const std::string& bytes) {
-    uLongf length = compressBound(bytes.size());
-    std::string result(length, '\0');
-    const int status = compress2(reinterpret_cast<Bytef*>(result.data()), &length,
-                                 reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_COMPRESSION);
-    if (status != Z_OK)
-        throw std::runtime_error("zlib cannot compress");
-    result.resize(length);
-    return result;
+    constexpr int kBest = 9;
+    std::vector<std::byte> packed;
+    deflate(std::as_bytes(std::span(bytes)), packed, kBest);
+    return {reinterpret_cast<const char*>(packed.data()), packed.size()};
 }
 
 constexpr std::size_t kMostPoints = 130; /* of a row; beyond that facets do not show */
