@@ -26,10 +26,10 @@
 
 namespace forceshade {
 
-std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding) {
+std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding, const MeshPlacement& placement) {
     auto mesh = std::make_shared<SceneMesh>();
     mesh->findings = inspect(polygons);
-    mesh->mesh = prepare_mesh(std::move(polygons), {}, VertexNormals::plain);
+    mesh->mesh = prepare_mesh(std::move(polygons), placement, VertexNormals::plain);
     mesh->structure = build_structure(mesh->mesh, {.winding = winding});
     if (is_solid(mesh->findings))
         assume_solid(mesh->structure);

@@ -44,8 +44,8 @@ struct SceneMesh {
     std::size_t file_triangles = 0;               /* as require_mesh_memory() was asked for them */
 };
 
-/// Polygons in the scene's frame, m, as they are. `winding`: with the tree's winding numbers.
-std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding = false);
+/// Polygons in the scene's frame, m, as they are placed. `winding`: with the tree's winding numbers.
+std::shared_ptr<SceneMesh> made_mesh(PolygonSoup polygons, bool winding = false, const MeshPlacement& placement = {});
 
 /// A file that a scene names and that is there. \throws IoError `bump.toml:14:8: cannot read ...; did you mean ...?`
 void require_file(const FileSpec& spec);

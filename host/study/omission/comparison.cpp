@@ -7,6 +7,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
+#include "host/random.h"
 #include "host/study/omission/omission.h"
 
 namespace forceshade::study {
@@ -62,6 +63,29 @@ PreparedCase ring_case(bool quick) {
     return made;
 }
 
+// About the vertical, and tilted a little, its middle staying where it is.
+Turned turned(const SceneMesh& mesh) {
+    constexpr std::size_t kMostTriangles = 20000;
+    constexpr unsigned kTurns = 8;
+    constexpr double kTilt = 5 * std::numbers::pi / 180; // rad
+    Turned all;
+    Random random(0, "orientations of the study of omissions");
+    const MeshBox box = bounding_box(mesh.mesh.polygons);
+    const glm::dvec3 middle = 0.5 * (box.low + box.high);
+    PolygonSoup about_middle = mesh.mesh.polygons;
+    for (glm::dvec3& vertex : about_middle.vertices)
+        vertex -= middle;
+    for (unsigned i = 0; i < kTurns && mesh.structure.triangles() <= kMostTriangles; ++i) {
+        const auto symmetric = [&](double most) { return (2 * random.uniform() - 1) * most; };
+        const std::array<double, 3> angles{symmetric(kTilt), symmetric(kTilt), symmetric(std::numbers::pi)};
+        const std::shared_ptr<SceneMesh> one =
+            made_mesh(about_middle, true, {.rotate = angles, .translate = {middle.x, middle.y, middle.z}});
+        one->inside = mesh.inside;
+        all.push_back(one);
+    }
+    return all;
+}
+
 // The same box with fewer samples.
 GridSpec thinned(GridSpec grid, std::uint64_t most) {
     while (grid.size[0] * grid.size[1] * grid.size[2] > most) {
@@ -98,7 +122,7 @@ std::vector<BaseScene> own_scenes(bool quick) {
         {"mesh",
          fmt::format("a ring of {} quads, shaded by mean values, in a box twice as wide and three times as high",
                      ring.images.mesh->mesh.polygons.facets()),
-         ring});
+         ring, true, false, turned(*ring.images.mesh)});
     scenes.push_back({"strokes", "strokes over the shaded bump, in open loop",
                       prepared(shaded_bump + fmt::format("[paths]\ncount = {}\nsteps = {}\nspeed = {{ mean = \"100 "
                                                          "mm/s\", sd = \"20 mm/s\" }}\n",
@@ -125,6 +149,8 @@ BaseScene user_scene(const PreparedCase& prepared, bool quick) {
         with_winding->structure.winding = make_winding(with_winding->structure);
         base.prepared.images.mesh = with_winding;
     }
+    if (base.prepared.images.mesh)
+        base.turned = turned(*base.prepared.images.mesh);
     return base;
 }
 
@@ -152,6 +178,7 @@ std::vector<Comparison> comparisons_of(const BaseScene& base, bool gpu) {
                                                       .channels = channels,
                                                       .omitted = omitted,
                                                       .paths = paths});
+        one.with.turned = one.without.turned = base.turned;
         scene_of(one.with).field = scene_of(one.without).field = !paths;
         return one;
     };

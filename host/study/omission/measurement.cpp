@@ -37,12 +37,14 @@ public:
         make(paths);
     }
 
-    /// The same scene on a grid elsewhere, or with other paths of the same kind.
+    /// The same scene, its mesh turned, on a grid elsewhere, or with other paths of the same kind.
     void draw(unsigned number) {
         Random random(number, "grids and paths of the study of omissions");
         Scene& scene = drawn_.one.scene;
         for (std::size_t axis = 0; axis < 3; ++axis)
             scene.grid.origin[axis] = scene_.grid.origin[axis] + (random.uniform() - 0.5) * scene_.grid.spacing[axis];
+        if (!setup_.turned.empty())
+            drawn_.images.mesh = setup_.turned[number % setup_.turned.size()];
         if (paths_)
             scene.paths->seed = scene_.paths->seed + number;
         make(paths_ != nullptr);

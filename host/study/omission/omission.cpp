@@ -253,7 +253,8 @@ void add_notes(const std::vector<BaseScene>& scenes, const Rounds& rounds, Study
     }
     data.notes.push_back(
         fmt::format("Each ratio is of {} paired rounds, fewer where they take long. In each the grid is moved at "
-                    "random by up to half its spacing, or paths are drawn anew; both sides are evaluated in turn, each "
+                    "random by up to half its spacing and a mesh turned, or paths are drawn anew; both sides are "
+                    "evaluated in turn, each "
                     "first as often, repeatedly if that takes only a moment, and the least times count.",
                     rounds.count));
     data.notes.push_back("Every y and free space are always left out where a scene permits; the study alone evaluates "

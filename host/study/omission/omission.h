@@ -9,6 +9,9 @@
 
 namespace forceshade::study {
 
+/// The mesh of a scene in other orientations; empty for another surface, and for a mesh that takes long to prepare.
+using Turned = std::vector<std::shared_ptr<const SceneMesh>>;
+
 /// A scene as it stands, each of whose features is then switched alone.
 struct BaseScene {
     std::string name;  /* a word: "bump" */
@@ -16,6 +19,7 @@ struct BaseScene {
     PreparedCase prepared;
     bool field = true;  /* features of its field are switched */
     bool paths = false; /* the same for its paths */
+    Turned turned{};
 };
 
 /// A bump, a height map, a mesh, and strokes over a bump; small ones for a quick study.
@@ -32,6 +36,7 @@ struct Setup {
     Extent extent = Extent::what_varies; /* of a field */
     FreeSpace free = FreeSpace::skipped; /* of a mesh's field */
     bool samples = true;                 /* of paths: written, not metrics alone */
+    Turned turned{};                     /* of a mesh: in turn, a round each */
 };
 
 /// Results that must be the same on both sides.
