@@ -12,7 +12,7 @@
 
 namespace forceshade {
 
-/// What there is to compute, as far as it decides which engine is faster.
+/// The work, as far as it decides which engine is faster.
 struct Workload {
     double voxels = 0;      /* evaluated, of analytic surfaces */
     double mesh_voxels = 0; /* of meshes' grids */

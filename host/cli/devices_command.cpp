@@ -1,4 +1,4 @@
-// forceshade devices: what there is to touch with.
+// forceshade devices: the haptic devices.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>

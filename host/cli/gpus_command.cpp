@@ -1,4 +1,4 @@
-// forceshade gpus: what there is to compute on.
+// forceshade gpus: the Vulkan devices.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
