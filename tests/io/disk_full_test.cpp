@@ -74,7 +74,7 @@ TEST(DiskFull, EndsInAnErrorAndNoFile) {
         }
 }
 
-// The table of the blocks' offsets is written last, by a destructor of OpenEXR, into the file's beginning.
+// The table of the blocks' offsets is written last, into the file's beginning.
 TEST(DiskFull, AtAnyByteEndsInAnErrorAndNoFile) {
     const Folder folder;
     const std::array<std::uint64_t, 3> size{16, 4, 4};
