@@ -357,6 +357,8 @@ public:
         double from = 0, to = 0, y = 0;
     };
     Reach reach() const;
+    /// Of all paths along their breadth; empty where every path is kept.
+    std::vector<picture::PathBand> bands() const;
     /// The picture of them.
     picture::Picture draw(const picture::Look& look, const picture::SurfaceLines& surface) const;
 
@@ -368,7 +370,6 @@ private:
     /// Use(sample, at) for every stride-th sample of a path in these rows; `at`: its place in them.
     template <typename T, typename Use>
     void each_sample(const PathRows<T>& rows, std::size_t path, std::uint64_t stride, const Use& use) const;
-    std::vector<picture::PathBand> bands() const;
 
     std::uint64_t count_, every_, stride_, every_of_all_, stride_of_all_;
     glm::dvec3 origin_; /* m */

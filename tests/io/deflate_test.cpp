@@ -1,5 +1,8 @@
 // Blocks packed and unpacked by libdeflate: zlib unpacks them, damage is an error, and OpenEXR does call it.
+#include <algorithm>
+#include <atomic>
 #include <dlfcn.h>
+#include <new>
 #include <random>
 #include <string>
 
@@ -7,6 +10,7 @@
 #include <zlib.h>
 
 #include "host/output/raw_formats.h"
+#include "host/threads.h"
 
 namespace forceshade {
 namespace {
@@ -74,6 +78,20 @@ TEST(Deflate, TellsOfDamageAndOfTooLittleRoom) {
     room = to.size();
     small[small.size() / 2] ^= 0x55;
     EXPECT_EQ(unpack(), Z_DATA_ERROR);
+}
+
+TEST(ShareOut, PassesOnWhatAThreadThrows) {
+    for (const std::size_t threads : {1U, 4U}) {
+        EXPECT_THROW(share_out(threads, 1000,
+                               [](std::size_t, std::size_t i) {
+                                   if (i == 500)
+                                       throw std::bad_alloc();
+                               }),
+                     std::bad_alloc);
+        std::vector<std::atomic<int>> times(1000);
+        share_out(threads, times.size(), [&](std::size_t, std::size_t i) { ++times[i]; });
+        EXPECT_TRUE(std::ranges::all_of(times, [](const std::atomic<int>& one) { return one == 1; }));
+    }
 }
 
 // The dynamic linker gives OpenEXR the first of that name, and that is the program's.

@@ -1,5 +1,6 @@
 // Numbers of paths made of their metrics, the table of them, and what a picture of paths says.
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -159,6 +160,34 @@ TEST(PathPicture, ShowsAHandfulOfPathsOfMany) {
     EXPECT_EQ(collector.paths()[4].way.size(), 10u);
     EXPECT_EQ(collector.paths()[0].direction[3], 45);
     EXPECT_EQ(collector.reach().y, 0.5);
+}
+
+// Path i lies at z = i mm and its force is turned by i / 10 deg; the last tenth of it has no force.
+TEST(PathPicture, HasAllPathsInItsBands) {
+    constexpr std::size_t kPaths = 101, kSteps = 200;
+    PathCollector collector(kPaths, kSteps), few(5, kSteps);
+    const std::vector<layout::uint> steps(kPaths, kSteps);
+    std::vector<float> position, force;
+    for (std::size_t path = 0; path < kPaths; ++path)
+        for (std::size_t step = 0; step < kSteps; ++step) {
+            const double angle = double(path) / 10 * std::numbers::pi / 180, size = step < 180 ? 1 : 0;
+            position.insert(position.end(), {float(step), 0, 1e-3F * float(path)});
+            force.insert(force.end(), {float(size * std::sin(angle)), 0, float(size * std::cos(angle))});
+        }
+    collector.add(PathRows<float>{0, kPaths, kSteps, steps, position, force, {}, {}, {}});
+    few.add(PathRows<float>{0, 5, kSteps, steps, position, force, {}, {}, {}});
+    const std::vector<picture::PathBand> bands = collector.bands();
+    ASSERT_FALSE(bands.empty());
+    for (const picture::PathBand& band : bands)
+        for (const auto& [i, path] : {std::pair{0, 5.0}, {1, 50.0}, {2, 95.0}}) {
+            const auto at = static_cast<std::size_t>(i);
+            EXPECT_NEAR(band.z[at], 1e-3 * path, 1.1e-3) << band.x;
+            if (band.x < 178)
+                EXPECT_NEAR(band.direction[at], path / 10, 0.11) << band.x;
+            else if (band.x > 182)
+                EXPECT_TRUE(std::isnan(band.direction[at])) << band.x;
+        }
+    EXPECT_TRUE(few.bands().empty()) << "all of them are drawn";
 }
 
 TEST(PathPicture, IsTheSameOfAPathInPieces) {

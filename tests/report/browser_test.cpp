@@ -115,6 +115,24 @@ TEST_F(Page, TheStrokesEndsCanBeDragged) {
     EXPECT_NE(browser_->text(kProfile), profile);
 }
 
+TEST_F(Page, AStrokeFollowsTheSurfaceWhereThatIsKnown) {
+    open();
+    // A roof, 2 mm high over x = 0 and at 0 from 10 mm on; the ends of the stroke are at z = 0.
+    const auto heights = [&](const std::string& state, const std::string& surface) {
+        return browser_->text(
+            "Object.assign(Object.create(Viewer.prototype), { surfaces: [{ nominal: { unit_m: 1e-3, "
+            "x: [-10, 0, 10], z: [[0, 2, 0]] } }], a: { about: { surface: " +
+            surface +
+            ", origin_m: [0, 0, 0], spacing_m: [1, 1, 1], full: [2, 1, 2] } }, state: { axis: 1, "
+            "point: [0, 0, 0], strokes: [null, [[-0.02, 0], [0.02, 0]], null], " +
+            state + " } }).strokeLine.map(([, z]) => (1e3 * z).toFixed(2)).filter((_, i) => i % 75 === 0).join()");
+    };
+    EXPECT_EQ(heights("follows: true, depth: 1e-3", "0"), "-1.00,-1.00,1.00,-1.00,-1.00");
+    EXPECT_EQ(heights("follows: true, depth: 0.5e-3", "0"), "-0.50,-0.50,1.50,-0.50,-0.50");
+    EXPECT_EQ(heights("follows: false, depth: 1e-3", "0"), "0.00,0.00,0.00,0.00,0.00");
+    EXPECT_EQ(heights("follows: true, depth: 1e-3", "undefined"), "0.00,0.00,0.00,0.00,0.00");
+}
+
 TEST_F(Page, ChoicesChangeThePictures) {
     open();
     const std::string picture = browser_->text(kPaneA), difference = browser_->text(kPaneD);
