@@ -11,34 +11,13 @@ import math
 import pathlib
 import sys
 import numpy as np
+from recomputed_checks import check, near, number, outcomes, place_of
 from recomputed_models import HALF, TIGHT, WIDE, Block, Patch, angles, axis_steps, bump_force, circle_height, \
-    facets_at, least_growing, loop_growth, nearest_on, rms, round_normals, size, splitmix, turned, unit
+    facets_at, least_growing, loop_growth, nearest_on, own_surfaces, rms, round_normals, size, slope_of, splitmix, \
+    turned, unit
+from recomputed_loops import check_atlas, check_basins, check_couplings, check_edges, check_rounded
 
 DEEPEST = 2e-3  # m: of a hand
-failures = 0
-
-
-def check(name, table, own, low, high):
-    """Prints a table's number and the own one, which is to be from `low` to `high`."""
-    global failures
-    good = bool(low <= own <= high)
-    failures += not good
-    print(f"{'ok ' if good else 'OFF'} {name}: table {table:.5g}, recomputed {own:.5g} (from {low:.5g} to {high:.5g})")
-
-
-def near(name, table, own, share):
-    """Checks that the own number is within a share of the table's."""
-    check(name, table, own, table - share * abs(table), table + share * abs(table))
-
-
-def number(rows, column, **words):
-    """That of the row with these words."""
-    return float(next(row for row in rows if all(row[key] == word for key, word in words.items()))[column])
-
-
-def place_of(row):
-    """m: of a row."""
-    return 1e-3 * np.array([float(row[f"{axis}_mm"]) for axis in "xyz"])
 
 
 # Jumps of a static field where two facets are equally near.
@@ -241,38 +220,13 @@ def check_errors(draws, ways):
 
 # The largest stable stiffness of a hand's sampled loop.
 
-def map_force(radius, side=1):
-    """m: of a plane with a cylinder's normals, of a bump (1) or a dip (-1)."""
-    return lambda at: np.maximum(-at[:, 2], 0)[:, None] * round_normals(at[:, 0], radius) * [side, 1, 1]
-
-
-def textured_force(at):
-    """m: of a plane with a sine of 10 um and 2 mm, as stiff as the plane."""
-    depth, turns = np.maximum(-at[:, 2], 0), 2 * math.pi / 0.002
-    return np.stack([-depth * 1e-5 * turns * np.cos(turns * at[:, 0]), 0 * depth, depth], -1)
-
-
-def slope_of(force, at):
-    """1: -dF/dp over K at a place, by differences."""
-    step = 1e-8
-    return np.stack([(force(at - step * e) - force(at + step * e))[0] / (2 * step) for e in np.eye(3)], -1)
-
-
 def check_loops(limits, kinds, presses):
     """loop_limits.csv, each row at its own place, and walls; loop_kinds.csv and loop_presses.csv by bisection."""
-    block = Block(TIGHT, 8, 8)
-    shadings = {"mesh": "none", "shaded mesh": "barycentric"}
-    surfaces = {"plane": map_force(math.inf), "textured plane": textured_force,
-                "height map of a bump": map_force(WIDE), "height map of a dip": map_force(WIDE, -1)}
-    for shaded in (False, True):
-        for facets, words in ((2, ""), (8, " of 8 facets")):
-            name = ("shaded bump" if shaded else "bump") + words
-            surfaces[name] = lambda at, facets=facets, shaded=shaded: bump_force(at, facets, TIGHT, shaded)
+    force_at = own_surfaces()
     by_hand = {}
     for row in (row for row in limits if row["limit_N_per_m"]):
-        at, name = place_of(row)[None], row["surface"]
-        face = abs(block.offsets - block.normals @ at[0] - 1e-3 * float(row["depth_mm"])).argmin()
-        force = surfaces.get(name) or block.force_under(face, shadings.get(name, name.split()[0]))
+        at = place_of(row)[None]
+        force = force_at(row["surface"], at[0], 1e-3 * float(row["depth_mm"]))
         row["slope"], row["force"] = slope_of(force, at), unit(force(at))[0]
         row["along"] = {"on all sides": np.zeros(3), "down": np.eye(3)[2]}.get(row["hold"], row["force"])
         row["limit"] = float(row["limit_N_per_m"])
@@ -311,7 +265,7 @@ def check_loops(limits, kinds, presses):
         some = [press for press in presses if press["surface"] == name]
         at = 1e-3 * np.array([[float(some[0]["x_mm"]), 0, 0]])
         at[:, 2] = facets_at(at[:, 0], 2, TIGHT)[0] - DEEPEST
-        slope, off = slope_of(surfaces[name], at), []
+        slope, off = slope_of(force_at(name, at[0], DEEPEST), at), []
         for side in (-1, 1):  # the table does not say to which
             along = turned_by(side * np.array([float(press["press_deg"]) for press in some]))
             off.append(max(abs(least_growing(loop_growth([slope], [one], *own), 12000) - float(press["limit_N_per_m"]))
@@ -486,10 +440,20 @@ def main():
     check_errors(table("error-time/draws"), table("error-time/ways"))
     check_loops(*(table(f"stability/loop_{name}") for name in ("limits", "kinds", "presses")))
     check_tessellations(table("stability/loop_tessellations"), (3, 500, 1e-3, 0))
+    check_couplings(table("stability/loop_couplings"), table("stability/loop_limits"))
+    check_basins(table("stability/loop_basins"), table("stability/loop_limits"))
+    check_edges(table("stability/loop_edges"))
+    atlases = [study for study in ("stability", "stability-bump") if (folder / study / "loop_atlas.csv").exists()]
+    check("tables of limits over one quantity", 1, len(atlases), 1, 2)
+    for study in atlases:  # the scene is the README's bump.toml
+        rows, limits = ([{**row, "surface": row["surface"].replace("scene", "shaded bump")}
+                         for row in table(f"{study}/loop_{which}")] for which in ("atlas", "limits"))
+        check_atlas(rows, limits, study)
+        check_rounded(rows, study)
     check_energy(table("energy/energy"))
     check_rates(table("error-time/loop_rates"))
-    print(failures, "off")
-    return int(failures > 0)
+    print(outcomes.count(False), "off")
+    return int(not all(outcomes))
 
 
 if __name__ == "__main__":

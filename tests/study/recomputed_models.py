@@ -248,16 +248,55 @@ def nearest_on(triangles, at):
     return np.where(within[..., None], foot, np.take_along_axis(np.array(edges), nearest, 0)[0]), normal
 
 
+def map_force(radius, side=1):
+    """m: of a plane with a cylinder's normals, of a bump (1) or a dip (-1)."""
+    return lambda at: np.maximum(-at[:, 2], 0)[:, None] * round_normals(at[:, 0], radius) * [side, 1, 1]
+
+
+def textured_force(at):
+    """m: of a plane with a sine of 10 um and 2 mm, as stiff as the plane."""
+    depth, turns = np.maximum(-at[:, 2], 0), 2 * math.pi / 0.002
+    return np.stack([-depth * 1e-5 * turns * np.cos(turns * at[:, 0]), 0 * depth, depth], -1)
+
+
+def slope_of(force, at):
+    """1: -dF/dp over K at a place, by differences."""
+    step = 1e-8
+    return np.stack([(force(at - step * e) - force(at + step * e))[0] / (2 * step) for e in np.eye(3)], -1)
+
+
+def own_surfaces():
+    """force_at(name, place, depth): of a studied surface the force, m, about there; of a mesh that of the face which is
+    so far above, m, to which a god-object came and which need not be the nearest."""
+    block, shadings = Block(TIGHT, 8, 8), {"mesh": "none", "shaded mesh": "barycentric"}
+    surfaces = {"plane": map_force(math.inf), "textured plane": textured_force,
+                "height map of a bump": map_force(WIDE), "height map of a dip": map_force(WIDE, -1)}
+    for shaded in (False, True):
+        for facets, words in ((2, ""), (8, " of 8 facets")):
+            name = ("shaded bump" if shaded else "bump") + words
+            surfaces[name] = lambda at, facets=facets, shaded=shaded: bump_force(at, facets, TIGHT, shaded)
+
+    def force_at(name, at, depth):
+        face = abs(block.offsets - block.normals @ at - depth).argmin()
+        return surfaces.get(name) or block.force_under(face, shadings.get(name, name.split()[0]))
+    return force_at
+
+
 def turned(angle, axis):
     """A matrix that turns about z (2) or x (0)."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]] if axis == 2 else [[1, 0, 0], [0, c, -s], [0, s, c]])
 
 
-def axis_steps(damping, spring, period):
-    """Over a sample of MASS, the rows of place and speed by place, speed and force (N s/m, N/m, s, N)."""
-    rates = np.array([[0, 1, 0], [-spring / MASS, -damping / MASS, 1 / MASS], [0, 0, 0]]) * period / 2**20
-    return np.linalg.matrix_power(np.eye(3) + rates + rates @ rates / 2 + rates @ rates @ rates / 6, 2**20)[:2]
+def powered(rates):
+    """exp(rates), of a matrix, by many small steps."""
+    part = rates / 2**20
+    return np.linalg.matrix_power(np.eye(len(part)) + part + part @ part / 2 + part @ part @ part / 6, 2**20)
+
+
+def axis_steps(damping, spring, period, mass=MASS):
+    """Over a sample, the rows of place and speed by place, speed and force (N s/m, N/m, s, kg, N)."""
+    return powered(period * np.array([[0, 1, 0], [-spring / mass, -damping / mass, 1 / mass], [0, 0, 0]]))[:2]
 
 
 def loop_growth(slopes, along, damping, grip, period, delay):
