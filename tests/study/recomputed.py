@@ -16,6 +16,7 @@ from recomputed_models import HALF, TIGHT, WIDE, Block, Patch, angles, axis_step
     facets_at, least_growing, loop_growth, nearest_on, own_surfaces, rms, round_normals, size, slope_of, splitmix, \
     turned, unit
 from recomputed_loops import check_atlas, check_basins, check_couplings, check_edges, check_rounded
+from recomputed_perception import check_perception
 
 DEEPEST = 2e-3  # m: of a hand
 
@@ -450,6 +451,7 @@ def main():
                          for row in table(f"{study}/loop_{which}")] for which in ("atlas", "limits"))
         check_atlas(rows, limits, study)
         check_rounded(rows, study)
+    check_perception(table("perception/answers"), table("perception/facets"))
     check_energy(table("energy/energy"))
     check_rates(table("error-time/loop_rates"))
     print(outcomes.count(False), "off")
