@@ -252,7 +252,8 @@ Table coupling_table(const LoopResults& results) {
          {"scene_N_per_m", "N/m", "the scene's stiffness K", &R::scene},
          {"coupling", "",
           "own: the scene's; safe: the stiffest spring alone, at rest everywhere, and passive: in line with a wall "
-          "this hand gets no energy; stiffest: with any damper, at rest everywhere, but impacts may give energy; "
+          "this hand gets no energy; stiffest: with any damper up to the mass over the sample, at rest everywhere, but "
+          "impacts may give energy; "
           "filtered: the same with a filter of the damper's speed",
           &R::which},
          {"coupling_N_per_m", "N/m", "hand.coupling.stiffness k", [](const R& r) { return r.coupling.stiffness; }},
