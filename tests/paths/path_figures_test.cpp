@@ -182,10 +182,11 @@ TEST(PathPicture, HasAllPathsInItsBands) {
         for (const auto& [i, path] : {std::pair{0, 5.0}, {1, 50.0}, {2, 95.0}}) {
             const auto at = static_cast<std::size_t>(i);
             EXPECT_NEAR(band.z[at], 1e-3 * path, 1.1e-3) << band.x;
-            if (band.x < 178)
+            if (band.x < 178) {
                 EXPECT_NEAR(band.direction[at], path / 10, 0.11) << band.x;
-            else if (band.x > 182)
+            } else if (band.x > 182) {
                 EXPECT_TRUE(std::isnan(band.direction[at])) << band.x;
+            }
         }
     EXPECT_TRUE(few.bands().empty()) << "all of them are drawn";
 }
