@@ -19,7 +19,7 @@
 #include "host/scene/cases.h"
 #include "host/sweep/sweep.h"
 #include "host/threads.h"
-#include "host/touch/places.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade {
 namespace {

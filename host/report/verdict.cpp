@@ -5,12 +5,14 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "host/report/sections.h"
 #include "host/study/study_data.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::report {
 namespace {
@@ -37,6 +39,11 @@ constexpr Scheme kSchemes[] = {
      "morgenbesser"},
     {"mesh, two_pass", "Ruspini's force (1997) is to be repeated, on blunt edges alone", "mesh", "two_pass",
      "two_pass mesh", "two_pass"}};
+
+static_assert(std::ranges::all_of(kSchemes, [](const Scheme& scheme) {
+    return std::ranges::any_of(kStudiedSurfaces,
+                               [&](const StudiedSurface& one) { return std::string_view(one.name) == scheme.pressed; });
+}));
 
 const StudyData* own_study(const Contents& contents, const char* name) {
     for (const StudyPart& part : contents.studies)

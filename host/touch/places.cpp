@@ -10,7 +10,7 @@
 #include "host/mesh/mesh.h"
 #include "host/paths/motions.h"
 #include "host/reference/elementary.h"
-#include "host/touch/cylinder_mesh.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade {
 
@@ -156,41 +156,6 @@ std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCa
                 found = place;
     }
     return found;
-}
-
-// The studies' own surfaces.
-
-PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift) {
-    PreparedCase prepared;
-    Scene& scene = prepared.one.scene;
-    SurfaceSpec& surface = scene.surface;
-    surface.kind = own.kind;
-    surface.width = surface.map.width = 2 * kOwnHalfWidth;
-    surface.radius = surface.map.radius = own.radius;
-    surface.facets = own.facets;
-    surface.map.function = own.function;
-    if (own.function == MapFunction::sine) {
-        surface.map.width = kOwnWavelength;
-        surface.map.height = 0.001;
-    }
-    scene.force.stiffness = own.stiffness;
-    if (own.shaded)
-        scene.force.shading = own.kind == SurfaceKind::height_map ? Shading::height_map
-                              : own.kind == SurfaceKind::mesh     ? Shading::mean_value
-                                                                  : Shading::reference;
-    scene.force.shading = own.shading.value_or(scene.force.shading);
-    if (own.texture > 0) {
-        TextureSpec& sine = scene.texture.emplace();
-        sine.stiffness = own.stiffness;
-        sine.map.function = MapFunction::sine;
-        sine.map.width = 0.002;
-        sine.map.height = own.texture;
-    }
-    if (own.kind == SurfaceKind::mesh) {
-        surface.mesh.file = "bump";
-        prepared.images.mesh = bump_mesh({kOwnHalfWidth, own.radius, own.facets, own.rows}, shift);
-    }
-    return prepared;
 }
 
 } // namespace forceshade

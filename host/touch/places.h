@@ -87,26 +87,4 @@ TouchedShape scene_shape(const PreparedCase& prepared);
 /// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; empty: none.
 std::optional<TouchPlace> surface_at(const TouchedShape& shape, const PreparedCase& prepared, double x, double y);
 
-// The surfaces of the studies' own.
-
-inline constexpr double kOwnHalfWidth = 0.0127;  /* a, m: half the width of the paper's bumps */
-inline constexpr double kOwnRadius = 0.01524;    /* R, m: 600 mil, the paper's most curved bump */
-inline constexpr double kOwnWavelength = 0x1p-6; /* m: of the sine; a power of two, so that whole ones add up exactly */
-
-/// A bump of the paper's width about the origin, or another form of it.
-struct OwnSurface {
-    SurfaceKind kind = SurfaceKind::bump;
-    MapFunction function = MapFunction::cylinder; /* of a height map */
-    bool shaded = false;                          /* of a mesh by mean value coordinates */
-    double radius = 2 * kOwnHalfWidth;            /* R, m */
-    std::uint32_t facets = 8;                     /* of a bump; of a mesh the cells along x */
-    std::uint32_t rows = 8;                       /* of a mesh: cells along y */
-    double stiffness = 1000;                      /* N/m */
-    std::optional<Shading> shading{};             /* other than those that `shaded` chooses */
-    double texture = 0;                           /* m: peak of a sine of 2 mm, as stiff as the surface; 0: none */
-};
-
-/// `shift`, m: of a mesh.
-PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift = glm::dvec3(0));
-
 } // namespace forceshade

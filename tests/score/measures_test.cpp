@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/score/measures.h"
-#include "host/touch/places.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::score {
 namespace {

@@ -11,7 +11,7 @@
 #include "host/output/files.h"
 #include "host/reference/elementary.h"
 #include "host/study/energy/energy.h"
-#include "host/touch/cylinder_mesh.h"
+#include "host/touch/own_surfaces.h"
 #include "host/touch/places.h"
 #include "tests/io/folder.h"
 #include "tests/places.h"

@@ -14,7 +14,7 @@
 #include "host/study/omission/omission.h"
 #include "host/study/stability/stability.h"
 #include "host/study/study_data.h"
-#include "host/touch/places.h"
+#include "host/touch/own_surfaces.h"
 #include "tests/io/folder.h"
 #include "tests/places.h"
 

@@ -10,6 +10,7 @@
 #include "host/study/stability/stability.h"
 #include "host/touch/force_at.h"
 #include "host/touch/force_errors.h"
+#include "host/touch/own_surfaces.h"
 #include "host/touch/places.h"
 #include "tests/io/folder.h"
 #include "tests/paths/sampled_plants.h"

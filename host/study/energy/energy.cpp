@@ -8,7 +8,7 @@
 #include "host/error.h"
 #include "host/paths/motions.h"
 #include "host/study/energy/energy.h"
-#include "host/touch/cylinder_mesh.h"
+#include "host/touch/own_surfaces.h"
 #include "host/touch/places.h"
 
 namespace forceshade::study {

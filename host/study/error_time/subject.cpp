@@ -8,8 +8,8 @@
 #include <glm/vec2.hpp>
 
 #include "host/reference/elementary.h"
-#include "host/touch/cylinder_mesh.h"
 #include "host/touch/force_errors.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::study::error_time {
 namespace {

@@ -11,7 +11,7 @@
 #include "host/random.h"
 #include "host/reference/surfaces.h"
 #include "host/study/stability/stability.h"
-#include "host/touch/places.h"
+#include "host/touch/own_surfaces.h"
 
 namespace forceshade::study {
 namespace {

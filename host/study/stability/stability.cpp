@@ -6,48 +6,11 @@
 #include <tuple>
 
 #include "host/limits/limits.h"
-#include "host/touch/cylinder_mesh.h"
+#include "host/touch/own_surfaces.h"
 #include "host/touch/places.h"
 
 namespace forceshade::study {
 namespace {
-
-struct StudiedSurface {
-    const char* name;
-    OwnSurface own;
-    glm::dvec3 low, high;      /* m */
-    bool limits_alone = false; // nothing else is examined
-};
-
-// The box of a bump or height map goes 2.5 mm beyond it on either side, that of a mesh not to its borders.
-constexpr glm::dvec3 kBumpLow{-0.0152, -0.005, -0.003}, kBumpHigh{0.0152, 0.005, 0.008};
-constexpr glm::dvec3 kMeshLow{-0.0105, -0.008, -0.003}, kMeshHigh{0.0105, 0.008, 0.008};
-constexpr std::uint32_t kMeshCells = 8; // over the width of a bump, along x and y
-constexpr OwnSurface mesh_of(Shading shading) {
-    return {
-        .kind = SurfaceKind::mesh, .radius = kOwnRadius, .facets = kMeshCells, .rows = kMeshCells, .shading = shading};
-}
-const StudiedSurface kStudied[] = {
-    {"plane", {.facets = 1}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
-    {"textured plane", {.facets = 1, .texture = 1e-5}, {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
-    {"bump", {.radius = kOwnRadius, .facets = 2}, kBumpLow, kBumpHigh},
-    {"shaded bump", {.shaded = true, .radius = kOwnRadius, .facets = 2}, kBumpLow, kBumpHigh},
-    {"bump of 8 facets", {.radius = kOwnRadius}, kBumpLow, kBumpHigh, true},
-    {"shaded bump of 8 facets", {.shaded = true, .radius = kOwnRadius}, kBumpLow, kBumpHigh, true},
-    {"height map of a bump",
-     {.kind = SurfaceKind::height_map, .shaded = true},
-     {-0.0152, -0.005, -0.003},
-     {0.0152, 0.005, 0.002}},
-    {"height map of a dip",
-     {.kind = SurfaceKind::height_map, .function = MapFunction::dip, .shaded = true},
-     {-0.0152, -0.005, -0.003},
-     {0.0152, 0.005, 0.002}},
-    {"mesh", mesh_of(Shading::none), kMeshLow, kMeshHigh},
-    {"shaded mesh", mesh_of(Shading::mean_value), kMeshLow, kMeshHigh},
-    {"morgenbesser mesh", mesh_of(Shading::morgenbesser), kMeshLow, kMeshHigh, true},
-    {"barycentric mesh", mesh_of(Shading::barycentric), kMeshLow, kMeshHigh, true},
-    {"two_pass mesh", mesh_of(Shading::two_pass), kMeshLow, kMeshHigh, true},
-};
 
 // Of each kind of place of a mesh: the least limit next to an edge, and the least at or next to a vertex; stepped, too.
 std::vector<LeastLimit> limits_by_edges(const LoopSurface& surface, const std::vector<RestPlace>& places,
@@ -148,7 +111,7 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
         append(results.tessellated, limits_by_tessellation(surface, results.limits, points, quick));
     if (surface.limits_alone)
         return;
-    const bool first = surface.stiffness > 0 || surface.name == kStudied[0].name; // a scene, or the plane
+    const bool first = surface.stiffness > 0 || surface.name == kStudiedSurfaces[0].name; // a scene, or the plane
     append(results.atlas, atlas_of(surface, results.limits, quick, first ? &engine : nullptr));
     append(results.basins, basins_of(surface, results.limits, quick));
     append(results.swings, edge_swings(engine, surface, places));
@@ -190,7 +153,7 @@ template <typename T> std::vector<T> joined(std::deque<std::vector<T>>& parts) {
 
 std::vector<LoopSurface> own_surfaces() {
     std::vector<LoopSurface> surfaces;
-    for (auto [name, own, low, high, limits_alone] : kStudied) {
+    for (auto [name, own, low, high, limits_alone] : kStudiedSurfaces) {
         LoopSurface& surface = surfaces.emplace_back();
         surface.name = name;
         own.stiffness = 1;

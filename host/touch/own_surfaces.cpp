@@ -1,4 +1,4 @@
-#include "host/touch/cylinder_mesh.h"
+#include "host/touch/own_surfaces.h"
 
 #include <algorithm>
 #include <array>
@@ -139,6 +139,39 @@ std::shared_ptr<const SceneMesh> cylinder_patch(const BumpMesh& bump, const std:
         cells.sine = std::sin(turn);
     }
     return mesh_of(cells, radius, std::sqrt((radius - a) * (radius + a)));
+}
+
+PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift) {
+    PreparedCase prepared;
+    Scene& scene = prepared.one.scene;
+    SurfaceSpec& surface = scene.surface;
+    surface.kind = own.kind;
+    surface.width = surface.map.width = 2 * kOwnHalfWidth;
+    surface.radius = surface.map.radius = own.radius;
+    surface.facets = own.facets;
+    surface.map.function = own.function;
+    if (own.function == MapFunction::sine) {
+        surface.map.width = kOwnWavelength;
+        surface.map.height = 0.001;
+    }
+    scene.force.stiffness = own.stiffness;
+    if (own.shaded)
+        scene.force.shading = own.kind == SurfaceKind::height_map ? Shading::height_map
+                              : own.kind == SurfaceKind::mesh     ? Shading::mean_value
+                                                                  : Shading::reference;
+    scene.force.shading = own.shading.value_or(scene.force.shading);
+    if (own.texture > 0) {
+        TextureSpec& sine = scene.texture.emplace();
+        sine.stiffness = own.stiffness;
+        sine.map.function = MapFunction::sine;
+        sine.map.width = 0.002;
+        sine.map.height = own.texture;
+    }
+    if (own.kind == SurfaceKind::mesh) {
+        surface.mesh.file = "bump";
+        prepared.images.mesh = bump_mesh({kOwnHalfWidth, own.radius, own.facets, own.rows}, shift);
+    }
+    return prepared;
 }
 
 } // namespace forceshade
