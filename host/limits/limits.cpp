@@ -5,12 +5,14 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/field/case_law.h"
+#include "host/limits/critical_stiffness.h"
 #include "host/reference/path_step.h"
 #include "host/touch/force_errors.h"
 
@@ -462,6 +464,40 @@ std::optional<double> dying_kick(const LoopSurface& surface, const LeastLimit& t
         return std::nullopt;
     const auto [low, high] = narrowed(expected / kRange, expected * kRange, kClose, dies);
     return std::sqrt(low * high);
+}
+
+double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay) {
+    const double late = (0.5 + static_cast<double>(delay)) * sample_time; // s
+    return 4 * friction / (std::numbers::pi * stiffness * late * std::sqrt(stiffness / mass));
+}
+
+double friction_basin(const LoopCell& cell, const RestPlace& place, const Hold& hold) {
+    const HandSpec& hand = cell.hand;
+    const glm::dvec3 way = place.force / glm::length(place.force);
+    const double held = cell.stiffness * glm::dot(way, place.slope * way); // N/m: along the force
+    const double pressed = hold.along == glm::dvec3(0) ? 0 : glm::dot(way, hold.along);
+    const double grip = hand.grip_stiffness * (1 - pressed * pressed); // N/m
+    const double samples = 0.5 + static_cast<double>(hand.delay_samples);
+    double turn = std::sqrt((grip + held) / hand.mass) / cell.rate, share = 1; // rad a sample; of what is held
+    for (int i = 0; i < 40; ++i) {
+        share = std::sin(turn / 2) / (turn / 2);
+        turn = std::sqrt((grip + held * share * std::cos(samples * turn)) / hand.mass) / cell.rate;
+    }
+    const double friction = hand.coulomb * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
+    const double amplitude = 4 * friction / (std::numbers::pi * held * share * std::sin(samples * turn));
+    return amplitude / std::abs(way.z);
+}
+
+double rounded_limit(const LoopCell& cell, double kick) {
+    const HandSpec& hand = cell.hand;
+    const double still = held_by_friction(hand);
+    double limit = still;
+    for (int i = 0; i < 60; ++i) {
+        const double slides = 4 * hand.coulomb / (std::numbers::pi * std::sqrt(limit / hand.mass) * kick); // N s/m
+        const double next = critical_stiffness(hand.mass, damping_of(hand) + slides, 1 / cell.rate, hand.delay_samples);
+        limit = std::sqrt(limit * next);
+    }
+    return std::min(still, limit);
 }
 
 std::string weak_places_text(const std::string& name, const PreparedCase& prepared) {

@@ -13,6 +13,32 @@
 
 namespace forceshade {
 
+// Friction of the hand, and steps of its measured position.
+
+/// N/m: up to here friction holds a step of the measured position, 2 f_c / quantum (Abbott & Okamura 2005).
+inline double held_by_friction(const HandSpec& hand) {
+    return 2 * hand.coulomb / hand.quantisation;
+}
+
+/// m: kicks up to here die out by friction, N, alone: of a mass, kg, without damping on a wall of `stiffness`, N/m,
+/// whose force is held for a sample, s, and `delay` samples late. Hold and delay feed pi K T w A^2 (1/2 + delay) a
+/// cycle, w = sqrt(K / m), and friction takes 4 f_c A, so that A = 4 f_c / (pi K T w (1/2 + delay)). Needs w T (1/2 +
+/// delay) far below 1.
+double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay);
+
+/// m: the same of a loop of `cell` without damping at a place of any surface, for a kick straight down, at any w T: the
+/// probe swings along the force, where the grip's spring holds it, too, at the w of harmonic balance, m w^2 = k_g + K s
+/// cos(p), p = w T (1/2 + delay), s = sin(w T / 2) / (w T / 2); A = 4 f_c / (pi K s sin(p)). Friction on each axis
+/// takes what its components cover.
+double friction_basin(const LoopCell& cell, const RestPlace& place, const Hold& hold);
+
+/// N/m: the stiffness up to which a loop of `cell` with friction and a measured position in steps comes to rest on a
+/// wall after a kick, m: min(2 f_c / quantum, K_crit with the damping b + 4 f_c / (pi w kick), w = sqrt(K / m)),
+/// friction by its describing function.
+double rounded_limit(const LoopCell& cell, double kick);
+
+// The least over places.
+
 /// The limit of a hand that is held so at a place.
 struct HoldLimit {
     double limit = 0; /* N/m */

@@ -127,7 +127,7 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
         if (place.kind == PlaceKind::foot)
             found.foot = std::max(found.foot, place.jump);
     if (scene.hand.quantisation > 0)
-        found.buzz = 2 * scene.hand.coulomb / scene.hand.quantisation;
+        found.buzz = held_by_friction(scene.hand);
     // On a wall, too. Deeper, where a coupling gives way: for one that is not yet known as deep as it may be.
     const auto with_wall = [&](double stiffness) {
         std::vector<RestPlace> places = touched(prepared, rate, most, stiffness).places;

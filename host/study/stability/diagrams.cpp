@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/reference/elementary.h"
 #include "host/study/stability/stability.h"
 
 namespace forceshade::study {
@@ -16,6 +17,7 @@ constexpr double kOwnFriction = 0.05;     // N: of hands that have none
 constexpr std::size_t kMostSteps = 30000; // of a simulated loop of the atlas
 constexpr double kOwnQuantum = 1e-5;      // m: of hands that measure exactly
 constexpr double kRounded = 0.5;          // of the depth: the kick where friction stops small motions
+constexpr double kTurned = 1e-3;          // rad: of a force that is another one
 
 struct Fineness {
     int columns, rows;
@@ -280,31 +282,8 @@ std::vector<DiagramLoop> rounding_diagram(Engine& engine, const LoopSurface& sur
                       {0.02 * friction, 20 * friction}, run, [&](DiagramLoop& loop, double step, double coulomb) {
                           loop.cell.hand.quantisation = step;
                           loop.cell.hand.coulomb = coulomb;
-                          const double still = 2 * coulomb / step; // N/m (Abbott & Okamura)
-                          loop.foreseen = cell.stiffness <= std::min(passive, still);
+                          loop.foreseen = cell.stiffness <= std::min(passive, held_by_friction(loop.cell.hand));
                       });
-}
-
-double friction_basin(double mass, double friction, double stiffness, double sample_time, std::uint64_t delay) {
-    const double late = (0.5 + static_cast<double>(delay)) * sample_time; // s
-    return 4 * friction / (std::numbers::pi * stiffness * late * std::sqrt(stiffness / mass));
-}
-
-double friction_basin(const LoopCell& cell, const RestPlace& place, const Hold& hold) {
-    const HandSpec& hand = cell.hand;
-    const glm::dvec3 way = place.force / glm::length(place.force);
-    const double held = cell.stiffness * glm::dot(way, place.slope * way); // N/m: along the force
-    const double pressed = hold.along == glm::dvec3(0) ? 0 : glm::dot(way, hold.along);
-    const double grip = hand.grip_stiffness * (1 - pressed * pressed); // N/m
-    const double samples = 0.5 + static_cast<double>(hand.delay_samples);
-    double turn = std::sqrt((grip + held) / hand.mass) / cell.rate, share = 1; // rad a sample; of what is held
-    for (int i = 0; i < 40; ++i) {
-        share = std::sin(turn / 2) / (turn / 2);
-        turn = std::sqrt((grip + held * share * std::cos(samples * turn)) / hand.mass) / cell.rate;
-    }
-    const double friction = hand.coulomb * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
-    const double amplitude = 4 * friction / (std::numbers::pi * held * share * std::sin(samples * turn));
-    return amplitude / std::abs(way.z);
 }
 
 std::vector<BasinRow> basins_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick) {
@@ -479,18 +458,6 @@ double AtlasPoint::friction_group() const {
     return is_rounded(least.cell) ? hand.coulomb / (damping_of(hand) * hand.quantisation * least.cell.rate) : NAN;
 }
 
-double rounded_limit(const LoopCell& cell, double kick) {
-    const HandSpec& hand = cell.hand;
-    const double still = 2 * hand.coulomb / hand.quantisation;
-    double limit = still;
-    for (int i = 0; i < 60; ++i) {
-        const double slides = 4 * hand.coulomb / (std::numbers::pi * std::sqrt(limit / hand.mass) * kick); // N s/m
-        const double next = critical_stiffness(hand.mass, damping_of(hand) + slides, 1 / cell.rate, hand.delay_samples);
-        limit = std::sqrt(limit * next);
-    }
-    return std::min(still, limit);
-}
-
 std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<LeastLimit>& limits, bool quick,
                                  Engine* engine) {
     std::vector<AtlasPoint> points;
@@ -510,7 +477,9 @@ std::vector<AtlasPoint> atlas_of(const LoopSurface& surface, const std::vector<L
                 std::optional<RestPlace> place = worst->place;
                 if (is(quantity, "depth") || is_rounded(cell))
                     place = at_depth(surface, worst->place, (is_rounded(cell) ? 1 : values[i]) * surface.deepest);
-                if (!place)
+                // Deeper down another facet may be the nearest: then it is no flat place any more.
+                if (!place ||
+                    (kind == PlaceKind::flat && reference::angle_between(place->force, worst->place.force) > kTurned))
                     continue;
                 place->kind = kind;
                 const double value = is(quantity, "depth") ? place->depth : values[i];

@@ -107,7 +107,7 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
         if (one.least.limit && *one.least.limit < (lower ? *lower->least.limit : *worst.limit))
             lower = &one;
     if (lower)
-        finding.text += fmt::format(" Only on another tessellation of its cells has the {} a lower limit, {}.",
+        finding.text += fmt::format(" Lower still is only that of the {} on another tessellation of its cells, {}.",
                                     lower->least.surface, newtons(*lower->least.limit));
     return finding;
 }
@@ -157,11 +157,11 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
             const double before = least_at(results, surface, depth, any_press),
                          after = least_at(results, shaded->surface, depth, any_press);
             return std::abs(after / before - 1) < kSame
-                       ? fmt::format("not at {:.2g} mm", 1e3 * depth)
+                       ? fmt::format("the same at {:.2g} mm", 1e3 * depth)
                        : fmt::format("from {} to {} at {:.2g} mm", newtons(before), newtons(after), 1e3 * depth);
         };
         const double deep = shaded->place.depth, shallow = results.surfaces.front().depths().front();
-        parts.push_back(fmt::format("{} {} of depth{}, {}; pressed in any direction {}, {}",
+        parts.push_back(fmt::format("{}: {} of depth{}, {}; under a press in any direction {}, {}",
                                     of_facets(results, surface), change_at(deep, false),
                                     over_tessellations(results, shaded->surface, deep), change_at(shallow, false),
                                     change_at(deep, true), change_at(shallow, true)));
@@ -173,8 +173,8 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back(
         {"loop_shading",
          fmt::format(
-             "Away from places where the direction jumps, force shading changes the largest stable stiffness. For {}.",
-             fmt::join(parts, ". For ")),
+             "Force shading changes the largest stable stiffness (away from places where the direction jumps) of {}.",
+             fmt::join(parts, ". Of ")),
          "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_text(results.surfaces.front()),
          fmt::format("{}", fmt::join(sure, "; "))});
 }
