@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "device/backends/devices.h"
@@ -84,34 +85,32 @@ PreparedCase stroked(PreparedCase stimulus, const Manner& manner) {
 }
 
 std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manner) {
-    const PreparedCase prepared = stroked(stimulus, manner);
-    const auto probe = std::make_unique<CaseProbe<double>>(prepared);
+    PreparedCase prepared = stroked(stimulus, manner);
+    prepared.one.scene.precision = Precision::f64;
+    const std::unique_ptr<ProbeLaw> law = make_probe_law(prepared, 1 / manner.rate);
+    law->couple(1, 1 / manner.rate);
     const auto hand = device::make_sim(prepared, manner.rate);
     std::vector<LiveSample> samples(prepared.one.scene.paths->steps);
-    const Scene& scene = prepared.one.scene;
-    const auto coupling = coupling_of<double>(scene.hand, scene.force.stiffness, 1 / manner.rate);
-    double lag = -1; /* m: of a virtual coupling */
     std::size_t path = 0;
     const std::uint64_t digest = scene_id(stimulus);
     for (LiveSample& sample : samples) {
         const device::Reading reading = hand->read();
         if (reading.begins_path) {
             ++path;
-            probe->begin_path();
-            lag = -1;
+            law->begin_path();
         }
-        const reference::LawContact<double> found = probe->at(reading.position);
+        const ProbeContact found = law->at(reading.position);
         sample.tick = static_cast<std::uint64_t>(&sample - samples.data());
         sample.time = static_cast<double>(sample.tick) / manner.rate;
         sample.path = static_cast<std::uint32_t>(path);
         sample.scene = digest;
         sample.flags = found.finished ? 0U : std::uint32_t(device::kUnfinished);
         sample.probe = reading.position;
-        sample.proxy = probe->law().in_world(found.contact.proxy);
-        sample.force = glm::dvec3(found.contact.force);
-        sample.commanded = reference::through_coupling(coupling, sample.force, found.contact.depth, lag);
-        sample.depth = found.contact.depth;
-        sample.facet = found.contact.facet;
+        sample.proxy = found.proxy;
+        sample.force = found.force;
+        sample.commanded = found.coupled;
+        sample.depth = found.depth;
+        sample.facet = found.facet;
         hand->write(sample.commanded);
     }
     return samples;

@@ -255,6 +255,21 @@ TEST(Strokes, InTheRigidLimitGiveTheCuesOfTheShape) {
     }
 }
 
+// On a plane: once the bristle is bent, Coulomb's coefficient times the normal force against the motion, as a person
+// feels.
+TEST(Strokes, HaveTheScenesFriction) {
+    const PreparedCase plane = bump(1, false, 600, "[friction]\ncoefficient = 0.3\n");
+    std::size_t against = 0, all = 0;
+    for (const device::LiveSample& sample : stroke(plane, Manner{})) {
+        if (!(sample.force.z > 0))
+            continue;
+        ++all;
+        against += std::abs(std::abs(sample.force.x) / sample.force.z - 0.3) < 0.02;
+    }
+    EXPECT_GT(all, 1000u);
+    EXPECT_GT(double(against), 0.8 * double(all));
+}
+
 TEST(Strokes, AnswersNeedAPass) {
     EXPECT_THROW(answer_shares({}, ObserverParameters{}), UsageError);
 }
