@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "host/field/case_law.h"
 #include "host/field/comparison.h"
 #include "host/output/raw_formats.h"
 #include "host/picture/picture.h"
@@ -268,9 +269,8 @@ template <typename T> std::vector<Station<T>> stations_of(const Scene& scene, co
 
 template <typename T> VolumeResult write_section(const std::filesystem::path& path, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
-    const FieldTables<T> tables = make_tables<T>(scene, prepared.images, Extent::nothing);
-    const layout::Law<T> law = tables.law();
-    const std::vector<Station<T>> stations = stations_of(scene, law);
+    const CaseLaw<T> law(prepared);
+    const std::vector<Station<T>> stations = stations_of(scene, law.law());
     const auto count = static_cast<std::int64_t>(stations.size());
     const auto strips = static_cast<std::uint64_t>(
         std::ranges::count_if(stations, [](const Station<T>& station) { return !station.last; }));
@@ -281,9 +281,10 @@ template <typename T> VolumeResult write_section(const std::filesystem::path& pa
     for (std::uint64_t row = 0; row <= parts; ++row) {
         const auto y = static_cast<T>(std::lerp(range.low, range.high, double(row) / double(parts)));
         for (const Station<T>& station : stations) {
-            const T height = reference::nominal_height(law, station.inside);
+            const T height = reference::nominal_height(law.law(), station.inside);
             const reference::Vector<T> probe(station.inside, y, height - static_cast<T>(pressed));
-            file.add_point({station.x, y, height}, glm::dvec3(probe), reference::evaluate(law, probe));
+            layout::uint hint = 0;
+            file.add_point({station.x, y, height}, glm::dvec3(probe), law.at_rounded(probe, hint));
         }
         const std::int64_t first = static_cast<std::int64_t>(row) * count;
         for (std::int64_t i = 0; row < parts && i < count; ++i)

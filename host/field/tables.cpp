@@ -151,11 +151,21 @@ template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which,
 }
 
 layout::uint mesh_shading(Shading shading) {
-    constexpr layout::uint kShadings[] = {layout::kShadingMorgenbesser, layout::kShadingBarycentric,
-                                          layout::kShadingMeanValue, layout::kShadingTwoPass};
-    if (shading < Shading::morgenbesser)
-        return layout::kShadingNone;
-    return kShadings[static_cast<std::size_t>(shading) - static_cast<std::size_t>(Shading::morgenbesser)];
+    switch (shading) {
+    case Shading::morgenbesser:
+        return layout::kShadingMorgenbesser;
+    case Shading::barycentric:
+        return layout::kShadingBarycentric;
+    case Shading::mean_value:
+        return layout::kShadingMeanValue;
+    case Shading::two_pass:
+        return layout::kShadingTwoPass;
+    case Shading::none:
+    case Shading::reference: // of bumps and height maps
+    case Shading::height_map:
+        break;
+    }
+    return layout::kShadingNone;
 }
 
 bool tilts_normals(const Scene& scene) {
