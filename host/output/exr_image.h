@@ -2,6 +2,7 @@
 // for .cpp files that use OpenEXR.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -92,6 +93,10 @@ private:
 };
 
 // How volumes are laid out in an EXR's parts, for what writes them and what reads them.
+
+/// In the order of Compression; of the same numbers in OpenEXR's other library.
+inline constexpr std::array kCompressions{EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
+                                          EXR_COMPRESSION_PXR24};
 
 /// One part of a volume; its rows in memory are tight, samples interleaved by component.
 struct Part {

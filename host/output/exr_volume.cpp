@@ -23,14 +23,11 @@ const char* unit_of(std::uint32_t channel) {
     return channel == layout::kChannelFacet ? "1" : channel == kChannelAngle ? "deg" : channel & kForces ? "N" : "m";
 }
 
-// In the order of Compression.
-constexpr std::array kCompressions{EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
-                                   EXR_COMPRESSION_PXR24};
-
 std::optional<Compression> compression_from(exr_compression_t compression) {
-    const auto found = std::ranges::find(kCompressions, compression);
-    return found == kCompressions.end() ? std::nullopt
-                                        : std::optional(static_cast<Compression>(found - kCompressions.begin()));
+    const auto found = std::ranges::find(exr::kCompressions, compression);
+    return found == exr::kCompressions.end()
+               ? std::nullopt
+               : std::optional(static_cast<Compression>(found - exr::kCompressions.begin()));
 }
 
 } // namespace

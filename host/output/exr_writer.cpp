@@ -60,10 +60,6 @@ std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows) {
                     (rows + kBlockRows - 1) / kBlockRows * kBlockRows);
 }
 
-// In the order of Compression.
-constexpr std::array kCompressions{Imf::NO_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION,
-                                   Imf::PXR24_COMPRESSION};
-
 Imf::PixelType pixel_of(PixelFormat format) {
     if (format == PixelFormat::id)
         return Imf::UINT;
@@ -74,7 +70,7 @@ Imf::PixelType pixel_of(PixelFormat format) {
 Imf::Header make_header(const Part& part, std::uint64_t width, std::uint64_t rows, Compression compression,
                         const ExrOptions& options) {
     Imf::Header header(static_cast<int>(width), static_cast<int>(rows), 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
-                       kCompressions[static_cast<std::size_t>(compression)]);
+                       Imf::Compression(exr::kCompressions[static_cast<std::size_t>(compression)]));
     header.setName(name_of_channel(part.channel));
     header.setType(Imf::SCANLINEIMAGE);
     for (const char* name : part.channels)

@@ -114,7 +114,7 @@ public:
     std::string finish();
 
 private:
-    struct State; // OpenSSL's, or the library's own (sha256.cpp, alone.cpp)
+    struct State; // OpenSSL's, or the library's own (sha256.cpp, without_openexr.cpp)
     std::unique_ptr<State> state_;
 };
 

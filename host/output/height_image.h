@@ -28,7 +28,7 @@ HeightImage read_height_image(const std::filesystem::path& path);
 /// Throws UsageError if an image announces too many samples, or more than fit into the memory that is allowed.
 void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows);
 
-/// A PNG or an OpenEXR image, all but its SHA-256 (png_image.cpp, exr_image.cpp, alone.cpp). Throw as
+/// A PNG or an OpenEXR image, all but its SHA-256 (png_image.cpp, exr_image.cpp, without_openexr.cpp). Throw as
 /// read_height_image.
 HeightImage read_height_png(const ReadableFile& file);
 HeightImage read_height_exr(const ReadableFile& file);
