@@ -95,7 +95,7 @@ void add_place_origin(Imf::Header& header, const glm::dvec3& origin) {
 // The file up to its blocks, whose offsets are still 0.
 std::string beginning_of(const std::vector<Imf::Header>& headers) {
     Imf::StdOSStream stream;
-    Imf::MultiPartOutputFile(stream, headers.data(), static_cast<int>(headers.size()), false, 0);
+    { const Imf::MultiPartOutputFile begun(stream, headers.data(), static_cast<int>(headers.size()), false, 0); }
     return stream.str();
 }
 
