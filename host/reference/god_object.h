@@ -183,6 +183,54 @@ private:
 /// The state of one path, in the mesh's frame. As constructed: a path that has not begun.
 template <typename T> struct GodObject : Rest<T> { bool started = false; };
 
+/// Whether a move crosses a triangle that it does not begin on.
+template <typename T>
+bool crosses(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Move<T>& move) noexcept {
+    bool any = false;
+    visit_near(mesh, neighbourhood, move, [&](layout::uint index) {
+        const Triangle<T> triangle = triangle_at(mesh, index);
+        const T height = dot(triangle.normal, move.from - triangle.corners[0]);
+        const T time = height / -dot(triangle.normal, move.displacement);
+        any = any || (std::abs(height) > Skin<T>::kRest && time > T(0) && time < move.until &&
+                      nearest_on_triangle(move.at(time), triangle).square <= Skin<T>::kRest * Skin<T>::kRest);
+    });
+    return any;
+}
+
+/// Takes a place less than a skin from a triangle a skin away from it: straight, or, if that crosses another one, as in
+/// an acute corner, away from all that are as near; straight nevertheless where there is no room between them.
+template <typename T>
+Vector<T> displacement_off(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& place,
+                           const Touch<T>& nearest) noexcept {
+    const auto off = [](const Touch<T>& touch) {
+        return HalfSpace<T>{touch.distance > Skin<T>::kRest ? touch.away : touch.face, Skin<T>::kWidth - touch.distance,
+                            touch.index};
+    };
+    const HalfSpace<T> one = off(nearest);
+    const Vector<T> straight = one.slack * one.normal;
+    if (!crosses(mesh, neighbourhood, Move<T>{place, straight, T(1)}))
+        return straight;
+    Projection<T> all;
+    const bool found = project(
+        Vector<T>(T(0)), one_tolerance(Skin<T>::kFlush), all, [&](const Vector<T>& displacement, HalfSpace<T>& space) {
+            T most = Skin<T>::kFlush;
+            visit_near(mesh, neighbourhood, Move<T>{place, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+                Touch<T> touch{};
+                begin_touch(mesh, index, touch);
+                update_touch(touch, place);
+                const HalfSpace<T> other = off(touch);
+                const T violation = other.slack - dot(other.normal, displacement);
+                if (!(touch.distance < Skin<T>::kWidth) || !(violation > most))
+                    return;
+                most = violation;
+                space = other;
+            });
+            return most > Skin<T>::kFlush;
+        });
+    const bool room = found && !crosses(mesh, neighbourhood, Move<T>{place, all.vector, T(1)});
+    return room ? all.vector : straight;
+}
+
 /// Begins a path: the proxy is the probe, or a skin away from what it touches, on the side where it is; in front of a
 /// triangle if it is on it exactly.
 template <typename T>
@@ -207,8 +255,7 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
         });
         if (!(nearest.distance < Skin<T>::kImpact))
             return;
-        const Vector<T> out = nearest.distance > Skin<T>::kRest ? nearest.away : nearest.face;
-        state.proxy += (Skin<T>::kWidth - nearest.distance) * out;
+        state.proxy += displacement_off(mesh, neighbourhood, state.proxy, nearest);
     }
 }
 
