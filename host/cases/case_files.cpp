@@ -7,6 +7,7 @@
 
 #include "host/cases/case_pipeline.h"
 #include "host/error.h"
+#include "host/numbers.h"
 
 namespace forceshade {
 namespace {
@@ -110,15 +111,18 @@ CaseRecord empty_record(const PreparedCase& prepared) {
 
 namespace {
 
-// `share`: what is said of voxels, before the names of those.
-std::string left_out_text(const std::vector<std::string>& omitted, const std::string& share) {
+// `share`: what is said of voxels, before the names of those. `sample`: "voxel".
+std::string left_out_text(const std::vector<std::string>& omitted, const std::string& share, const char* sample) {
     std::vector<std::string> voxels, features, channels;
+    std::size_t numbers = 0; // of the channels
     for (const std::string& one : omitted)
         if (one == kFreeSpace || one.ends_with("alike"))
             voxels.push_back(one);
-        else if (const std::size_t at = one.find(" channel"); at != std::string::npos)
+        else if (const std::size_t at = one.find(" channel"); at != std::string::npos) {
             channels.push_back(one.substr(0, at));
-        else
+            for (const std::uint32_t channel : kFieldChannels)
+                numbers += channels.back() == name_of_channel(channel) ? components_of(channel) : 0;
+        } else
             features.push_back(one);
     std::vector<std::string> parts;
     if (!share.empty())
@@ -126,7 +130,8 @@ std::string left_out_text(const std::vector<std::string>& omitted, const std::st
     if (!features.empty())
         parts.push_back(fmt::format("{}", fmt::join(features, ", ")));
     if (!channels.empty())
-        parts.push_back(fmt::format("channels {}", fmt::join(channels, ", ")));
+        parts.push_back(fmt::format("channels {} ({} a {})", fmt::join(channels, ", "),
+                                    numbers::counted(numbers, "number"), sample));
     return parts.empty() ? "left out: nothing" : fmt::format("left out: {}", fmt::join(parts, "; "));
 }
 
@@ -137,13 +142,12 @@ std::string left_out_text(const CaseRecord& record) {
                          record.evaluated == record.voxels
                              ? ""
                              : fmt::format("{0:.3g} % of the voxels, which modelled saves {0:.3g} % of computing",
-                                           record.share_saved() * 100));
+                                           record.share_saved() * 100),
+                         "voxel");
 }
 
-std::string left_out_text(const Scene& scene) {
-    Scene paths = scene;
-    paths.field = false;
-    return left_out_text(omissions(paths), "");
+std::string left_out_text(const Scene& paths) {
+    return left_out_text(omissions(paths), "", "sample");
 }
 
 } // namespace forceshade

@@ -66,11 +66,11 @@ void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene&
 /// The record of a case without what is computed.
 CaseRecord empty_record(const PreparedCase& prepared);
 
-/// "left out: 94 % of the voxels (15 of 16 y samples, alike); shading, texture; channels depth, facet": what the scene
-/// did not need.
+/// "left out: 94 % of the voxels (15 of 16 y samples, alike); shading, texture; channels depth, facet (2 numbers a
+/// voxel)": what the scene did not need.
 std::string left_out_text(const CaseRecord& record);
-/// Of paths.
-std::string left_out_text(const Scene& scene);
+/// The same of a scene of paths alone, with the channels that their samples have.
+std::string left_out_text(const Scene& paths);
 
 /// A published file.
 template <typename Record> void add_file(Record& record, const std::string& name, const VolumeResult& result) {

@@ -56,21 +56,28 @@ double share(std::uint64_t part, std::uint64_t whole) {
     return whole > 0 ? double(part) / double(whole) : 0;
 }
 
+// With the channels that the samples have.
+Scene paths_alone(const PathRunOptions& options, Scene scene) {
+    scene.field = false;
+    scene.output.channels = path_channels(options, scene.output.channels);
+    return scene;
+}
+
 std::string as_json(const PathRecord& record, const ExploreArguments& arguments, const EngineReport& engine,
-                    Scene scene) {
+                    const Scene& paths) {
     nlohmann::ordered_json json;
     json["out"] = arguments.metrics_only ? nlohmann::ordered_json() : nlohmann::ordered_json(arguments.out);
     json["files"] = record.files;
     json["engine"] = {{"kind", engine.engine}, {"device", engine.device}, {"driver", engine.driver}};
     json.update(paths_json(record));
-    scene.field = false;
-    json["omitted"] = omissions(scene);
+    json["omitted"] = omissions(paths);
     json["contact_share"] = share(record.in_contact, record.samples);
     json["steps_per_second"] = record.steps_per_second();
     return json.dump(2) + "\n";
 }
 
-void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine, const Scene& scene) {
+void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine,
+                   const PathRunOptions& options, const Scene& scene) {
     print_note("{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, "
                "work {:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it{}\n",
                out, numbers::counted(record.paths, "path"), numbers::counted(record.steps, "step"), engine.device,
@@ -81,7 +88,8 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
                                                      record.error.paths, numbers::counted(record.paths, "path"),
                                                      record.error.differing + record.error.metrics));
     const bool is_studied = scene.paths && scene.paths->kind != PathKind::recorded;
-    print_note("{}{}\n", left_out_text(scene), is_studied ? " (what that saves: forceshade study omission SCENE)" : "");
+    print_note("{}{}\n", left_out_text(paths_alone(options, scene)),
+               is_studied ? " (what that saves: forceshade study omission SCENE)" : "");
     if (record.deviation)
         print_note("{}", deviation_text(*record.deviation));
     constexpr double kHardly = 0.1; // of the samples
@@ -158,10 +166,10 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     const std::string out = arguments.metrics_only ? arguments.summary().filename().string() : arguments.out;
     print_warnings(record.warnings, common);
     if (!common.quiet)
-        print_outcome(record, out, engine->report(), scene);
+        print_outcome(record, out, engine->report(), options, scene);
     note(common, "wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
     if (common.json)
-        print_data(as_json(record, arguments, engine->report(), scene));
+        print_data(as_json(record, arguments, engine->report(), paths_alone(options, scene)));
     if (const std::string wrong = error_text(record, out, engine->report().device);
         !wrong.empty() && arguments.renderer.empty())
         throw Error(ExitCode::failed, wrong);

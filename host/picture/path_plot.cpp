@@ -72,7 +72,7 @@ Picture draw_paths(const PathDrawing& drawing) {
         }
     Chart section, below;
     if (!drawing.bands.empty()) {
-        section.series.push_back(band_of(drawing, "all paths: median, 5th to 95th percentile", &PathBand::z));
+        section.series.push_back(band_of(drawing, "of the paths: median, 5th to 95th percentile", &PathBand::z));
         below.series.push_back(band_of(drawing, "", &PathBand::direction));
     }
     const char* normals = drawing.draws_normals ? "; below, its normal" : "";

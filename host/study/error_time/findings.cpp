@@ -53,7 +53,7 @@ std::string percents(const Interval& share) {
 }
 
 std::string at_the_rim(const LookUpErrors& errors) {
-    return errors.rim ? fmt::format(", the direction at the rim by {:.0f} deg ({:.0f} to {:.0f})", errors.rim->median,
+    return errors.rim ? fmt::format(", turned by {:.0f} deg ({:.0f} to {:.0f}) at the rim", errors.rim->median,
                                     errors.rim->low, errors.rim->high)
                       : "";
 }
@@ -74,11 +74,12 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const auto errors = lookup_errors(*measured.methods[*finest].errors);
     if (!errors)
         return;
-    std::string text = fmt::format("A trilinear look-up volume of {:.2g} mm errs by {} of the RMS force (RMS){}",
+    std::string text = fmt::format("Read from a trilinear volume of {:.2g} mm samples, forces have an RMS error of {} "
+                                   "of the RMS force{}.",
                                    1e3 * *method.spacing, percents(errors->rms), at_the_rim(*errors));
     text +=
-        fmt::format("; up to {:.2g} mm above the surface, where no force should be, {} of the places have one, of up "
-                    "to {} of the RMS force.",
+        fmt::format(" Up to {:.2g} mm above the surface, where there is no force, it has one at {} of the places, "
+                    "of up to {} of the RMS force.",
                     1e3 * method.subject->scale.skin(), percents(errors->phantom), percent(errors->phantom_largest));
     const auto same = [&](const std::string& family) {
         std::vector<std::size_t> found = of_family(family);
@@ -94,16 +95,16 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     for (const std::size_t i : same("look-up, depth and direction"))
         if (const auto of_depth = lookup_errors(*measured.methods[i].errors)) {
             see(*of_depth);
-            text +=
-                fmt::format(" A volume of signed depth and direction, of {:.1f} times the bytes, errs by {}{}, with {} "
-                            "of such places.",
-                            double(measured.methods[i].built().bytes) / double(method.built().bytes),
-                            percents(of_depth->rms), at_the_rim(*of_depth), percent(of_depth->phantom.median));
+            text += fmt::format(
+                " From one of signed depth and direction, {:.1f} times the bytes, {}{}, and {} above the surface.",
+                double(measured.methods[i].built().bytes) / double(method.built().bytes), percents(of_depth->rms),
+                at_the_rim(*of_depth),
+                of_depth->phantom.median == 0 ? "no force" : "a force at " + percent(of_depth->phantom.median));
         }
     for (const std::size_t i : same("look-up, adaptive")) // how long it takes differs by 1.6 from run to run
         if (const auto adaptive = lookup_errors(*measured.methods[i].errors)) {
             see(*adaptive);
-            text += fmt::format(" An octree of as many bytes, finer where it errs most, errs by {}{}.",
+            text += fmt::format(" From an octree of as many bytes, finer where it errs most, {}{}.",
                                 percents(adaptive->rms), at_the_rim(*adaptive));
         }
     if (!cured && errors->rim)
