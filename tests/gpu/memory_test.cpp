@@ -68,7 +68,8 @@ protected:
     }
 };
 
-// 84 MiB of results in each of two chunks, where there is memory for one.
+// 84 MiB of results, where there is memory for two chunks of 42 MiB, or three of 28: what a larger one took is given
+// back.
 TEST_F(Memory, ChunksAreHalvedWhileItIsShort) {
     const FieldTables<double> tables = make_tables<double>(scene_of({256, 64, 64}), {}, Extent::everything);
     compute::FieldKernel kernel(device(), options());
@@ -85,6 +86,7 @@ TEST_F(Memory, ChunksAreHalvedWhileItIsShort) {
         times = kernel.evaluate<double>(tables.input(), keep);
     }
     EXPECT_GT(times.dispatches, 1u);
+    EXPECT_LT(times.dispatches, 5u);
     // With memory enough it is one chunk, and the same bytes.
     compute::FieldKernel unlimited(device(), options());
     times = unlimited.evaluate<double>(tables.input(), [&](const layout::FieldChunk<double>& chunk) {
