@@ -144,6 +144,7 @@ private:
             fail(source_, item.key_where, "{} is a table, for example {}; got {}", name,
                  name == "transform"  ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
                  : name == "coupling" ? "{ stiffness = \"5 N/mm\", damping = \"1 N s/m\" }"
+                 : name == "surface"  ? "{ kind = \"sphere\", radius = \"20 mm\" }"
                                       : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
                  describe(item));
         if (!has_parts || !is_table) {
