@@ -15,7 +15,7 @@ namespace {
 
 using test::Conditioning;
 
-constexpr std::uint64_t kScenes = 500;
+constexpr std::uint64_t kScenes = 300;
 constexpr std::uint64_t kPathScenes = 40;
 constexpr std::uint64_t kClosedFormScenes = 50;
 constexpr std::uint32_t kMostFacets = 10000; // the closed forms loop over all of them

@@ -84,7 +84,7 @@ void expect_safe(const walks::Terrain& terrain, const SafetyTally& tally, std::u
 /// FORCESHADE_LONG: more than 10^8 steps in all, some minutes.
 template <typename T> void wander_everywhere() {
     for (const walks::Terrain& terrain : walks::terrains()) {
-        const SafetyTally tally = wander<T>(terrain, walks::in_long_form() ? 8000000 : 50000);
+        const SafetyTally tally = wander<T>(terrain, walks::in_long_form() ? 8000000 : 25000);
         expect_safe(terrain, tally);
         // In float a skin is wide enough for a proxy to rest, once in a long while, on what rounds edges.
         const std::uint64_t seldom = std::is_same_v<T, double> ? 0 : tally.contacts / 20000;
@@ -98,7 +98,7 @@ template <typename T> void wander_everywhere() {
 /// on, or leave a contact that no planes tell.
 template <typename T> void wander_in_pits() {
     for (const walks::Terrain& terrain : walks::pits()) {
-        const SafetyTally tally = wander<T>(terrain, (walks::in_long_form() ? 8000000 : 400000) / terrain.valence);
+        const SafetyTally tally = wander<T>(terrain, (walks::in_long_form() ? 8000000 : 200000) / terrain.valence);
         expect_safe(terrain, tally, std::is_same_v<T, double> ? 0 : tally.contacts / 40);
         EXPECT_LE(tally.again, (std::is_same_v<T, double> ? 0 : tally.contacts / 500)) << terrain.name;
         EXPECT_LE(tally.most_substeps, 2000u) << terrain.name;
@@ -143,7 +143,7 @@ template <typename T> void aim(PolygonSoup polygons, std::uint64_t walks, std::u
 template <typename T> void aim_on(const std::vector<walks::Terrain>& terrains) {
     for (const walks::Terrain& terrain : terrains) {
         AimedTally tally;
-        aim<T>(terrain.polygons, walks::in_long_form() ? 2500000 : 10000, 1, tally);
+        aim<T>(terrain.polygons, walks::in_long_form() ? 2500000 : 5000, 1, tally);
         EXPECT_EQ(tally.crossed, 0u) << terrain.name;
         // In narrow corners a contact may say that it is uncertain.
         EXPECT_LE(tally.unfinished, tally.contacts / 150) << terrain.name;
@@ -163,7 +163,7 @@ TEST(GodObjectAimed, Meshes) {
 /// Triangles that cut each other everywhere: a few walks on each of many soups.
 TEST(GodObjectAimed, Soups) {
     AimedTally tally;
-    for (unsigned seed = 1; seed <= (walks::in_long_form() ? 20000 : 1000); ++seed) {
+    for (unsigned seed = 1; seed <= (walks::in_long_form() ? 20000 : 500); ++seed) {
         aim<double>(walks::soup(seed), 10, seed, tally);
         aim<float>(walks::soup(seed), 10, seed, tally);
     }
