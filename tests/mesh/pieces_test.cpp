@@ -27,17 +27,26 @@ double volume(const PolygonSoup& polygons) {
     return inspect(polygons).volume;
 }
 
-TEST(Pieces, OneThatFacesInwardIsNamedUnlessItIsACavity) {
-    const PolygonSoup apart = shapes::merged(box(0, 1, false), box(5, 1, true));
-    ASSERT_EQ(inspect(apart).inside_out.size(), 1u);
-    EXPECT_EQ(inspect(apart).inside_out[0], "piece 2 of 2 (6 facets, from facet 6 on)");
-    const PolygonSoup hollow = shapes::merged(box(0, 2, false), box(0, 1, true));
-    EXPECT_TRUE(inspect(hollow).inside_out.empty());
-    // In the cavity an outward piece is a solid, an inward one is not.
-    EXPECT_TRUE(inspect(shapes::merged(hollow, box(0, 0.5, false))).inside_out.empty());
-    EXPECT_EQ(inspect(shapes::merged(hollow, box(0, 0.5, true))).inside_out.size(), 1u);
-    ASSERT_EQ(inspect(box(0, 1, true)).inside_out.size(), 1u);
-    EXPECT_EQ(inspect(box(0, 1, true)).inside_out[0], "the mesh");
+TEST(Pieces, ThatFaceInwardOrOutwardWithinAnotherAreNamed) {
+    using Names = std::vector<std::string>;
+    struct Row {
+        const char* what;
+        PolygonSoup polygons;
+        Names inside_out, nested;
+    };
+    const Names second{"piece 2 of 2 (6 facets, from facet 6 on)"}, third{"piece 3 of 3 (6 facets, from facet 12 on)"};
+    const PolygonSoup solid = box(0, 1, false), hollow = shapes::merged(box(0, 2, false), box(0, 1, true));
+    for (const auto& [what, polygons, inside_out, nested] :
+         {Row{"the only piece inward", box(0, 1, true), {"the mesh"}, {}},
+          {"two apart", shapes::merged(solid, box(5, 1, false)), {}, {}},
+          {"two apart, one inward", shapes::merged(solid, box(5, 1, true)), second, {}},
+          {"a cavity", hollow, {}, {}},
+          {"a solid in the cavity", shapes::merged(hollow, box(0, 0.5, false)), {}, {}},
+          {"an inward piece in the cavity", shapes::merged(hollow, box(0, 0.5, true)), third, {}},
+          {"a solid in a solid", shapes::merged(box(0, 2, false), solid), {}, second}}) {
+        EXPECT_EQ(inspect(polygons).inside_out, inside_out) << what;
+        EXPECT_EQ(inspect(polygons).nested, nested) << what;
+    }
 }
 
 TEST(Pieces, AreTurnedOutwardAndCavitiesStay) {
@@ -48,16 +57,6 @@ TEST(Pieces, AreTurnedOutwardAndCavitiesStay) {
     PolygonSoup hollow = shapes::merged(box(0, 2, false), box(0, 1, true));
     EXPECT_TRUE(orient_outward(hollow).empty());
     EXPECT_DOUBLE_EQ(volume(hollow), 64 - 8);
-}
-
-TEST(Pieces, OneThatFacesOutwardWithinAnotherIsNamed) {
-    const PolygonSoup nested = shapes::merged(box(0, 2, false), box(0, 1, false));
-    ASSERT_EQ(inspect(nested).nested.size(), 1u);
-    EXPECT_EQ(inspect(nested).nested[0], "piece 2 of 2 (6 facets, from facet 6 on)");
-    const PolygonSoup hollow = shapes::merged(box(0, 2, false), box(0, 1, true));
-    EXPECT_TRUE(inspect(hollow).nested.empty());
-    EXPECT_TRUE(inspect(shapes::merged(hollow, box(0, 0.5, false))).nested.empty()); // a solid in the cavity
-    EXPECT_TRUE(inspect(shapes::merged(box(0, 1, false), box(5, 1, false))).nested.empty());
 }
 
 TEST(Pieces, CavitiesOfWhatFacesInwardAreTurnedWithIt) {
@@ -102,52 +101,43 @@ MeshMarks marks_of(const PolygonSoup& polygons) {
     return find_marks(mesh, build_structure(mesh), inspect(polygons));
 }
 
-std::size_t inward(const MeshMarks& marks) {
-    return static_cast<std::size_t>(std::count(marks.inward.begin(), marks.inward.end(), true));
-}
-
-TEST(Marks, ACubeHasTwelveSharpEdgesAndNothingElse) {
-    const MeshMarks marks = marks_of(shapes::cube());
-    EXPECT_EQ(marks.sharp.size(), 12u); // and none across its faces, which are cut into triangles
-    EXPECT_EQ(marks.rims.size() + marks.crowded.size() + marks.crossing.size() + inward(marks), 0u);
-    for (const auto& [from, to] : marks.sharp)
+TEST(Marks, AreCountedByKind) {
+    struct Row {
+        const char* what;
+        PolygonSoup polygons;
+        std::size_t sharp, rims, crowded, inward, crossing;
+    };
+    const PolygonSoup cube = shapes::cube();
+    const auto with_another = [&](const glm::dvec3& shift) {
+        return shapes::merged(cube, shapes::moved(cube, glm::dvec3(1), shift));
+    };
+    const PolygonSoup fan =
+        shapes::soup_of({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
+    for (const auto& [what, polygons, sharp, rims, crowded, inward, crossing] :
+         {Row{"a cube, no edge across its faces, which are cut into triangles", cube, 12, 0, 0, 0, 0},
+          {"a sphere of many facets", shapes::icosphere(1), 0, 0, 0, 0, 0},
+          {"a cube without its top", shapes::open_cube(), 8, 4, 0, 0, 0},
+          {"three facets at an edge, which is crowded for each", fan, 0, 6, 3, 0, 0},
+          {"a cube that faces inward", shapes::reversed(cube), 12, 0, 0, 6, 0},
+          {"two cubes apart", with_another({3, 0, 0}), 24, 0, 0, 0, 0},
+          {"two cubes that cross", with_another({1, 1, 1}), 24, 0, 0, 0, 12}}) {
+        const MeshMarks marks = marks_of(polygons);
+        EXPECT_EQ(marks.sharp.size(), sharp) << what;
+        EXPECT_EQ(marks.rims.size(), rims) << what;
+        EXPECT_EQ(marks.crowded.size(), crowded) << what;
+        EXPECT_EQ(std::size_t(std::ranges::count(marks.inward, true)), inward) << what;
+        EXPECT_EQ(marks.crossing.size(), crossing) << what;
+        EXPECT_TRUE(std::ranges::is_sorted(marks.crossing)) << what;
+    }
+    for (const auto& [from, to] : marks_of(cube).sharp)
         EXPECT_EQ(glm::distance(from, to), 2);
 }
 
-TEST(Marks, ASphereOfManyFacetsHasNoSharpEdge) {
-    EXPECT_TRUE(marks_of(shapes::icosphere(1)).sharp.empty());
-}
-
-TEST(Marks, RimsOfAnOpenCube) {
-    const MeshMarks marks = marks_of(shapes::open_cube());
-    EXPECT_EQ(marks.rims.size(), 4u);
-    EXPECT_EQ(marks.sharp.size(), 8u);
-}
-
-TEST(Marks, EdgesOfThreeFacets) {
-    const MeshMarks marks = marks_of(
-        shapes::soup_of({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}));
-    EXPECT_EQ(marks.crowded.size(), 3u); // each triangle's own
-    EXPECT_EQ(marks.rims.size(), 6u);
-}
-
-TEST(Marks, PiecesThatFaceInward) {
-    const PolygonSoup pair =
-        shapes::merged(shapes::cube(), shapes::reversed(shapes::moved(shapes::cube(), glm::dvec3(1), {5, 0, 0})));
-    const MeshMarks marks = marks_of(pair);
-    EXPECT_EQ(inward(marks), 6u);
+TEST(Marks, TheFacetsOfThePieceThatFacesInwardAreMarked) {
+    const MeshMarks marks = marks_of(shapes::merged(box(0, 1, false), box(5, 1, true)));
     EXPECT_FALSE(marks.inward[0]);
     EXPECT_TRUE(marks.inward[6]);
-    EXPECT_EQ(inward(marks_of(shapes::reversed(shapes::cube()))), 6u);
-}
-
-TEST(Marks, TrianglesOfCrossingPieces) {
-    const PolygonSoup pair = shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {1, 1, 1}));
-    const MeshMarks marks = marks_of(pair);
-    EXPECT_EQ(marks.crossing.size(), 12u);
-    EXPECT_TRUE(std::ranges::is_sorted(marks.crossing));
-    EXPECT_TRUE(marks_of(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {3, 0, 0})))
-                    .crossing.empty());
+    EXPECT_EQ(std::ranges::count(marks.inward, true), 6);
 }
 
 } // namespace

@@ -129,24 +129,21 @@ TEST(Winding, ChangeIsBoundedOnOpenMeshes) {
 
 constexpr double kReach = 3e-3;
 
-bool is_thin(const PolygonSoup& polygons) {
-    return has_thin_parts(build_structure(shapes::mesh_of(polygons)), kReach);
-}
-
-TEST(ThinParts, WallsWedgesAndGaps) {
-    EXPECT_TRUE(is_thin(shapes::plate(1e-3)));
-    EXPECT_TRUE(is_thin(shapes::plate(1e-7)));
-    EXPECT_TRUE(is_thin(walks::wedge(1e-4)));
-    EXPECT_TRUE(is_thin(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), {1, 1, 1}, {2.001, 0, 0}))));
-}
-
-TEST(ThinParts, NotWhatIsThickNorSheets) {
-    EXPECT_FALSE(is_thin(shapes::cube()));
-    EXPECT_FALSE(is_thin(shapes::plate(1e-2)));
-    EXPECT_FALSE(is_thin(shapes::icosphere(3)));
-    EXPECT_FALSE(is_thin(walks::wedge(1.0)));
-    EXPECT_FALSE(is_thin(shapes::single_triangle()));
-    EXPECT_FALSE(is_thin(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), {1, 1, 1}, {2.1, 0, 0}))));
+TEST(ThinParts, AreWallsWedgesAndGapsNotWhatIsThickNorSheets) {
+    const auto two_cubes = [](double x) {
+        return shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), {1, 1, 1}, {x, 0, 0}));
+    };
+    for (const auto& [what, polygons, thin] : {std::tuple{"a wall of 1e-3", shapes::plate(1e-3), true},
+                                               {"a wall of 1e-7", shapes::plate(1e-7), true},
+                                               {"a wall of 1e-2", shapes::plate(1e-2), false},
+                                               {"a narrow wedge", walks::wedge(1e-4), true},
+                                               {"a wide wedge", walks::wedge(1.0), false},
+                                               {"a narrow gap", two_cubes(2.001), true},
+                                               {"a wide gap", two_cubes(2.1), false},
+                                               {"a cube", shapes::cube(), false},
+                                               {"a sphere", shapes::icosphere(3), false},
+                                               {"a sheet", shapes::single_triangle(), false}})
+        EXPECT_EQ(has_thin_parts(build_structure(shapes::mesh_of(polygons)), kReach), thin) << what;
 }
 
 } // namespace
