@@ -35,27 +35,22 @@ std::string written(ChunkSink& sink, const auto& field, const std::filesystem::p
 
 TEST(Npy, IsAHeaderAndTheSamples) {
     const Folder folder;
-    const SampleField field(testing::kSampleSize);
-    NpyWriter force(folder / "a.npy", testing::kSampleSize, layout::kChannelForce, Precision::f32);
-    const std::string bytes = written(force, field, folder / "a.npy");
-    const std::string start(
-        "\x93NUMPY\x01\x00\x76\x00{'descr': '<f4', 'fortran_order': False, 'shape': (7, 11, 37, 3), }", 74);
-    EXPECT_TRUE(bytes.starts_with(start)) << bytes.substr(0, 128);
-    EXPECT_EQ(bytes[127], '\n');
-    EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.force, testing::kSampleSize, field.pitch, 3)));
-    NpyWriter facet(folder / "b.npy", testing::kSampleSize, layout::kChannelFacet, Precision::f64);
-    const std::string ids = written(facet, field, folder / "b.npy");
-    EXPECT_TRUE(says(ids, "'<u4', 'fortran_order': False, 'shape': (7, 11, 37), "));
-    EXPECT_TRUE(ids.substr(128) == bytes_of(tight(field.facet, testing::kSampleSize, field.pitch, 1)));
-}
-
-TEST(Npy, KeepsDoubles) {
-    const Folder folder;
-    const SampleField<double> field(testing::kSampleSize);
-    NpyWriter depth(folder / "a.npy", testing::kSampleSize, layout::kChannelDepth, Precision::f64);
-    const std::string bytes = written(depth, field, folder / "a.npy");
-    EXPECT_TRUE(says(bytes, "'<f8'"));
-    EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.depth, testing::kSampleSize, field.pitch, 1)));
+    const auto expect_file = [&](const auto& field, layout::uint channel, Precision precision, const char* header,
+                                 const auto& pitched, std::size_t components) {
+        NpyWriter writer(folder / "a.npy", testing::kSampleSize, channel, precision);
+        const std::string bytes = written(writer, field, folder / "a.npy");
+        EXPECT_TRUE(bytes.starts_with(std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header)) << bytes.substr(0, 128);
+        EXPECT_EQ(bytes[127], '\n');
+        EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(pitched, testing::kSampleSize, field.pitch, components)));
+    };
+    const SampleField single(testing::kSampleSize);
+    const SampleField<double> twice(testing::kSampleSize);
+    expect_file(single, layout::kChannelForce, Precision::f32,
+                "{'descr': '<f4', 'fortran_order': False, 'shape': (7, 11, 37, 3), }", single.force, 3);
+    expect_file(single, layout::kChannelFacet, Precision::f64,
+                "{'descr': '<u4', 'fortran_order': False, 'shape': (7, 11, 37), }", single.facet, 1);
+    expect_file(twice, layout::kChannelDepth, Precision::f64,
+                "{'descr': '<f8', 'fortran_order': False, 'shape': (7, 11, 37), }", twice.depth, 1);
 }
 
 TEST(RawFormats, RepeatRowsAsIfTheyHadBeenWrittenOut) {
