@@ -43,6 +43,12 @@ std::string complaint_of(const std::string& text) {
     return complaint([&] { parse_experiment(text, "e.toml"); });
 }
 
+const SessionInfo kSession{"03", 1, "person", "test"};
+
+std::string refusal(const fs::path& folder, const Experiment& one, const SessionInfo& session = kSession) {
+    return complaint([&] { SessionRecord(folder, one, session); });
+}
+
 TEST(Experiments, ThePapersHas504Trials) {
     const Experiment paper = read_experiment({});
     EXPECT_EQ(paper.study.cases.size(), 21u);
@@ -190,16 +196,15 @@ TEST_F(Pictures, AreCheckedWhenTheExperimentIsRead) {
 TEST_F(Pictures, AreKeptWithTheData) {
     folder.write("a.png", png);
     const Folder data;
-    const SessionInfo info{"03", 1, "person", "test"};
     const Experiment one = with("a.png");
-    SessionRecord(data.path(), one, info);
+    SessionRecord(data.path(), one, kSession);
     EXPECT_EQ(read_file(data / "materials" / "edge.png"), png);
     const fs::path kept = data / "materials" / "experiment.toml";
     EXPECT_EQ(resolved_toml(read_experiment(kept)), read_file(kept));
-    SessionRecord(data.path(), one, info);
+    SessionRecord(data.path(), one, kSession);
     folder.write("a.png", svg);
     const Experiment changed = with("a.png");
-    EXPECT_TRUE(says(complaint([&] { SessionRecord(data.path(), changed, info); }), "another experiment"));
+    EXPECT_TRUE(says(refusal(data.path(), changed), "another experiment"));
 }
 
 TEST(Orders, HaveTheStandardFirstInHalfOfTheTrialsOfEachCondition) {
@@ -260,10 +265,9 @@ TrialOutcome answered(std::size_t answer) {
 TEST(SessionRecords, GoOnWhereTheyStopped) {
     const Folder folder;
     const Experiment one = small();
-    const SessionInfo info{"03", 1, "person", "test"};
     std::uint64_t second = 0;
     {
-        SessionRecord record(folder.path(), one, info);
+        SessionRecord record(folder.path(), one, kSession);
         record.add(*record.next(), answered(0));
         second = record.next()->number;
         TrialOutcome failed;
@@ -275,7 +279,7 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
     }
     std::vector<std::uint64_t> numbers;
     {
-        SessionRecord record(folder.path(), one, info);
+        SessionRecord record(folder.path(), one, kSession);
         EXPECT_TRUE(says(record.repaired(), "cut off"));
         EXPECT_EQ(record.left(), 5u);
         while (const auto trial = record.next()) {
@@ -288,7 +292,7 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
     ASSERT_EQ(rows.size(), 7u);
     EXPECT_EQ(std::ranges::count_if(rows, &TrialRow::counts), 6);
     EXPECT_EQ(rows[0].outcome.reaction, 1.5);
-    EXPECT_TRUE(says(complaint([&] { SessionRecord(folder.path(), one, info); }), "is complete"));
+    EXPECT_TRUE(says(refusal(folder.path(), one), "is complete"));
     SessionRecord(folder.path(), one, {"03", 2, "person", "test"});
 }
 
@@ -303,10 +307,9 @@ TrialOutcome answer_to(const Experiment& experiment, const Trial& trial) {
 // Every time from the rows alone: reopened after each trial, the conditions are those of one run.
 TEST(SessionRecords, ResumeTracksFromTheRows) {
     const Experiment one = comparison("track = \"facets\"\npractice = 2\n");
-    const SessionInfo info{"03", 1, "person", "test"};
     const auto run = [&](const fs::path& folder, bool reopen) {
         std::vector<std::string> conditions;
-        auto record = std::make_unique<SessionRecord>(folder, one, info);
+        auto record = std::make_unique<SessionRecord>(folder, one, kSession);
         while (const auto trial = record->next()) {
             conditions.push_back(one.stimulus(one.conditions[trial->condition]).name);
             record->add(*trial, answer_to(one, *trial));
@@ -314,7 +317,7 @@ TEST(SessionRecords, ResumeTracksFromTheRows) {
             EXPECT_EQ(withdrawn, conditions.size() == 5);
             if (reopen && record->next()) {
                 record.reset();
-                record = std::make_unique<SessionRecord>(folder, one, info);
+                record = std::make_unique<SessionRecord>(folder, one, kSession);
             }
         }
         return conditions;
@@ -339,7 +342,7 @@ TEST(SessionRecords, EndTracksWhoseThresholdIsKnown) {
     const Experiment one = comparison("track = \"facets\"\ntrack_ratio = 2\n");
     Experiment longer = one;
     longer.spec.trials = 200;
-    SessionRecord record(folder.path(), longer, {"03", 1, "person", "test"});
+    SessionRecord record(folder.path(), longer, kSession);
     std::size_t trials = 0;
     while (const auto trial = record.next()) {
         record.add(*trial, answer_to(longer, *trial));
@@ -355,7 +358,7 @@ TEST(SessionRecords, OlderRowsAreRead) {
     const Folder folder;
     const Experiment one = small();
     {
-        SessionRecord record(folder.path(), one, {"03", 1, "person", "test"});
+        SessionRecord record(folder.path(), one, kSession);
         record.add(*record.next(), answered(0));
         record.keep_device("{}");
         record.keep_device("{}");
@@ -370,43 +373,34 @@ TEST(SessionRecords, OlderRowsAreRead) {
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_TRUE(rows[0].counts());
     EXPECT_EQ(rows[0].outcome.answered_by, "");
-    EXPECT_TRUE(says(complaint([&] {
-                         SessionRecord(folder.path(), one, {"03", 1, "person", "test"});
-                     }),
-                     "an older one began it"))
-        << "rows of two widths are not mixed";
+    EXPECT_TRUE(says(refusal(folder.path(), one), "an older one began it")) << "rows of two widths are not mixed";
 }
 
 TEST(SessionRecords, RefuseWhatDoesNotBelong) {
     const Folder folder;
     const Experiment one = small();
-    const SessionInfo info{"03", 1, "person", "test"};
-    EXPECT_TRUE(says(complaint([&] { SessionRecord(folder.path(), one, {"a/b", 1, "", ""}); }), "letters and digits"));
-    SessionRecord first(folder.path(), one, info);
-    EXPECT_TRUE(says(complaint([&] { SessionRecord(folder.path(), one, info); }), "under way"));
-    EXPECT_TRUE(says(complaint([&] {
-                         SessionRecord(folder.path(), small("seed = 7\n"), {"04", 1, "person", "test"});
-                     }),
-                     "another experiment"));
+    EXPECT_TRUE(says(refusal(folder.path(), one, {"a/b", 1, "", ""}), "letters and digits"));
+    SessionRecord first(folder.path(), one, kSession);
+    EXPECT_TRUE(says(refusal(folder.path(), one), "under way"));
+    EXPECT_TRUE(says(refusal(folder.path(), small("seed = 7\n"), {"04", 1, "person", "test"}), "another experiment"));
     const fs::path data = data_files(folder.path())[0];
     std::ofstream(data, std::ios::app) << "damaged\n";
     EXPECT_TRUE(says(complaint([&] { read_rows(data); }), "data.csv:2:1: is damaged"));
     const Folder other;
     other.write("letter.txt", "dear");
-    EXPECT_TRUE(says(complaint([&] { SessionRecord(other.path(), one, info); }), "is not empty"));
+    EXPECT_TRUE(says(refusal(other.path(), one), "is not empty"));
 }
 
 // What a process that was killed left behind: everything but the experiment, which comes last.
 TEST(SessionRecords, AreSetUpAnewWhereThatWasCutOff) {
     const Folder folder;
     const Experiment one = small();
-    const SessionInfo info{"03", 1, "person", "test"};
-    SessionRecord(folder.path(), one, info);
+    SessionRecord(folder.path(), one, kSession);
     EXPECT_FALSE(fs::exists(folder / ".unfinished"));
     folder.write(".unfinished", "");
     fs::remove(folder / "materials" / "experiment.toml");
     fs::remove(folder / "README.md");
-    SessionRecord(folder.path(), one, info);
+    SessionRecord(folder.path(), one, kSession);
     EXPECT_FALSE(fs::exists(folder / ".unfinished"));
     EXPECT_TRUE(fs::exists(folder / "materials" / "experiment.toml") && fs::exists(folder / "README.md"));
 }
@@ -418,7 +412,7 @@ TEST(SessionRecords, TwoRigsMayStartTogether) {
         std::string complaints;
         {
             const std::jthread other([&] { SessionRecord(folder / "data", one, {"04", 1, "person", "test"}); });
-            complaints = complaint([&] { SessionRecord(folder / "data", one, {"03", 1, "person", "test"}); });
+            complaints = refusal(folder / "data", one);
         }
         EXPECT_EQ(complaints, "");
         EXPECT_EQ(data_files(folder / "data").size(), 2u);
@@ -428,7 +422,7 @@ TEST(SessionRecords, TwoRigsMayStartTogether) {
 TEST(SessionRecords, CompareExperimentsByWhatTheyMean) {
     const Folder folder;
     const Experiment one = small();
-    SessionRecord(folder.path(), one, {"03", 1, "person", "test"});
+    SessionRecord(folder.path(), one, kSession);
     const fs::path kept = folder / "materials" / "experiment.toml";
     std::string older;
     for (const std::string& line : lines_of(read_file(kept)))
@@ -441,9 +435,8 @@ TEST(SessionRecords, CompareExperimentsByWhatTheyMean) {
 TEST(SessionRecords, ReadWhatASpreadsheetSavedAndRefuseDamagedCells) {
     const Folder folder;
     const Experiment one = small();
-    const SessionInfo info{"03", 1, "person", "test"};
     {
-        SessionRecord record(folder.path(), one, info);
+        SessionRecord record(folder.path(), one, kSession);
         record.add(*record.next(), answered(0));
     }
     const fs::path file = data_files(folder.path())[0];
@@ -453,7 +446,7 @@ TEST(SessionRecords, ReadWhatASpreadsheetSavedAndRefuseDamagedCells) {
         saved += c == '\n' ? std::string("\r\n") : std::string(1, c);
     write_text(file, saved);
     {
-        SessionRecord record(folder.path(), one, info);
+        SessionRecord record(folder.path(), one, kSession);
         ASSERT_EQ(record.rows().size(), 1u);
         record.add(*record.next(), answered(1));
     }
@@ -462,7 +455,7 @@ TEST(SessionRecords, ReadWhatASpreadsheetSavedAndRefuseDamagedCells) {
         std::string bad = text;
         bad.replace(bad.find(from, bad.find('\n')), from.size(), to);
         write_text(file, bad);
-        return complaint([&] { SessionRecord(folder.path(), one, info); });
+        return refusal(folder.path(), one);
     };
     const std::string answer = "," + one.spec.answers[0].name + ",";
     EXPECT_TRUE(says(damaged(answer, ",banana,"), "_data.csv:2:", "\"banana\" is no answer of this experiment"));
