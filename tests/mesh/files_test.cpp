@@ -1,5 +1,4 @@
 // Polygon files of every format and flavour, and those that are refused.
-#include <clocale>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -16,6 +15,7 @@
 #include "host/mesh/mesh_file.h"
 #include "host/output/files.h"
 #include "tests/io/folder.h"
+#include "tests/io/locales.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"
 #include "tests/places.h"
@@ -40,7 +40,6 @@ protected:
     void expect_refused(const std::string& name, const std::string& bytes, const std::string& words) {
         EXPECT_TRUE(says(refusal<E>(name, bytes), words)) << bytes;
     }
-    void expect_same_in_this_locale();
     testing::Folder folder_;
 };
 
@@ -56,13 +55,6 @@ void expect_same_corners(const PolygonSoup& found, const PolygonSoup& expected) 
     EXPECT_EQ(found.begins, expected.begins);
     for (std::size_t i = 0; i < found.corners.size(); ++i)
         EXPECT_EQ(found.vertices[found.corners[i]], expected.vertices[expected.corners[i]]);
-}
-
-void MeshFiles::expect_same_in_this_locale() {
-    const PolygonSoup expected = testing::fine_tetrahedron(true);
-    for (const auto& [extension, bytes] : testing::all_formats(expected))
-        expect_same_corners(read("a" + extension, bytes), expected);
-    EXPECT_EQ(read("tiny.obj", "v 1.5e-400 0 0\nv 1.5 0 0\nv 0 1 0\nf 1 2 3\n").vertices[1].x, 1.5);
 }
 
 TEST_F(MeshFiles, FormatAndHashAreTold) {
@@ -262,24 +254,13 @@ TEST_F(MeshFiles, FilesThatCannotBeRead) {
         EXPECT_NE(refusal<IoError>(name, std::string(300, '\xA7')), "") << name;
 }
 
-class Commas : public std::numpunct<char> {
-protected:
-    char do_decimal_point() const override { return ','; }
-    char do_thousands_sep() const override { return '.'; }
-    std::string do_grouping() const override { return "\3"; }
-};
-
-TEST_F(MeshFiles, AGlobalLocaleWithCommasChangesNothing) {
-    const std::locale previous = std::locale::global(std::locale(std::locale::classic(), new Commas));
-    expect_same_in_this_locale();
-    std::locale::global(previous);
-}
-
-TEST_F(MeshFiles, GermanChangesNothing) {
-    if (!std::setlocale(LC_ALL, "de_DE.UTF-8"))
-        GTEST_SKIP() << "this system has no locale de_DE.UTF-8";
-    expect_same_in_this_locale();
-    std::setlocale(LC_ALL, "C");
+TEST_F(MeshFiles, ALocaleWithCommasChangesNothing) {
+    const PolygonSoup expected = testing::fine_tetrahedron(true);
+    testing::in_locales_with_commas([&] {
+        for (const auto& [extension, bytes] : testing::all_formats(expected))
+            expect_same_corners(read("a" + extension, bytes), expected);
+        EXPECT_EQ(read("tiny.obj", "v 1.5e-400 0 0\nv 1.5 0 0\nv 0 1 0\nf 1 2 3\n").vertices[1].x, 1.5);
+    });
 }
 
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;

@@ -4,23 +4,14 @@
 #include "host/scene/study.h"
 #include "host/scene/value.h"
 
+#include "tests/io/locales.h"
 #include "tests/scene/errors.h"
-
-#include <clocale>
-#include <locale>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 namespace forceshade {
 namespace {
-
-class GermanNumbers : public std::numpunct<char> {
-protected:
-    char do_decimal_point() const override { return ','; }
-    char do_thousands_sep() const override { return '.'; }
-    std::string do_grouping() const override { return "\3"; }
-};
 
 struct Outcome {
     std::string study, schema, error, warning;
@@ -39,23 +30,10 @@ Outcome outcome() {
             study.warnings.at(0), parse_quantity("1234.5 mm", Dimension::length)};
 }
 
-TEST(Locale, AGlobalLocaleWithCommasChangesNothing) {
+TEST(Locale, WithCommasChangesNothing) {
     const Outcome expected = outcome();
-    const std::locale previous = std::locale::global(std::locale(std::locale::classic(), new GermanNumbers));
-    const Outcome found = outcome();
-    std::locale::global(previous);
-    EXPECT_EQ(found, expected);
-    EXPECT_EQ(found.length, 1.2345);
-}
-
-TEST(Locale, GermanChangesNothing) {
-    const Outcome expected = outcome();
-    const char* name = std::setlocale(LC_ALL, "de_DE.UTF-8");
-    if (!name)
-        GTEST_SKIP() << "this system has no locale de_DE.UTF-8";
-    const Outcome found = outcome();
-    std::setlocale(LC_ALL, "C");
-    EXPECT_EQ(found, expected);
+    EXPECT_EQ(expected.length, 1.2345);
+    testing::in_locales_with_commas([&] { EXPECT_EQ(outcome(), expected); });
 }
 
 } // namespace
