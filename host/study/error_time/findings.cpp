@@ -52,8 +52,9 @@ std::string percents(const Interval& share) {
     return fmt::format("{} ({} to {})", percent(share.median), percent(share.low), percent(share.high));
 }
 
-std::string at_the_rim(const LookUpErrors& errors) {
-    return errors.rim ? fmt::format(", turned by {:.0f} deg ({:.0f} to {:.0f}) at the rim", errors.rim->median,
+// ", at the rim 16 deg (15 to 18)"; `one`: "one of ".
+std::string at_the_rim(const LookUpErrors& errors, const char* one = "") {
+    return errors.rim ? fmt::format(", at the rim {}{:.0f} deg ({:.0f} to {:.0f})", one, errors.rim->median,
                                     errors.rim->low, errors.rim->high)
                       : "";
 }
@@ -74,12 +75,12 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const auto errors = lookup_errors(*measured.methods[*finest].errors);
     if (!errors)
         return;
-    std::string text = fmt::format("Read from a trilinear volume of {:.2g} mm samples, forces have an RMS error of {} "
+    std::string text = fmt::format("Forces read from a trilinear volume of {:.2g} mm samples have an RMS error of {} "
                                    "of the RMS force{}.",
-                                   1e3 * *method.spacing, percents(errors->rms), at_the_rim(*errors));
+                                   1e3 * *method.spacing, percents(errors->rms), at_the_rim(*errors, "one of "));
     text +=
-        fmt::format(" Up to {:.2g} mm above the surface, where there is no force, it has one at {} of the places, "
-                    "of up to {} of the RMS force.",
+        fmt::format(" Up to {:.2g} mm above the surface, where there is no force, the volume has one at {} of the "
+                    "places, of up to {} of the RMS force.",
                     1e3 * method.subject->scale.skin(), percents(errors->phantom), percent(errors->phantom_largest));
     const auto same = [&](const std::string& family) {
         std::vector<std::size_t> found = of_family(family);
@@ -95,16 +96,17 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     for (const std::size_t i : same("look-up, depth and direction"))
         if (const auto of_depth = lookup_errors(*measured.methods[i].errors)) {
             see(*of_depth);
-            text += fmt::format(
-                " From one of signed depth and direction, {:.1f} times the bytes, {}{}, and {} above the surface.",
-                double(measured.methods[i].built().bytes) / double(method.built().bytes), percents(of_depth->rms),
-                at_the_rim(*of_depth),
-                of_depth->phantom.median == 0 ? "no force" : "a force at " + percent(of_depth->phantom.median));
+            text += fmt::format(" With signed depth and direction in place of forces, {:.1f} times the bytes: {}{}, "
+                                "and {} above the surface.",
+                                double(measured.methods[i].built().bytes) / double(method.built().bytes),
+                                percents(of_depth->rms), at_the_rim(*of_depth),
+                                of_depth->phantom.median == 0 ? "no force"
+                                                              : "a force at " + percent(of_depth->phantom.median));
         }
     for (const std::size_t i : same("look-up, adaptive")) // how long it takes differs by 1.6 from run to run
         if (const auto adaptive = lookup_errors(*measured.methods[i].errors)) {
             see(*adaptive);
-            text += fmt::format(" From an octree of as many bytes, finer where it errs most, {}{}.",
+            text += fmt::format(" In an octree of as many bytes, finer where it errs most: {}{}.",
                                 percents(adaptive->rms), at_the_rim(*adaptive));
         }
     if (!cured && errors->rim)
