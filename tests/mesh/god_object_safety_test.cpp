@@ -84,7 +84,7 @@ void expect_safe(const walks::Terrain& terrain, const SafetyTally& tally, std::u
 /// FORCESHADE_LONG: more than 10^8 steps in all, some minutes.
 template <typename T> void wander_everywhere() {
     for (const walks::Terrain& terrain : walks::terrains()) {
-        const SafetyTally tally = wander<T>(terrain, walks::in_long_form() ? 8000000 : 25000);
+        const SafetyTally tally = wander<T>(terrain, walks::in_long_form() ? 8000000 : 50000);
         expect_safe(terrain, tally);
         // In float a skin is wide enough for a proxy to rest, once in a long while, on what rounds edges.
         const std::uint64_t seldom = std::is_same_v<T, double> ? 0 : tally.contacts / 20000;
@@ -98,7 +98,7 @@ template <typename T> void wander_everywhere() {
 /// on, or leave a contact that no planes tell.
 template <typename T> void wander_in_pits() {
     for (const walks::Terrain& terrain : walks::pits()) {
-        const SafetyTally tally = wander<T>(terrain, (walks::in_long_form() ? 8000000 : 200000) / terrain.valence);
+        const SafetyTally tally = wander<T>(terrain, (walks::in_long_form() ? 8000000 : 400000) / terrain.valence);
         expect_safe(terrain, tally, std::is_same_v<T, double> ? 0 : tally.contacts / 40);
         EXPECT_LE(tally.again, (std::is_same_v<T, double> ? 0 : tally.contacts / 500)) << terrain.name;
         EXPECT_LE(tally.most_substeps, 2000u) << terrain.name;
