@@ -147,7 +147,12 @@ std::string left_out_text(const CaseRecord& record) {
 }
 
 std::string left_out_text(const Scene& paths) {
-    return left_out_text(omissions(paths), "", "sample");
+    std::vector<std::string> omitted = omissions(paths);
+    const bool metrics_alone = !(paths.output.channels & layout::kChannelForce);
+    if (metrics_alone)
+        std::erase_if(omitted, [](const std::string& one) { return one.ends_with(" channel"); });
+    return left_out_text(omitted, "", "sample") +
+           (metrics_alone ? "; every sample: metrics of the paths alone are written" : "");
 }
 
 } // namespace forceshade

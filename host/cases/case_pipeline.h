@@ -68,6 +68,9 @@ struct PathRunOptions {
 /// What the files of a run hold; `asked`: the scene's channels.
 layout::uint path_channels(const PathRunOptions& options, layout::uint asked);
 
+/// Those of them that are computed, with what polylines for ParaView hold besides. 0: metrics alone.
+layout::uint computed_channels(const PathRunOptions& options, layout::uint asked);
+
 /// The names of the files of a run, the samples first.
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels);
 

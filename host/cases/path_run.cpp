@@ -49,6 +49,11 @@ layout::uint path_channels(const PathRunOptions& options, layout::uint asked) {
                                    : (asked & (kSampled | kComparedChannels)) | kAlways;
 }
 
+layout::uint computed_channels(const PathRunOptions& options, layout::uint asked) {
+    return (path_channels(options, asked) & kSampled) |
+           (options.also.vtp ? layout::kChannelFacet | layout::kChannelDepth : 0);
+}
+
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
     std::vector<std::string> names;
     const std::string stem = options.stem.filename().string();
@@ -266,14 +271,9 @@ private:
             times_.emplace(file_);
     }
 
-    // How long a recorded path was in contact is known from its samples alone. Polylines always tell the contact.
+    // How long a recorded path was in contact is known from its samples alone.
     static layout::uint channels_of(const PreparedCase& prepared, const PathRunOptions& options, bool recorded) {
-        layout::uint computed = path_channels(options, prepared.one.scene.output.channels) & kSampled;
-        if (recorded)
-            computed |= layout::kChannelFacet;
-        if (options.also.vtp)
-            computed |= layout::kChannelFacet | layout::kChannelDepth;
-        return computed;
+        return computed_channels(options, prepared.one.scene.output.channels) | (recorded ? layout::kChannelFacet : 0);
     }
 
     std::uint64_t id_of(std::uint64_t path) const { return file_ ? file_->ids()[path] : path; }

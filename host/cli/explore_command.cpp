@@ -59,7 +59,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 // With the channels that the samples have.
 Scene paths_alone(const PathRunOptions& options, Scene scene) {
     scene.field = false;
-    scene.output.channels = path_channels(options, scene.output.channels);
+    scene.output.channels = computed_channels(options, scene.output.channels);
     return scene;
 }
 

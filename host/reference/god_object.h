@@ -183,20 +183,6 @@ private:
 /// The state of one path, in the mesh's frame. As constructed: a path that has not begun.
 template <typename T> struct GodObject : Rest<T> { bool started = false; };
 
-/// Whether a move crosses a triangle that it does not begin on.
-template <typename T>
-bool crosses(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Move<T>& move) noexcept {
-    bool any = false;
-    visit_near(mesh, neighbourhood, move, [&](layout::uint index) {
-        const Triangle<T> triangle = triangle_at(mesh, index);
-        const T height = dot(triangle.normal, move.from - triangle.corners[0]);
-        const T time = height / -dot(triangle.normal, move.displacement);
-        any = any || (std::abs(height) > Skin<T>::kRest && time > T(0) && time < move.until &&
-                      nearest_on_triangle(move.at(time), triangle).square <= Skin<T>::kRest * Skin<T>::kRest);
-    });
-    return any;
-}
-
 /// Takes a place less than a skin from a triangle a skin away from it: straight, or, if that crosses another one, as in
 /// an acute corner, away from all that are as near; straight nevertheless where there is no room between them.
 template <typename T>
@@ -208,7 +194,10 @@ Vector<T> displacement_off(const layout::MeshView<T>& mesh, Neighbourhood<T>& ne
     };
     const HalfSpace<T> one = off(nearest);
     const Vector<T> straight = one.slack * one.normal;
-    if (!crosses(mesh, neighbourhood, Move<T>{place, straight, T(1)}))
+    const auto blocked = [&](const Vector<T>& displacement) {
+        return is_blocked(mesh, neighbourhood, place, Vector<T>(place + displacement), T(0));
+    };
+    if (!blocked(straight))
         return straight;
     Projection<T> all;
     const bool found = project(
@@ -227,7 +216,7 @@ Vector<T> displacement_off(const layout::MeshView<T>& mesh, Neighbourhood<T>& ne
             });
             return most > Skin<T>::kFlush;
         });
-    const bool room = found && !crosses(mesh, neighbourhood, Move<T>{place, all.vector, T(1)});
+    const bool room = found && !blocked(all.vector);
     return room ? all.vector : straight;
 }
 
