@@ -26,45 +26,37 @@ namespace {
 
 // A law of the report: a field, or paths.
 struct Law {
-    const char* name;
-    OwnSurface own;
+    std::string name;
+    const StudiedSurface* surface;
     const char* paths = nullptr; /* of a scene */
 };
 
 constexpr const char* kOpen = "[paths]\ncount = 200\nsteps = 500\n";
 constexpr const char* kClosed = "[paths]\nloop = \"closed\"\ncount = 200\nsteps = 500\n";
 
-const Law kLaws[] = {
-    {"bump", {.facets = 8}},
-    {"bump, shaded", {.shaded = true, .facets = 8}},
-    {"height map, shaded", {.kind = SurfaceKind::height_map, .function = MapFunction::sine, .shaded = true}},
-    {"mesh", {.kind = SurfaceKind::mesh}},
-    {"mesh, morgenbesser", {.kind = SurfaceKind::mesh, .shading = Shading::morgenbesser}},
-    {"mesh, barycentric", {.kind = SurfaceKind::mesh, .shading = Shading::barycentric}},
-    {"mesh, mean_value", {.kind = SurfaceKind::mesh, .shaded = true}},
-    {"mesh, two_pass", {.kind = SurfaceKind::mesh, .shading = Shading::two_pass}},
-    {"paths on a bump, open loop", {.shaded = true, .facets = 8}, kOpen},
-    {"paths on a bump, closed loop", {.shaded = true, .facets = 8}, kClosed},
-    {"paths on a mesh, closed loop", {.kind = SurfaceKind::mesh, .shaded = true}, kClosed},
-};
+const std::vector<Law> kLaws = [] {
+    std::vector<Law> laws;
+    for (const StudiedSurface& one : studied_surfaces(kDevices))
+        laws.push_back({one.name, &one});
+    for (const auto& [surface, loop, paths] : {std::tuple("shaded bump of 8 facets", "open", kOpen),
+                                               {"shaded bump of 8 facets", "closed", kClosed},
+                                               {"shaded mesh", "closed", kClosed}})
+        laws.push_back({fmt::format("paths on the {}, {} loop", surface, loop), &studied_surface(surface), paths});
+    return laws;
+}();
+const Law& kOnAllAtOnce = *std::ranges::find(kLaws, "shaded bump of 8 facets", &Law::name);
 
 // `side`: samples along x and z, and half of it along y.
 PreparedCase case_of(const Law& law, std::uint64_t side) {
-    PreparedCase prepared = own_case(law.own);
+    PreparedCase prepared = own_case(law.surface->own);
     Scene& scene = prepared.one.scene;
     prepared.one.name = law.name;
     scene.field = law.paths == nullptr;
     if (law.paths) {
         scene.paths = parse_scene(law.paths, law.name).scene.paths;
         scene.output.channels = layout::kChannelForce;
-        return prepared;
-    }
-    const glm::dvec3 low(-1.2 * kOwnHalfWidth, -kOwnHalfWidth / 2, -2e-3), high(-low.x, -low.y, 8e-3);
-    scene.grid.size = {side, side / 2, side};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto i = static_cast<int>(axis);
-        scene.grid.origin[axis] = low[i];
-        scene.grid.spacing[axis] = (high[i] - low[i]) / static_cast<double>(scene.grid.size[axis] - 1);
+    } else {
+        scene.grid = grid_over(law.surface->box, {side, side / 2, side});
     }
     return prepared;
 }
@@ -191,7 +183,7 @@ double rate_of_all(const std::vector<DeviceRows>& devices, const EngineOptions& 
         own.gpu = std::to_string(one.device.index);
         engines.push_back(make_engine(own));
     }
-    std::vector<Row> rows(devices.size(), {&kLaws[1], Precision::f32});
+    std::vector<Row> rows(devices.size(), {&kOnAllAtOnce, Precision::f32});
     const auto run_all = [&] {
         std::vector<std::future<void>> done; // each waits for its thread
         for (std::size_t i = 0; i < engines.size(); ++i)
@@ -333,7 +325,7 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
             passed = passed && row.passed;
     }
     if (found.size() > 1) {
-        text += fmt::format("All {} devices at once, {}: ", found.size(), kLaws[1].name);
+        text += fmt::format("All {} devices at once, {}: ", found.size(), kOnAllAtOnce.name);
         try {
             const double rate = rate_of_all(found, options);
             text += fmt::format("{:.3g} million samples/s.\n", 1e-6 * rate);

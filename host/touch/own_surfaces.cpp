@@ -174,4 +174,15 @@ PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift) {
     return prepared;
 }
 
+GridSpec grid_over(const TouchedBox& box, const std::array<std::uint64_t, 3>& size) {
+    GridSpec grid;
+    grid.size = size;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<int>(axis);
+        grid.origin[axis] = box.low[i];
+        grid.spacing[axis] = (box.high[i] - box.low[i]) / static_cast<double>(size[axis] - 1);
+    }
+    return grid;
+}
+
 } // namespace forceshade

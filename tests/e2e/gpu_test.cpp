@@ -69,7 +69,7 @@ TEST_F(Gpu, AReportOfItIsAFolder) {
     EXPECT_GT(device["store_bytes_per_s"], 1e8);
     EXPECT_GT(device["copy_bytes_per_s"], 1e8);
     EXPECT_GT(device["read_back_bytes_per_s"], 1e8);
-    EXPECT_EQ(device["rows"].size(), 11u);
+    EXPECT_EQ(device["rows"].size(), 14u);
     for (const json& row : device["rows"]) {
         EXPECT_EQ(row["passed"], true) << row;
         EXPECT_EQ(row["differing"], 0) << row;
@@ -79,7 +79,7 @@ TEST_F(Gpu, AReportOfItIsAFolder) {
         EXPECT_GT(row["cpu_samples_per_s"], 0) << row;
         EXPECT_GE(row["group_invocations"], 32) << row;
     }
-    EXPECT_TRUE(says(read_text(path("gpu/report.md")), "| mesh, mean_value | f32 |"));
+    EXPECT_TRUE(says(read_text(path("gpu/report.md")), "| shaded mesh | f32 |"));
     expect_failure(2, arguments, {"gpu", "is there already"});
 }
 

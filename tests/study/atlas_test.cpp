@@ -51,7 +51,7 @@ TEST(StabilityAtlas, IsTheClosedFormOnAPlane) {
 }
 
 TEST(SteppedLimits, AreThoseOfTheLinearLoop) {
-    for (const char* name : {"plane", "textured plane", "shaded bump", "mesh"}) {
+    for (const char* name : {"plane", "textured plane", "shaded bump of 2 facets", "mesh"}) {
         const Atlas& one = atlas(name);
         const LeastLimit& worst = *worst_of(one.limits);
         const SteppedLimit found = stepped_limit(one.surface, worst, own_path_law(one.surface));
@@ -80,7 +80,7 @@ TEST(SteppedLimits, SayWhereThereIsNone) {
 // On a shaded slope it is where the force turns away faster than the grip holds: as stiff as the grip times what the
 // shape makes of it, whatever the mass.
 TEST(StabilityAtlas, OfAShadedSlopeIsTheGrips) {
-    const Atlas& shaded = atlas("shaded bump");
+    const Atlas& shaded = atlas("shaded bump of 2 facets");
     const LeastLimit& worst = *worst_of(shaded.limits, shaded.surface.name, {}, PlaceKind::slope);
     const double share = *worst.limit / worst.cell.hand.grip_stiffness;
     for (const AtlasPoint& point : shaded.points) {
@@ -98,7 +98,7 @@ TEST(StabilityAtlas, OfAShadedSlopeIsTheGrips) {
 // With time in samples and force in b / T a loop has the groups b T / m, k_g T / b and the delay: loops alike in these
 // have one K T / b.
 TEST(StabilityAtlas, DependsOnItsGroupsAlone) {
-    for (const char* name : {"shaded bump", "height map of a dip"})
+    for (const char* name : {"shaded bump of 2 facets", "height map of a dip"})
         for (const AtlasPoint& point : atlas(name).points) {
             LoopCell other = point.least.cell;
             other.rate *= 3;
@@ -119,7 +119,7 @@ TEST(StabilityAtlas, DependsOnItsGroupsAlone) {
 TEST(StabilityAtlas, OverDepthIsThatOfTheGripAndTheRadius) {
     std::size_t held = 0;
     double least = 1, most = 0; // d / R
-    for (const auto& [name, radius] : {std::pair("shaded bump", 0.01524), std::pair("height map of a bump", 0.0254)})
+    for (const auto& [name, radius] : {std::pair("shaded bump of 2 facets", 0.01524), std::pair("height map of a bump", 0.0254)})
         for (const AtlasPoint& point : atlas(name).points) {
             if (point.quantity != "depth" || point.least.hold.name != "down" ||
                 point.least.place.kind == PlaceKind::flat)
@@ -291,7 +291,7 @@ bool slope_rests(const LoopCell& cell, double tilt, double kick) {
 }
 
 TEST(FrictionBasin, OfSteppedSlopesIsThatOfOtherCode) {
-    const Atlas& bump = atlas("bump");
+    const Atlas& bump = atlas("bump of 2 facets");
     std::size_t slopes = 0;
     for (const BasinRow& row : basins_of(bump.surface, bump.limits, true)) {
         if (row.there.place.kind != PlaceKind::slope || row.there.hold.name != "down")

@@ -12,7 +12,7 @@ import pathlib
 import sys
 import numpy as np
 from recomputed_checks import check, near, number, outcomes, place_of
-from recomputed_models import HALF, TIGHT, WIDE, Block, Patch, angles, axis_steps, bump_force, circle_height, \
+from recomputed_models import HALF, TIGHT, Block, Patch, angles, axis_steps, bump_force, circle_height, \
     facets_at, least_growing, loop_growth, nearest_on, own_surfaces, rms, round_normals, size, slope_of, splitmix, \
     turned, unit
 from recomputed_loops import check_atlas, check_basins, check_couplings, check_edges, check_rounded
@@ -26,12 +26,11 @@ DEEPEST = 2e-3  # m: of a hand
 def check_jumps(rows):
     """worst_rounding.csv: the foot of the bump in closed form; of meshes each row at its place, and a search."""
     kept = {row["law"]: row for row in rows if row["facet"] == "another facet"}
-    for law in ("none", "reference"):
-        normal = unit(bump_force(np.array([HALF - 1e-9, 0, -1]), 8, WIDE, law == "reference"))
-        near(f"bump of 8 facets, {law}: jump at the foot", float(kept[f"bump of 8 facets, {law}"]["error_1"]),
-             size(normal - [0, 0, 1]), 1e-4)
-    for what, count in (("mesh of 8 x 4 cells", 4), ("mesh of 8 x 256 thin cells", 256)):
-        block, most = Block(WIDE, 8, count), dict.fromkeys(("none", "morgenbesser", "barycentric", "two_pass"), 0)
+    for law in ("bump of 8 facets", "shaded bump of 8 facets"):
+        normal = unit(bump_force(np.array([HALF - 1e-9, 0, -1]), 8, TIGHT, "shaded" in law))
+        near(f"{law}: jump at the foot", float(kept[law]["error_1"]), size(normal - [0, 0, 1]), 1e-4)
+    for what, count in (("mesh", 8), ("thin mesh", 256)):
+        block, most = Block(TIGHT, 8, count), dict.fromkeys(("none", "morgenbesser", "barycentric", "two_pass"), 0)
         for i, j, at in block.under_ridges(DEEPEST, 101):
             sides = [(face, at + DEEPEST * block.normals[face]) for face in (i, j)]
             corners = [block.located(*side) for side in sides]
@@ -40,12 +39,13 @@ def check_jumps(rows):
                               for (face, foot), c in zip(sides, corners))
                 most[shading] = max(most[shading], size(one - other).max())
         for shading in (*most, "mean_value"):
-            row = kept[f"{what}, {shading}"]
+            name = {"none": "", "mean_value": "shaded "}.get(shading, shading + " ") + what
+            row = kept[name]
             table, own = float(row["error_1"]), "barycentric" if shading == "mean_value" else shading
-            near(f"{what}, {shading}: jump there", table, block.jump_at(own, place_of(row)) / DEEPEST, 1e-3)
+            near(f"{name}: jump there", table, block.jump_at(own, place_of(row)) / DEEPEST, 1e-3)
             found = max(most[own], block.jumps_within(own, DEEPEST) / DEEPEST)
             low, high = (0.9, 1.1) if own == "two_pass" else (0.98, 1.02)  # two_pass grows steeply towards its worst
-            check(f"{what}, {shading}: largest jump", table, found, low * table, high * table)
+            check(f"{name}: largest jump", table, found, low * table, high * table)
 
 
 # Errors of volumes with samples 0.1 mm apart of the shaded bump of 64 facets, and of meshes of 16 x 16 cells.
@@ -253,16 +253,18 @@ def check_loops(limits, kinds, presses):
              least_growing(loop_growth([row["slope"]], [row["along"]], *own), 12000), 5e-4)
     wall = least_growing(loop_growth([np.diag([0.0, 0, 1])], [[0, 0, 1]], *own), 12000)
     for name, formula, found in (
-            ("bump", "K_crit times the cosine of a facet's slope", wall / math.hypot(1, facets_at(0.001, 2, TIGHT)[1])),
-            ("shaded bump", "k_g (R^2 - x^2) / (R d) at the foot", 500 * (TIGHT**2 - HALF**2) / (TIGHT * DEEPEST))):
+            ("bump of 2 facets", "K_crit times the cosine of a facet's slope",
+             wall / math.hypot(1, facets_at(0.001, 2, TIGHT)[1])),
+            ("shaded bump of 2 facets", "k_g (R^2 - x^2) / (R d) at the foot",
+             500 * (TIGHT**2 - HALF**2) / (TIGHT * DEEPEST))):
         table = number(kinds, "limit_N_per_m", surface=name, kind="slope")
         near(f"{name}, {formula}, N/m", table, found, 2e-3)
     turned_by = lambda degrees: np.stack([np.sin(np.radians(degrees)), 0 * degrees, np.cos(np.radians(degrees))], 1)
-    row, along = worst("shaded bump", "slope"), turned_by(np.arange(-120, 120, 0.1))
+    row, along = worst("shaded bump of 2 facets", "slope"), turned_by(np.arange(-120, 120, 0.1))
     held = np.minimum(along @ row["force"], ((along @ row["slope"]) * along).sum(1)) >= 0.2  # of what holds a press
-    near("shaded bump, any press: limit, N/m", float(row["any_press_N_per_m"]), least_growing(
+    near("shaded bump of 2 facets, any press: limit, N/m", float(row["any_press_N_per_m"]), least_growing(
         loop_growth(np.tile(row["slope"], (held.sum(), 1, 1)), along[held], *own), 2000), 0.01)
-    for name in ("bump", "shaded bump"):
+    for name in ("bump of 2 facets", "shaded bump of 2 facets"):
         some = [press for press in presses if press["surface"] == name]
         at = 1e-3 * np.array([[float(some[0]["x_mm"]), 0, 0]])
         at[:, 2] = facets_at(at[:, 0], 2, TIGHT)[0] - DEEPEST
@@ -303,12 +305,12 @@ def check_tessellations(rows, own):
 # The energy gained round closed strokes, by the force's line integral.
 
 def drawn_strokes(count, draws, reach):
-    """Of strokes from and to (x, y), m, and their depths out and back, m; y up to `reach`, m, either way."""
+    """Of strokes from and to (x, y), m, and their depths out and back, m; up to `reach`, m, either way."""
     strokes = []
     while len(strokes) < count:
         xa, ya, xb, yb, deep, back = (next(draws) for _ in range(6))
-        begin, way = (np.array(part) * [2 * HALF, 2 * reach] for part in ((xa - 0.5, ya - 0.5), (xb - xa, yb - ya)))
-        if size(way) >= HALF / 2:
+        begin, way = (np.array(part) * 2 * np.array(reach) for part in ((xa - 0.5, ya - 0.5), (xb - xa, yb - ya)))
+        if size(way) >= max(reach) / 2:
             strokes.append((begin, way, DEEPEST * 10**-deep, DEEPEST * 10**-back))
     return strokes
 
@@ -333,14 +335,14 @@ def worked(places, forces_at, parts):
 
 def on_bump(count, draws, facets, scheme, parts):
     """worked() on strokes over a bump."""
-    places = closed(drawn_strokes(count, draws, 0.005), lambda begin, way, share: facets_at(
+    places = closed(drawn_strokes(count, draws, (HALF, 0.005)), lambda begin, way, share: facets_at(
         begin[0] + share * way[0], facets, TIGHT)[0])
     return worked(places, lambda at: bump_force(at, facets, TIGHT, "unshaded" not in scheme, "normal" in scheme), parts)
 
 
 def on_meshes(cells, shadings):
     """mJ: of each shading the work round 250 strokes, which take turns with 25 meshes."""
-    work, strokes = [], drawn_strokes(250, splitmix(3), 0.8 * HALF)
+    work, strokes = [], drawn_strokes(250, splitmix(3), (0.0105, 0.008))
     for draw in range(25):
         patch, casts = Patch(TIGHT, cells, 0.025, splitmix(1000 * draw + cells)), np.linspace(0, 1, 65)
         places = closed(strokes[draw::25], lambda begin, way, share: np.interp(
@@ -447,7 +449,7 @@ def main():
     atlases = [study for study in ("stability", "stability-bump") if (folder / study / "loop_atlas.csv").exists()]
     check("tables of limits over one quantity", 1, len(atlases), 1, 2)
     for study in atlases:  # the scene is the README's bump.toml
-        rows, limits = ([{**row, "surface": row["surface"].replace("scene", "shaded bump")}
+        rows, limits = ([{**row, "surface": row["surface"].replace("scene", "shaded bump of 2 facets")}
                          for row in table(f"{study}/loop_{which}")] for which in ("atlas", "limits"))
         check_atlas(rows, limits, study)
         check_rounded(rows, study)

@@ -10,7 +10,8 @@ from recomputed_models import MASS, angles, axis_steps, least_growing, own_surfa
 OWN = {"damping": 3.0, "grip": 500.0, "period": 1e-3, "mass": MASS, "delay": 0, "lag": 0.0}  # SI: the studies' hand
 PASSIVE = 2 * OWN["damping"] / OWN["period"]  # N/m: of a wall (Colgate & Schenkel 1994)
 DOWN = np.array([0.0, 0, 1])
-CHANGING = {("bump", "foot", "1", "5000"), ("shaded bump", "foot", "1", "1000"), ("shaded bump", "foot", "2", "5000"),
+CHANGING = {("bump of 2 facets", "foot", "1", "5000"), ("shaded bump of 2 facets", "foot", "1", "1000"),
+            ("shaded bump of 2 facets", "foot", "2", "5000"),
             ("height map of a bump", "foot", "0.2", "5000")}  # of loop_edges.csv, by depth, mm, and stiffness, N/m
 
 

@@ -272,8 +272,8 @@ def own_surfaces():
     surfaces = {"plane": map_force(math.inf), "textured plane": textured_force,
                 "height map of a bump": map_force(WIDE), "height map of a dip": map_force(WIDE, -1)}
     for shaded in (False, True):
-        for facets, words in ((2, ""), (8, " of 8 facets")):
-            name = ("shaded bump" if shaded else "bump") + words
+        for facets in (2, 8):
+            name = ("shaded bump" if shaded else "bump") + f" of {facets} facets"
             surfaces[name] = lambda at, facets=facets, shaded=shaded: bump_force(at, facets, TIGHT, shaded)
 
     def force_at(name, at, depth):

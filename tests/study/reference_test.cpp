@@ -116,7 +116,7 @@ TEST(Reference, HasTheErrorsOfEightFacets) {
 
 TEST(Reference, HasTheLimitsOfTheShadedBump) {
     const std::vector<LoopSurface> surfaces = own_surfaces();
-    const LoopSurface& bump = *std::ranges::find(surfaces, "shaded bump", &LoopSurface::name);
+    const LoopSurface& bump = *std::ranges::find(surfaces, "shaded bump of 2 facets", &LoopSurface::name);
     const std::vector<LeastLimit> limits =
         least_limits(bump, searched_places(bump, 400, Searched::of_each_kind), {settings_of(bump, false).front()});
     const LeastLimit& worst = *worst_of(limits);

@@ -135,7 +135,7 @@ const std::vector<RestPlace>& places_on(const std::string& name) {
 TEST(RestPlaces, AreWhereTheShapeHasThem) {
     std::map<PlaceKind, int> counts;
     const double half = 0.0127; // m
-    for (const RestPlace& place : places_on("bump")) {
+    for (const RestPlace& place : places_on("bump of 2 facets")) {
         ++counts[place.kind];
         const double x = place.at.x;
         if (place.kind == PlaceKind::flat) {
@@ -194,7 +194,7 @@ TEST(LeastLimits, OfATextureAreTheGrips) {
 
 TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
     for (const char* name :
-         {"plane", "textured plane", "shaded bump", "height map of a bump", "shaded mesh", "morgenbesser mesh"}) {
+         {"plane", "textured plane", "shaded bump of 2 facets", "height map of a bump", "shaded mesh", "morgenbesser mesh"}) {
         const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), settings_of(own(name), true));
         const LeastLimit& worst = *worst_of(limits);
         EXPECT_NEAR(simulated_limit(own(name), worst).value() / *worst.limit, 1, 2e-3) << name;
@@ -208,7 +208,7 @@ TEST(LeastLimits, OnAShadedSlopeAreTheGrips) {
     const double x = 0.0107;
     for (const double grip : {50.0, 200.0, 400.0}) {
         LoopSurface surface;
-        surface.prepared = own_case({.shaded = true, .facets = 4096, .stiffness = 1});
+        surface.prepared = own_case({.shaded = true, .radius = R, .facets = 4096, .stiffness = 1});
         surface.deepest = 2e-3;
         ContactForce force(surface.prepared, surface.scale());
         const double normal = std::sqrt(R * R - x * x) / R, foot = std::sqrt(R * R - 0.0127 * 0.0127);
@@ -234,7 +234,7 @@ TEST(LeastLimits, OnAShadedSlopeAreTheGrips) {
 }
 
 TEST(LeastLimits, OfAnyPressAreNoMoreThanThoseOfADenseSearch) {
-    for (const char* name : {"shaded bump", "shaded bump of 8 facets"}) {
+    for (const char* name : {"shaded bump of 2 facets", "shaded bump of 8 facets"}) {
         const LoopSurface& bump = own(name);
         LoopCell late{bump.hand, bump.rate, 1}, quick{bump.hand, 4 * bump.rate, 1};
         late.hand.delay_samples = 1;
@@ -286,7 +286,7 @@ double least_balance(double radius, double half, double depth, double grip) {
 }
 
 TEST(LeastLimits, OfAnyPressIsWhereTheStaticBalanceTurns) {
-    const LoopSurface& bump = own("shaded bump");
+    const LoopSurface& bump = own("shaded bump of 2 facets");
     double found = std::numeric_limits<double>::infinity();
     for (const LeastLimit& one : least_limits(bump, places_on(bump.name), {{bump.hand, bump.rate, 1}}, true))
         if (one.any_press && one.place.depth == bump.deepest)
@@ -371,7 +371,7 @@ TEST(SceneLimits, SayWhetherABristleIsStable) {
 }
 
 TEST(CouplingLimits, AreWhereSteppedLoopsBeginToGrow) {
-    for (const char* name : {"plane", "shaded bump", "height map of a dip"}) {
+    for (const char* name : {"plane", "shaded bump of 2 facets", "height map of a dip"}) {
         const std::vector<CouplingRow> rows = couplings_on(own(name), places_on(name));
         EXPECT_EQ(rows.size(), 9u) << name;
         EXPECT_EQ(rows.back().scene, 1e7) << name;
@@ -437,7 +437,7 @@ Engine& engine() {
 
 // Closer to a jump of the direction than a kick, the other side's force takes the probe away.
 TEST(LargestKick, IsLessBesideAJump) {
-    const LoopSurface& bump = own("shaded bump");
+    const LoopSurface& bump = own("shaded bump of 2 facets");
     LeastLimit inside = *worst_of(least_limits(bump, places_on(bump.name), settings_of(bump, true))), beside = inside;
     for (const RestPlace& place : places_on(bump.name))
         if (place.kind == PlaceKind::slope && place.depth == bump.deepest)
@@ -450,10 +450,10 @@ TEST(LargestKick, IsLessBesideAJump) {
 // A sampled relay answers half a sample late in the mean, and a whole one at most: where grip and surface are soft
 // beside 2 b / T, its describing function lets half a jump D swing by 4 D T / (pi b), and twice that at most.
 TEST(EdgeSwings, AreThoseOfASampledRelay) {
-    const LoopSurface& bump = own("bump");
+    const LoopSurface& bump = own("bump of 2 facets");
     const double damping = bump.hand.damping + bump.hand.grip_damping;
     int feet = 0;
-    for (const EdgeSwing& one : edge_swings(engine(), bump, places_on("bump"))) {
+    for (const EdgeSwing& one : edge_swings(engine(), bump, places_on("bump of 2 facets"))) {
         if (one.place.kind != PlaceKind::foot || one.stiffness != 1000)
             continue;
         ++feet;

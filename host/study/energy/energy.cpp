@@ -55,27 +55,39 @@ void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<do
     }
 }
 
-// The paper's bump of R = 600 mil over its facets.
+// Strokes on a studied surface within its box, of a bump not beside it.
+EnergySurface surface_over(const char* name, const char* elements, const StudiedSurface& studied) {
+    const auto& [low, high] = studied.box;
+    const double across = std::min(high.x, kOwnHalfWidth);
+    return {name, elements, {{-across, low.y}, {across, high.y}}};
+}
+
 EnergySurface own_bump(bool quick) {
-    EnergySurface surface{"bump", "facets", {{-kOwnHalfWidth, -0.005}, {kOwnHalfWidth, 0.005}}};
+    const StudiedSurface& studied = studied_surface("bump of 8 facets");
+    EnergySurface surface = surface_over("bump", "facets", studied);
     const std::vector<Scheme> schemes{{"unshaded", Shading::none},
                                       {"unshaded, normal depth", Shading::none, DepthReading::normal},
                                       {"shaded", Shading::reference},
                                       {"shaded, normal depth", Shading::reference, DepthReading::normal}};
     for (const unsigned facets :
-         quick ? std::vector<unsigned>{1, 2, 8, 32, 512} : std::vector<unsigned>{1, 2, 3, 4, 8, 16, 32, 128, 512})
-        add_laws(surface, own_case({.radius = kOwnRadius, .facets = facets}), facets, schemes);
+         quick ? std::vector<unsigned>{1, 2, 8, 32, 512} : std::vector<unsigned>{1, 2, 3, 4, 8, 16, 32, 128, 512}) {
+        OwnSurface own = studied.own;
+        own.facets = facets;
+        add_laws(surface, own_case(own), facets, schemes);
+    }
     return surface;
 }
 
-// Meshes of its cylinder over their cells; strokes take turns with tessellations drawn at random.
+// Strokes take turns with tessellations drawn at random.
 EnergySurface own_mesh(bool quick) {
-    constexpr double kAcross = 0.8 * kOwnHalfWidth;
-    const double reach = std::hypot(kOwnRadius * std::asin(kOwnHalfWidth / kOwnRadius), kAcross) + 1e-3; // m
-    EnergySurface surface{"mesh", "cells", {{-kOwnHalfWidth, -kAcross}, {kOwnHalfWidth, kAcross}}};
+    const StudiedSurface& studied = studied_surface("mesh");
+    const double across = studied.box.high.x, along = studied.box.high.y;                       // m
+    const double reach = std::hypot(kOwnRadius * std::asin(across / kOwnRadius), along) + 1e-3; // m
+    EnergySurface surface = surface_over("mesh", "cells", studied);
     for (const unsigned cells : quick ? std::vector<unsigned>{8, 16} : std::vector<unsigned>{4, 8, 16, 32}) {
-        const PreparedCase mesh =
-            own_case({.kind = SurfaceKind::mesh, .radius = kOwnRadius, .facets = cells, .rows = cells});
+        OwnSurface own = studied.own;
+        own.facets = own.rows = cells;
+        const PreparedCase mesh = own_case(own);
         std::vector<std::shared_ptr<const SceneMesh>> drawn;
         for (std::uint64_t draw = 0; draw < (quick ? 8 : 25); ++draw)
             drawn.push_back(

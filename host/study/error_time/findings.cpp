@@ -52,11 +52,14 @@ std::string percents(const Interval& share) {
     return fmt::format("{} ({} to {})", percent(share.median), percent(share.low), percent(share.high));
 }
 
-// ", at the rim 16 deg (15 to 18)"; `one`: "one of ".
-std::string at_the_rim(const LookUpErrors& errors, const char* one = "") {
-    return errors.rim ? fmt::format(", at the rim {}{:.0f} deg ({:.0f} to {:.0f})", one, errors.rim->median,
-                                    errors.rim->low, errors.rim->high)
-                      : "";
+// "16 deg (15 to 18)".
+std::string degrees(const Interval& angle) {
+    return fmt::format("{:.0f} deg ({:.0f} to {:.0f})", angle.median, angle.low, angle.high);
+}
+
+// "1.8 % (0.90 % to 3.1 %), at the rim 16 deg (15 to 18)".
+std::string error_text(const LookUpErrors& errors) {
+    return percents(errors.rms) + (errors.rim ? ", at the rim " + degrees(*errors.rim) : "");
 }
 
 // Of the finest volume, wherever its grid lies; and of one that holds depth and direction in place of the force.
@@ -77,7 +80,8 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
         return;
     std::string text = fmt::format("Forces read from a trilinear volume of {:.2g} mm samples have an RMS error of {} "
                                    "of the RMS force{}.",
-                                   1e3 * *method.spacing, percents(errors->rms), at_the_rim(*errors, "one of "));
+                                   1e3 * *method.spacing, percents(errors->rms),
+                                   errors->rim ? "; at the rim their direction errs by " + degrees(*errors->rim) : "");
     text +=
         fmt::format(" Up to {:.2g} mm above the surface, where there is no force, the volume has one at {} of the "
                     "places, of up to {} of the RMS force.",
@@ -96,18 +100,16 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     for (const std::size_t i : same("look-up, depth and direction"))
         if (const auto of_depth = lookup_errors(*measured.methods[i].errors)) {
             see(*of_depth);
-            text += fmt::format(" With signed depth and direction in place of forces, {:.1f} times the bytes: {}{}, "
-                                "and {} above the surface.",
-                                double(measured.methods[i].built().bytes) / double(method.built().bytes),
-                                percents(of_depth->rms), at_the_rim(*of_depth),
-                                of_depth->phantom.median == 0 ? "no force"
-                                                              : "a force at " + percent(of_depth->phantom.median));
+            text += fmt::format(
+                " With signed depth and direction in place of forces, {:.1f} times the bytes: {}, "
+                "and {} above the surface.",
+                double(measured.methods[i].built().bytes) / double(method.built().bytes), error_text(*of_depth),
+                of_depth->phantom.median == 0 ? "no force" : "a force at " + percent(of_depth->phantom.median));
         }
     for (const std::size_t i : same("look-up, adaptive")) // how long it takes differs by 1.6 from run to run
         if (const auto adaptive = lookup_errors(*measured.methods[i].errors)) {
             see(*adaptive);
-            text += fmt::format(" In an octree of as many bytes, finer where it errs most: {}{}.",
-                                percents(adaptive->rms), at_the_rim(*adaptive));
+            text += fmt::format(" In an octree of as many bytes, finer where it errs most: {}.", error_text(*adaptive));
         }
     if (!cured && errors->rim)
         text += " None of these cures the rim.";

@@ -21,22 +21,17 @@ constexpr unsigned kThoroughFacets = 64;         // of the own bump that all met
 constexpr unsigned kThoroughCells = 16;          // the same for the own mesh
 constexpr std::size_t kPaths = 64, kSteps = 500; // of closed loops
 
-// The paper's bump, R = 600 mil: its width and 2 mm of the plane on either side. Meshes are of its cylinder.
-constexpr const char* kOwnScene = R"(
-[surface]
-radius = "600 mil"
-width = "1000 mil"
-[force]
-stiffness = "1000 N/m"
-[grid]
-size = [256, 8, 64]
-origin = ["-14.7 mm", "-2 mm", "-2.5 mm"]
-spacing = ["0.1153 mm", "0.5714 mm", "0.15 mm"]
-[paths]
-press = "1 N"
-speed = { mean = "60 mm/s", sd = "15 mm/s" }
-)";
-const glm::dvec3 kMeshLow(-9e-3, -6e-3, 1.5e-3), kMeshHigh(9e-3, 6e-3, 7e-3); // m: away from the mesh's border
+// Of a studied surface, as prepared.
+PreparedCase own_scene(const StudiedSurface& studied, const PreparedCase& prepared,
+                       const std::array<std::uint64_t, 3>& samples) {
+    PreparedCase own = prepared;
+    own.one.scene.grid = grid_over(studied.volume, samples);
+    PathsSpec& paths = own.one.scene.paths.emplace();
+    paths.speed = {Spread::Shape::normal, 0.06, 0.015}; // m/s
+    if (prepared.images.mesh)                           // its middle half, whatever stands around
+        paths.length = paths.width = kOwnHalfWidth;
+    return own;
+}
 
 void set_grid(Subject& subject, const GridSpec& grid) {
     subject.grid = grid;
@@ -109,7 +104,9 @@ void complete(Subject& subject, const Extents& extents) {
     subject.places = drawn_places(subject, extents, 0);
 }
 
-Subject own_bump(const PreparedCase& own, const Extents& extents) {
+Subject own_bump(const Extents& extents) {
+    const StudiedSurface& studied = studied_surface("bump of 8 facets");
+    const PreparedCase own = own_scene(studied, own_case(studied.own), {256, 8, 64});
     Subject subject{"bump", "facets"};
     subject.first_draw = extents.first_draw;
     subject.force = cylinder_force(own.one.scene);
@@ -127,35 +124,38 @@ Subject own_bump(const PreparedCase& own, const Extents& extents) {
     return subject;
 }
 
-Subject own_mesh(const PreparedCase& own, const Extents& extents) {
+Subject own_mesh(const Extents& extents) {
+    const StudiedSurface& studied = studied_surface("mesh");
+    const auto prepared_of = [&](const PreparedCase& prepared) { return own_scene(studied, prepared, {64, 32, 32}); };
     Subject subject{"mesh", "cells"};
     subject.first_draw = extents.first_draw;
-    subject.force = mesh_truth(own.one.scene);
-    subject.low = kMeshLow;
-    subject.high = kMeshHigh;
-    resample(subject, {64, 32, 32});
-    subject.spacings = spacings_within(subject, extents.spacings, kMostMeshSamples);
-    subject.notes = {"The meshes are patches of the same cylinder, cut into triangles between equal arcs. Their smooth "
-                     "shape has the force K (R - r) along the radius: the depth is that of the nearest point, as the "
-                     "meshes' is."};
-    const SmoothCylinder smooth(own.one.scene);
-    const double reach = std::hypot(smooth.radius * std::asin(kMeshHigh.x / smooth.radius), kMeshHigh.y) + 1e-3; // m
-    const auto on_mesh = [&](std::shared_ptr<const SceneMesh> mesh) {
-        PreparedCase prepared = own;
-        prepared.one.scene.surface.kind = SurfaceKind::mesh;
-        prepared.images.mesh = std::move(mesh);
-        return prepared;
-    };
+    subject.notes = {"The meshes are blocks under the same cylinder, whose top is cut into triangles between equal "
+                     "arcs. Their smooth shape has the force K (R - r) along the radius: the depth is that of the "
+                     "nearest point, as the meshes' is."};
     for (const unsigned cells : extents.cells) {
-        const BumpMesh patch{smooth.half, smooth.radius, cells, cells};
+        OwnSurface surface = studied.own;
+        surface.facets = surface.rows = cells;
+        const PreparedCase own = prepared_of(own_case(surface));
+        const SmoothCylinder smooth(own.one.scene);
+        if (!subject.force) {
+            subject.force = mesh_truth(own.one.scene);
+            set_grid(subject, own.one.scene.grid);
+            subject.spacings = spacings_within(subject, extents.spacings, kMostMeshSamples);
+        }
+        const double reach =
+            std::hypot(smooth.radius * std::asin(studied.volume.high.x / smooth.radius), studied.volume.high.y) +
+            1e-3; // m
         std::vector<PreparedCase> drawn;
-        for (std::size_t draw = 1; draw < extents.draws; ++draw)
-            drawn.push_back(
-                on_mesh(cylinder_patch(patch, DrawnPatch{reach, subject.seed(Subject::Random::tessellation, draw)})));
+        for (std::size_t draw = 1; draw < extents.draws; ++draw) {
+            drawn.push_back(own);
+            drawn.back().images.mesh =
+                cylinder_patch({smooth.half, smooth.radius, cells, cells},
+                               DrawnPatch{reach, subject.seed(Subject::Random::tessellation, draw)});
+        }
         const auto thorough = [&](Shading shading) {
             return cells == kThoroughCells && (shading == Shading::none || shading == Shading::mean_value);
         };
-        add_variants(subject, on_mesh(cylinder_patch(patch)), cells, thorough, drawn);
+        add_variants(subject, own, cells, thorough, drawn);
     }
     complete(subject, extents);
     return subject;
@@ -171,8 +171,7 @@ Extents extents_of(bool quick) {
 }
 
 std::vector<Subject> own_subjects(const Extents& extents) {
-    const PreparedCase own = CasePreparation().prepare(parse_scene(kOwnScene, "the study's own scene"));
-    return {own_bump(own, extents), own_mesh(own, extents)};
+    return {own_bump(extents), own_mesh(extents)};
 }
 
 Subject scene_subject(const PreparedCase& given, const Extents& extents) {

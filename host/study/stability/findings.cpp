@@ -96,27 +96,21 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
                                            : "",
             limit_at(results, worst.surface, results.surfaces.front().depths().front()), newtons(worst.wall));
     }
-    if (worst.any_press && *worst.limit > 0 && worst.any_press->limit < 0.99 * *worst.limit)
-        finding.text +=
-            fmt::format(" A press {} lowers that to {}.", worst.any_press->hold.name, newtons(worst.any_press->limit)) +
-            (surface.stiffness > worst.any_press->limit && surface.stiffness < *worst.limit
-                 ? " So its own is unstable there."
-                 : "");
     const TessellatedLimit* lower = nullptr;
     for (const TessellatedLimit& one : results.tessellated)
         if (one.least.limit && *one.least.limit < (lower ? *lower->least.limit : *worst.limit))
             lower = &one;
     if (lower)
-        finding.text += fmt::format(" Lower still is only that of the {} on another tessellation of its cells, {}.",
+        finding.text += fmt::format(" Held as usual, only the {} on another tessellation of its cells has a lower one, "
+                                    "{}.",
                                     lower->least.surface, newtons(*lower->least.limit));
+    if (worst.any_press && *worst.limit > 0 && worst.any_press->limit < 0.99 * *worst.limit)
+        finding.text += fmt::format(" A press {} (90 is sideways) lowers the {} to {}.", worst.any_press->hold.name,
+                                    newtons(*worst.limit), newtons(worst.any_press->limit)) +
+                        (surface.stiffness > worst.any_press->limit && surface.stiffness < *worst.limit
+                             ? " So its own is unstable there."
+                             : "");
     return finding;
-}
-
-// As "the bump of 2 facets".
-std::string of_facets(const LoopResults& results, const std::string& name) {
-    const LoopSurface& one = *std::ranges::find(results.surfaces, name, &LoopSurface::name);
-    const SurfaceSpec& surface = one.prepared.one.scene.surface;
-    return "the " + name + (surface.kind == SurfaceKind::bump ? fmt::format(" of {} facets", surface.facets) : "");
 }
 
 // " (1323 to 1550 N/m on 5 tessellations)": the least limits at a depth; empty where there is one alone.
@@ -147,7 +141,7 @@ double least_at(const LoopResults& results, const std::string& surface, double d
 
 void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
     std::vector<std::string> parts, places, sure;
-    for (const char* surface : {"bump", "mesh"}) {
+    for (const char* surface : {"bump of 2 facets", "mesh"}) {
         const LeastLimit *bare = worst_of(results.limits, surface),
                          *shaded = worst_of(results.limits, "shaded " + std::string(surface));
         if (!bare || !shaded)
@@ -161,10 +155,9 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
                        : fmt::format("from {} to {} at {:.2g} mm", newtons(before), newtons(after), 1e3 * depth);
         };
         const double deep = shaded->place.depth, shallow = results.surfaces.front().depths().front();
-        parts.push_back(fmt::format("{}: {} of depth{}, {}; under a press in any direction {}, {}",
-                                    of_facets(results, surface), change_at(deep, false),
-                                    over_tessellations(results, shaded->surface, deep), change_at(shallow, false),
-                                    change_at(deep, true), change_at(shallow, true)));
+        parts.push_back(fmt::format("the {}: {} of depth{}, {}; under a press in any direction {}, {}", surface,
+                                    change_at(deep, false), over_tessellations(results, shaded->surface, deep),
+                                    change_at(shallow, false), change_at(deep, true), change_at(shallow, true)));
         places.push_back(place_of(*shaded));
         sure.push_back(fmt::format("{}: {}", shaded->surface, sureness_of(results, shaded->surface)));
     }

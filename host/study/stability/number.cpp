@@ -32,16 +32,8 @@ struct Setting : OwnSurface {
     bool is_plain_bump() const { return kind == SurfaceKind::bump && !shaded; }
 };
 
-const std::pair<const char*, Setting> kSurfaces[] = {
-    {"bump", {{}}},
-    {"shaded bump", {{.shaded = true}}},
-    {"cylinder bump", {{.kind = SurfaceKind::cylinder_bump}}},
-    {"height map", {{.kind = SurfaceKind::height_map, .function = MapFunction::sine, .shaded = true}}},
-    {"height map, cylinder", {{.kind = SurfaceKind::height_map, .shaded = true}}},
-    {"mesh", {{.kind = SurfaceKind::mesh, .shaded = true, .rows = 4}}}};
-
 Setting plain_setting(const std::string& surface) {
-    return std::ranges::find(kSurfaces, surface, [](const auto& one) { return one.first; })->second;
+    return {studied_surface(surface).own};
 }
 
 double circle_height(double radius, double x) {
@@ -52,14 +44,10 @@ double circle_height(double radius, double x) {
 double height_of(const Setting& setting, double x) {
     if (setting.kind == SurfaceKind::cylinder_bump)
         return circle_height(setting.radius, x);
-    if (setting.is_mesh()) {
-        const double cell = 2 * kOwnHalfWidth / setting.facets, left = std::floor(x / cell) * cell;
-        return std::lerp(circle_height(setting.radius, left), circle_height(setting.radius, left + cell),
-                         (x - left) / cell);
-    }
-    if (setting.kind != SurfaceKind::bump)
+    if (setting.is_map())
         return 0;
-    const FieldTables<double> tables = make_tables<double>(own_case(setting).one.scene, {}, Extent::nothing);
+    const OwnSurface facets{.radius = setting.radius, .facets = setting.facets}; // those of a mesh's cells, too
+    const FieldTables<double> tables = make_tables<double>(own_case(facets).one.scene, {}, Extent::nothing);
     return reference::facet_at(tables.law(), x).height;
 }
 
@@ -159,8 +147,8 @@ Figure number_figure(const std::string& axis, const char* title, const char* cap
 
 std::vector<std::string> number_surfaces() {
     std::vector<std::string> names;
-    for (const auto& one : kSurfaces)
-        names.push_back(one.first);
+    for (const StudiedSurface& one : studied_surfaces(kNumbers))
+        names.push_back(one.name);
     return names;
 }
 
@@ -211,8 +199,9 @@ std::vector<Part> number_parts(Engine& engine, bool quick, std::deque<std::vecto
             parts.push_back(
                 {fmt::format("numbers: {} over {}", surface, axis),
                  [&engine, &rows = found.emplace_back(), surface, quick, axis] {
-                     const double most_looped =
-                         surface == "mesh" ? 512 : 1e5; /* facets that a referee takes a short time for */
+                     const double most_looped = plain_setting(surface).is_mesh()
+                                                    ? 512
+                                                    : 1e5; /* facets that a referee takes a short time for */
                      for (const double value : number_values(surface, axis, quick)) {
                          const auto over_draws = [&](const auto& errors_of) {
                              std::vector<PrecisionErrors> draws;
@@ -239,7 +228,7 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
     const auto number = [](double PrecisionErrors::*of) { return [of](const R& r) { return r.errors.*of; }; };
     data.tables.push_back(table_of<R>(
         "number", "Errors of a precision",
-        {{"surface", "", "Surface and shading; bump and mesh have 8 facets or cells unless stated.", &R::surface},
+        {{"surface", "", "which; bump and mesh have 8 facets or cells unless stated", &R::surface},
          {"axis", "", "The varied parameter; all others are those of the plain scene.", &R::axis},
          {"value", "unit of the axis", "Its value.", &R::value},
          {"value_shown", "unit of the axis", "The value, but 1e-4 for an origin of 0, for logarithmic axes.",
@@ -291,26 +280,16 @@ struct SearchedLaw {
 };
 
 std::vector<SearchedLaw> own_laws() {
-    std::vector<SearchedLaw> laws{
-        {"bump of 8 facets, none", own_case({})},
-        {"bump of 8 facets, reference", own_case({.shaded = true})},
-        {"bump of 8 facets, reference, textured", own_case({.shaded = true, .texture = 1e-4})},
-        {"height map of the cylinder", own_case({.kind = SurfaceKind::height_map, .shaded = true})}};
-    constexpr std::pair<Shading, const char*> kShadings[] = {{Shading::none, "none"},
-                                                             {Shading::morgenbesser, "morgenbesser"},
-                                                             {Shading::barycentric, "barycentric"},
-                                                             {Shading::mean_value, "mean_value"},
-                                                             {Shading::two_pass, "two_pass"}};
-    for (const auto& [rows, what] :
-         {std::pair(4u, "mesh of 8 x 4 cells"), std::pair(256u, "mesh of 8 x 256 thin cells")}) {
-        PreparedCase mesh = own_case({.kind = SurfaceKind::mesh, .rows = rows});
-        for (const auto& [shading, name] : kShadings) {
-            mesh.one.scene.force.shading = shading;
-            laws.push_back(
-                {fmt::format("{}, {}", what, name), mesh, false, rows == 256 && shading == Shading::two_pass});
-            if (rows == 4)
-                laws.push_back({fmt::format("{}, {}, god-object", what, name), mesh, true});
-        }
+    constexpr std::uint64_t kSide = 64;
+    std::vector<SearchedLaw> laws;
+    for (const StudiedSurface& one : studied_surfaces(kRounding)) {
+        PreparedCase prepared = own_case(one.own);
+        const bool mesh = one.own.kind == SurfaceKind::mesh, thin = mesh && one.own.rows > kMeshCells;
+        prepared.one.scene.field = !mesh; // of a mesh all of the block, its walls too
+        prepared.one.scene.grid = grid_over(one.box, {kSide, kSide, kSide});
+        laws.push_back({one.name, prepared, false, thin && one.own.shading == Shading::two_pass});
+        if (mesh && !thin)
+            laws.push_back({fmt::format("{}, god-object", one.name), prepared, true});
     }
     return laws;
 }
@@ -348,7 +327,7 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, 
         "worst_rounding", "Largest errors of single precision that a search found, 0.02 to 2 mm deep",
         {{"law", "",
           fmt::format("{}god-object: at the end of a straight stroke from the open",
-                      own ? "R = 2 a, a = 12.7 mm, K = 1000 N/m; " : "the scene's, static; "),
+                      own ? "a surface of the studies' list, K = 1000 N/m; " : "the scene's, static; "),
           &R::law},
          {"facet", "",
           "same: both precisions meet the same facet, away from edges of the law; another: rounding chose between "
@@ -408,7 +387,7 @@ void add_worst_rounding(StudyData& data, const std::vector<LawRounding>& found, 
                     FigureKind::bars, "worst_rounding", {}, {"law", "law"},
                     {"error_1", "difference of the forces / largest force", true}, "facet"));
     data.findings.push_back({"worst_rounding", text + ".", "worst-rounding", laws,
-                             own ? "R = 2 a, probe 0.02 to 2 mm deep" : "as deep as a hand goes",
+                             own ? "probe 0.02 to 2 mm deep" : "as deep as a hand goes",
                              fmt::format("the worst of {} evaluations of {} laws: a search, not a bound", evaluations,
                                          std::ranges::count(found, true, &LawRounding::same_facet))});
 }

@@ -111,7 +111,7 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
         append(results.tessellated, limits_by_tessellation(surface, results.limits, points, quick));
     if (surface.limits_alone)
         return;
-    const bool first = surface.stiffness > 0 || surface.name == kStudiedSurfaces[0].name; // a scene, or the plane
+    const bool first = surface.stiffness > 0 || surface.name == "plane"; // a scene, or the plane
     append(results.atlas, atlas_of(surface, results.limits, quick, first ? &engine : nullptr));
     append(results.basins, basins_of(surface, results.limits, quick));
     append(results.swings, edge_swings(engine, surface, places));
@@ -153,14 +153,14 @@ template <typename T> std::vector<T> joined(std::deque<std::vector<T>>& parts) {
 
 std::vector<LoopSurface> own_surfaces() {
     std::vector<LoopSurface> surfaces;
-    for (auto [name, own, low, high, limits_alone] : kStudiedSurfaces) {
+    for (auto [name, own, box, examined, volume] : studied_surfaces(kLimits)) {
         LoopSurface& surface = surfaces.emplace_back();
         surface.name = name;
         own.stiffness = 1;
         surface.prepared = own_case(own);
-        surface.low = low;
-        surface.high = high;
-        surface.limits_alone = limits_alone;
+        surface.low = box.low;
+        surface.high = box.high;
+        surface.limits_alone = !(examined & kLoops);
     }
     return surfaces;
 }
@@ -235,7 +235,7 @@ StudyData study_stability(StudyRun& run) {
     add_loops(data, loops);
     data.findings = loop_findings(loops);
     if (!run.scene()) {
-        const auto bump = std::ranges::find(loops.surfaces, "shaded bump", &LoopSurface::name);
+        const auto bump = std::ranges::find(loops.surfaces, "shaded bump of 2 facets", &LoopSurface::name);
         data.weak_places = weak_places_text("the " + bump->name, bump->prepared);
         add_numbers(data, joined(by_number));
     }

@@ -291,7 +291,7 @@ void add_numbers(StudyData& data, const std::vector<NumberRow>& rows);
 
 /// The worst of a law.
 struct LawRounding : WorstRounding {
-    std::string law; /* "mesh of 8 cells, morgenbesser" */
+    std::string law; /* "morgenbesser mesh, god-object" */
 };
 
 /// A part for each law of the study's own, or of the scene; `found` must outlive them and receives two a law, at most:

@@ -332,7 +332,7 @@ Table curve_table(const LoopResults& results) {
 
 // Of the surfaces of the verdict, or of a scene.
 bool is_drawn(const LoopResults& results, const std::string& surface) {
-    constexpr const char* kDrawn[] = {"plane", "shaded bump",     "bump of 8 facets", "shaded bump of 8 facets",
+    constexpr const char* kDrawn[] = {"plane", "shaded bump of 2 facets", "bump of 8 facets", "shaded bump of 8 facets",
                                       "mesh",  "barycentric mesh"};
     return results.surfaces.size() == 1 || std::ranges::count(kDrawn, surface) > 0;
 }
