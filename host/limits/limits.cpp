@@ -500,14 +500,14 @@ double rounded_limit(const LoopCell& cell, double kick) {
     return std::min(still, limit);
 }
 
-std::string weak_places_text(const std::string& name, const PreparedCase& prepared) {
+std::string weak_places_text(const std::vector<WeakPlace>& places) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (const WeakPlace& weak : weak_places(prepared)) {
+    for (const WeakPlace& weak : places) {
         nlohmann::ordered_json slope = nlohmann::ordered_json::array(); // columns
         for (int i = 0; i < 9; ++i)
             slope.push_back(weak.place.slope[i / 3][i % 3]);
         const glm::dvec3& along = weak.hold.along;
-        all.push_back({{"case", name},
+        all.push_back({{"surface", weak.surface},
                        {"place", name_of(weak.place.kind)},
                        {"depth_m", weak.place.depth},
                        {"held", weak.hold.name},

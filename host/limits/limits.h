@@ -204,19 +204,21 @@ SceneLimits scene_limits(const PreparedCase& prepared, double rate, double most,
 /// The same for the scene's own closed loop.
 SceneLimits scene_limits(const PreparedCase& prepared);
 
-/// A place of a scene's surface, and a way to be held there, where some hand's loop is the least stable.
+/// A place of a surface, and a way to be held there, where some hand's loop is the least stable.
 struct WeakPlace {
+    std::string surface; /* as readers call it */
     RestPlace place;
     Hold hold;
     bool usual = true; // of usual_holds; else pressed in another direction
 };
 
-/// Of each kind and depth that of the scene's own hand, and with ten times its grip and a tenth of it; and pressed in
-/// any direction. Empty where nothing is touched, or without damping.
-std::vector<WeakPlace> weak_places(const PreparedCase& prepared);
+/// Those of the least limits of a surface, each once, pressed in any direction, too.
+std::vector<WeakPlace> weak_places(const std::string& name, const std::vector<LeastLimit>& limits);
+/// Those of a scene, of each kind and depth, with its own hand, and with ten times its grip and a tenth of it. Empty
+/// where nothing is touched, or without damping.
+std::vector<WeakPlace> weak_places(const std::string& name, const PreparedCase& prepared);
 
-/// Where a hand's loop on the surface of a case is the least stable, as a JSON array for "my device": from there a page
-/// computes the limits of any hand. `name` is what readers call the case.
-std::string weak_places_text(const std::string& name, const PreparedCase& prepared);
+/// As a JSON array for "my device": from there a page computes the limits of any hand.
+std::string weak_places_text(const std::vector<WeakPlace>& places);
 
 } // namespace forceshade

@@ -163,7 +163,23 @@ SceneLimits scene_limits(const PreparedCase& prepared) {
     return scene_limits(prepared, scene.paths.value_or(PathsSpec{}).rate, most_press(scene));
 }
 
-std::vector<WeakPlace> weak_places(const PreparedCase& prepared) {
+std::vector<WeakPlace> weak_places(const std::string& name, const std::vector<LeastLimit>& limits) {
+    std::vector<WeakPlace> weak;
+    const auto add = [&](const RestPlace& place, const Hold& hold, bool usual) {
+        if (std::ranges::none_of(
+                weak, [&](const WeakPlace& one) { return one.place.at == place.at && one.hold.along == hold.along; }))
+            weak.push_back({name, place, hold, usual});
+    };
+    for (const LeastLimit& one : limits) {
+        if (one.limit)
+            add(one.place, one.hold, true);
+        if (one.any_press)
+            add(one.any_press->place, one.any_press->hold, false);
+    }
+    return weak;
+}
+
+std::vector<WeakPlace> weak_places(const std::string& name, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
     if (!(damping_of(scene.hand) > 0 && scene.force.stiffness > 0))
         return {};
@@ -171,23 +187,10 @@ std::vector<WeakPlace> weak_places(const PreparedCase& prepared) {
     const Touched found = touched(prepared, rate, most_press(scene), scene.force.stiffness);
     std::vector<LoopCell> cells;
     for (const double grip : {1.0, 10.0, 0.1}) {
-        HandSpec hand = coupled(scene.hand, 0, 0);
-        hand.grip_stiffness *= grip;
-        cells.push_back({hand, rate, 1});
+        cells.push_back({coupled(scene.hand, 0, 0), rate, 1});
+        cells.back().hand.grip_stiffness *= grip;
     }
-    std::vector<WeakPlace> weak;
-    const auto add = [&](const RestPlace& place, const Hold& hold, bool usual) {
-        if (std::ranges::none_of(
-                weak, [&](const WeakPlace& one) { return one.place.at == place.at && one.hold.along == hold.along; }))
-            weak.push_back({place, hold, usual});
-    };
-    for (const LeastLimit& one : least_limits(found.surface, found.places, cells, true)) {
-        if (one.limit)
-            add(one.place, one.hold, true);
-        if (one.any_press)
-            add(one.any_press->place, one.any_press->hold, false);
-    }
-    return weak;
+    return weak_places(name, least_limits(found.surface, found.places, cells, true));
 }
 
 std::string SceneLimits::text() const {

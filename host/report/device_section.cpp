@@ -29,8 +29,9 @@ Json weak_places_data(std::span<const NamedScene> scenes) {
         if (stated && std::exchange(known[stated->scene.force.shading != Shading::none], true))
             continue;
         try {
-            const Json places =
-                Json::parse(weak_places.empty() ? weak_places_text(name, preparation.prepare(*stated)) : weak_places);
+            const Json places = Json::parse(
+                weak_places.empty() ? weak_places_text(forceshade::weak_places(name, preparation.prepare(*stated)))
+                                    : weak_places);
             for (const Json& place : places)
                 all.push_back(place);
             all = all.is_null() ? Json::array() : all;

@@ -101,6 +101,8 @@ std::string study_section(const std::filesystem::path& root, const StudyPart& pa
 
 /// Of the studies' own surfaces: what each scheme costs and gives, in one table; empty without error-time.
 std::string verdict_section(const Contents& contents);
+/// HTML: the studies' surfaces.
+std::string surfaces_drawing();
 
 /// Cases of a sweep: errors, times, what was left out, files.
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep);

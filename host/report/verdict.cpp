@@ -1,8 +1,6 @@
-// Which shading to take: the studies' numbers of each, side by side, under a drawing of what the studies press: a bump
-// of facets, cut across, and the forces on it, unshaded and shaded.
+// Which shading to take: the studies' numbers of each, side by side.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -28,6 +26,7 @@ struct Scheme {
     const char* energy_name;
 };
 constexpr double kElements = 8;
+constexpr double kDeep = 2e-3; // m: where the largest stable forces are
 constexpr Scheme kSchemes[] = {
     {"bump, unshaded", "people should perceive its edges", "bump", "none", "bump of 8 facets", "unshaded"},
     {"bump, reference", "it stands for a cylinder", "bump", "reference", "shaded bump of 8 facets", "shaded"},
@@ -146,7 +145,7 @@ constexpr Heading kHeadings[] = {{"error of the direction", "deg RMS (of draws)"
                                  {"only the smooth shape or the facets have a force", "% of the places"},
                                  {"error of the force, size and direction", "RMS, % of the RMS force"},
                                  {"time of an evaluation", "times unshaded [95 % interval]"},
-                                 {"largest stable force K·d", "N, 2 mm deep (of tessellations)"},
+                                 {"largest stable force K·d", "N, 2 mm deep (of tessellations); 1 N is K = 500 N/m"},
                                  {"energy that a closed stroke gives the hand", "mJ, median"}};
 
 std::string verdict_rows(const StudyData& errors, const StudyData* stability, const StudyData* energy) {
@@ -202,7 +201,7 @@ std::string more_elements(const Table& ways, const Table& rounds, const char* su
                               fmt::format(fmt::runtime(of), kElements));
 }
 
-// What shading takes from the largest stable force: "from 7.9 to 2.3 N on the bump, ...".
+// What shading takes from the largest stable force: "from 7.9 to 2.3 N on the bump (K from 3950 to 1150 N/m), ...".
 std::string fall_of_stable_force(const StudyData& stability) {
     std::string text;
     for (const auto& [plain, shaded, surface] :
@@ -210,8 +209,9 @@ std::string fall_of_stable_force(const StudyData& stability) {
         if (const std::vector<double> before = stable_forces(stability, plain->pressed),
             after = stable_forces(stability, shaded->pressed);
             !before.empty() && !after.empty())
-            text += fmt::format("{}from {} to {} N on the {}", text.empty() ? "" : ", ", shown_range(before),
-                                shown_range(after), surface);
+            text += fmt::format("{}from {} to {} N on the {} (K from {:.0f} to {:.0f} N/m)", text.empty() ? "" : ", ",
+                                shown_range(before), shown_range(after), surface, before.front() / kDeep,
+                                after.front() / kDeep);
     return text;
 }
 
@@ -225,31 +225,34 @@ std::string from_to(const Table& ways, const char* share, std::size_t before, st
 std::string advice(const Table& ways, const Table& rounds, const StudyData* stability) {
     const auto plain = rows_of(ways, "mesh", "none"), shaded = rows_of(ways, "mesh", "barycentric");
     std::string html = "<p><strong>For a shape that should be perceived as round, shade it: <code>reference</code> on "
-                       "a bump, <code>barycentric</code> on a mesh of triangles.</strong> ";
-    html += "Shading mends the direction of the force, not its size, which stays that of the facets; only "
-            "<code>two_pass</code> changes it: it grows by 1/cos of the angle turned, without a bound.";
-    if (plain.contains(kElements) && shaded.contains(kElements)) {
-        const auto change = [&](const char* column) {
-            return from_to(ways, column, plain.at(kElements), shaded.at(kElements));
-        };
-        html += fmt::format(" On the mesh below the error of the direction goes from {} to {} deg. Where both it and "
-                            "the smooth shape have a force, the error of the size {} of the force there in the median "
-                            "and {} in the 95th percentile; the share of the places where only one has a force {}.",
-                            shown(ways.needed(plain.at(kElements), "direction_rms_deg")),
-                            shown(ways.needed(shaded.at(kElements), "direction_rms_deg")), change("size_median_1"),
-                            change("size_p95_1"), change("one_sided"));
-    }
+                       "a bump, <code>barycentric</code> on a mesh of triangles.</strong></p>\n<ul>\n";
+    const auto add = [&](const std::string& item) { html += "<li>" + item + "</li>\n"; };
+    const bool known = plain.contains(kElements) && shaded.contains(kElements);
+    const auto change = [&](const char* column) {
+        return from_to(ways, column, plain.at(kElements), shaded.at(kElements));
+    };
+    add("Shading mends the direction of the force" +
+        (known ? fmt::format(": on the mesh below its error falls from {} to {} deg.",
+                             shown(ways.needed(plain.at(kElements), "direction_rms_deg")),
+                             shown(ways.needed(shaded.at(kElements), "direction_rms_deg")))
+               : "."));
+    add("It does not mend its size, which stays that of the facets" +
+        (known ? fmt::format(": there the error {} of the force in the median and {} in the 95th percentile, and the "
+                             "share of the places where only the mesh or the smooth shape has a force {}",
+                             change("size_median_1"), change("size_p95_1"), change("one_sided"))
+               : "") +
+        ". Only <code>two_pass</code> changes it: it grows by 1/cos of the angle turned, without a bound.");
     if (const std::string forces = stability ? fall_of_stable_force(*stability) : ""; !forces.empty())
-        html += " <strong>Its price is stability:</strong> 2 mm deep the largest stable force falls " + forces + ".";
+        add("<strong>Its price is stability:</strong> 2 mm deep the largest stable force falls " + forces + ".");
     std::string finer;
     for (const std::string& one : {more_elements(ways, rounds, "bump", "reference", "{} facets"),
                                    more_elements(ways, rounds, "mesh", "barycentric", "{0} x {0} cells")})
         if (!one.empty())
             finer += (finer.empty() ? "" : "; ") + one;
     if (!finer.empty())
-        html += " <strong>If the number of facets is yours to choose, more of them mend direction and size:</strong> " +
-                finer + ".";
-    return html + "</p>\n";
+        add("<strong>If the number of facets is yours to choose, more of them mend direction and size:</strong> " +
+            finer + ".");
+    return html + "</ul>\n";
 }
 
 // The findings of stability that decide whether a device can play it.
@@ -263,113 +266,12 @@ std::string on_a_device(const StudyData& stability) {
             }
     if (html.empty())
         return "";
-    return fmt::format(
-        "<h3>Is it stable on a device?</h3>\n<ul>\n{}</ul>\n<p class=\"note\">With the {}. Another hand: <a "
-        "href=\"#device\">my device</a>; a scene of your own: <code>forceshade study stability SCENE</code>.</p>\n",
-        html, escaped(hand));
-}
-
-constexpr double kHalf = 12.7, kRadius = 15.24; /* mm: of the studies' bump */
-constexpr int kFacets = 8;
-constexpr double kScale = 10, kBorder = 4; /* px/mm, mm */
-constexpr double kArrow = 30, kHead = 5;   /* px */
-constexpr double kGround = 108, kHeight = 118, kWidth = 2 * (kHalf + kBorder) * kScale;
-
-struct Place {
-    double x, y; // px
-};
-
-double arc_height(double x) {
-    const double deep = std::sqrt(kRadius * kRadius - kHalf * kHalf);
-    return std::abs(x) < kHalf ? std::sqrt(kRadius * kRadius - x * x) - deep : 0;
-}
-double vertex(int i) {
-    const double half = std::asin(kHalf / kRadius); // by equal arcs
-    return kRadius * std::sin(half * (2.0 * i / kFacets - 1));
-}
-Place place_at(double x, double z) {
-    return {(x + kHalf + kBorder) * kScale, kGround - z * kScale};
-}
-
-std::string line_to(const char* command, Place place) {
-    return fmt::format("{}{:.1f},{:.1f}", command, place.x, place.y);
-}
-
-// From the surface outwards; `x` and `z` of a unit vector.
-std::string arrow(Place from, double x, double z) {
-    const Place tip{from.x + kArrow * x, from.y - kArrow * z};
-    const auto barb = [&](double side) {
-        return Place{tip.x - kHead * (x + 0.6 * side * z), tip.y + kHead * (z - 0.6 * side * x)};
-    };
-    return line_to("M", from) + line_to("L", tip) + line_to("M", barb(1)) + line_to("L", tip) + line_to("L", barb(-1));
-}
-
-std::string figure_of(double height, const std::string& paths, const std::string& words) {
-    // Readers of HTML know the attribute by its small letters, too.
-    return fmt::format("<figure class=\"surface\"><svg viewbox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">{}</svg>"
-                       "<figcaption>{}</figcaption></figure>\n",
-                       kWidth, height, words, paths, words);
-}
-
-// `direction`: of the force at x on the facet from `left` to `right`, x over z.
-using Direction = std::function<double(double x, double left, double right)>;
-
-std::string panel(const std::string& words, const Direction& direction) {
-    std::string facets = line_to("M", place_at(-kHalf - kBorder, 0)), smooth, forces;
-    for (int i = 0; i <= kFacets; ++i)
-        facets += line_to("L", place_at(vertex(i), arc_height(vertex(i))));
-    facets += line_to("L", place_at(kHalf + kBorder, 0));
-    for (int i = 0; i <= 40; ++i) {
-        const double x = kHalf * (i / 20.0 - 1);
-        smooth += line_to(i == 0 ? "M" : "L", place_at(x, arc_height(x)));
-    }
-    for (int i = 0; i < kFacets; ++i)
-        for (const double share : {0.2, 0.8}) {
-            const double left = vertex(i), right = vertex(i + 1), x = left + share * (right - left);
-            const double z = arc_height(left) + share * (arc_height(right) - arc_height(left));
-            const double tilt = direction(x, left, right), size = std::hypot(1, tilt);
-            forces += arrow(place_at(x, z), tilt / size, 1 / size);
-        }
-    return figure_of(kHeight,
-                     fmt::format("<path class=\"smooth\" d=\"{}\"></path><path class=\"facets\" d=\"{}\"></path><path "
-                                 "class=\"forces\" d=\"{}\"></path>",
-                                 smooth, facets, forces),
-                     words);
-}
-
-// The mesh from in front and above, its far rows shifted to the right.
-std::string mesh_panel() {
-    constexpr double kShift = 0.12, kRise = 0.4; // mm for a mm of y
-    constexpr double kTall = 186;                // px
-    const auto corner = [](int i, int j) {
-        const double y = kHalf * (2.0 * j / kFacets - 1); // mm
-        const Place there = place_at(vertex(i) + kShift * y, arc_height(vertex(i)) + kRise * y);
-        return Place{there.x, there.y + kRise * kHalf * kScale / 2};
-    };
-    std::string lines;
-    for (int i = 0; i <= kFacets; ++i)
-        for (int j = 0; j <= kFacets; ++j) {
-            const auto line = [&](int to_i, int to_j) {
-                if (to_i <= kFacets && to_j <= kFacets)
-                    lines += line_to("M", corner(i, j)) + line_to("L", corner(to_i, to_j));
-            };
-            line(i + 1, j);
-            line(i, j + 1);
-            line(i + 1, j + 1);
-        }
-    return figure_of(kTall, fmt::format("<path class=\"cells\" d=\"{}\"></path>", lines),
-                     "the mesh: triangles between the same arcs");
-}
-
-std::string surfaces_drawing() {
-    return "<div class=\"surfaces\">\n" +
-           panel("unshaded: the force jumps from facet to facet",
-                 [](double, double left, double right) {
-                     return (arc_height(left) - arc_height(right)) / (right - left);
-                 }) +
-           panel("shaded: turned to the smooth shape (dashed)",
-                 [](double x, double, double) { return x / std::sqrt(kRadius * kRadius - x * x); }) +
-           mesh_panel() + "</div>\n";
+    return fmt::format("<h3>Is it stable on a device?</h3>\n<ul>\n{}</ul>\n<p class=\"note\">With the {}; its damping "
+                       "is {:.3g} N s/m of "
+                       "the device and {:.3g} of the grip. Another hand, on each surface: <a href=\"#device\">my "
+                       "device</a>; a scene of "
+                       "your own: <code>forceshade study stability SCENE</code>.</p>\n",
+                       html, escaped(hand), HandSpec{}.damping, HandSpec{}.grip_damping);
 }
 
 } // namespace
@@ -394,18 +296,25 @@ std::string verdict_section(const Contents& contents) {
     return "<section id=\"verdict\">\n<h2>Which shading?</h2>\n" + text + surfaces_drawing() +
            "<table>\n<thead><tr><th scope=\"col\">shading</th><th scope=\"col\">take it if</th>" + headings +
            "</tr></thead>\n<tbody>\n" + rows +
-           "</tbody>\n</table>\n<p class=\"note\">All of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 N/m: "
-           "of 8 facets, and as a mesh of 8 x 8 cells. Errors are against the smooth cylinder, 0.02 to 2 mm under it: "
-           "of the bump with 2 mm of the plane on either side, whose normal is the one above the probe, as shading "
-           "takes it; of the mesh for |x| &lt; 9 mm, whose normal is the nearest. In round brackets stand the least "
-           "and the largest of draws of places, grids and meshes. Facets lie below it, so that a light touch misses "
-           "them: the errors of direction and size leave such places out, in the last error the whole force is missing "
-           "there. Times are of single evaluations, on the mesh of a god-object's updates; a ratio that may be 1 is "
-           "given as its interval alone. A force is stable if small "
-           "displacements die out, with the hand below, pressing in any direction that the surface supports with a "
-           "fifth of its force and of a wall's stiffness, beyond which it may fall to 0, at every place 2 mm deep "
-           "where the direction does not jump. Energies are of the static force, also on the mesh, along strokes out "
-           "and back at another depth.</p>\n" +
+           "</tbody>\n</table>\n<details class=\"note\"><summary>What these numbers are of</summary>\n<ul>\n"
+           "<li>All are of the paper's bump, R = 15.24 mm and W = 25.4 mm, K = 1000 N/m: of 8 facets, and as a mesh of "
+           "8 "
+           "x 8 cells.</li>\n"
+           "<li>Errors are against the smooth cylinder, 0.02 to 2 mm under it: of the bump with 2 mm of the plane on "
+           "either side, whose normal is the one above the probe, as shading takes it; of the mesh for |x| &lt; 9 mm, "
+           "whose normal is the nearest.</li>\n"
+           "<li>Facets lie below the cylinder, so that a light touch misses them. The errors of direction and size "
+           "leave "
+           "such places out; in the last error the whole force is missing there.</li>\n"
+           "<li>Times are of single evaluations, on the mesh of a god-object's updates.</li>\n"
+           "<li>A force is stable if small displacements die out, with the hand below, at every place 2 mm deep where "
+           "the direction does not jump. The hand presses in any direction that the surface supports with a fifth of "
+           "its "
+           "force and of a wall's stiffness; further aside the limit may fall to 0.</li>\n"
+           "<li>Energies are of the static force, also on the mesh, along strokes out and back at another depth.</li>\n"
+           "<li>(a to b): the least and the largest of draws of places, grids and meshes. [a, b]: a 95 % interval, "
+           "alone "
+           "where the ratio may be 1.</li>\n</ul></details>\n" +
            device + "</section>\n";
 }
 

@@ -100,7 +100,7 @@ std::string ratio_text(const Interval& ratio) {
 
 std::string times_text(const Interval& measured) {
     const Interval ratio = across_reruns(measured);
-    return takes_other_time(ratio) ? ratio_text(ratio) : fmt::format("{:.2f} to {:.2f}", ratio.low, ratio.high);
+    return takes_other_time(ratio) ? ratio_text(ratio) : fmt::format("[{:.2f}, {:.2f}]", ratio.low, ratio.high);
 }
 
 std::string times_as_long(const Interval& measured, const char* other) {

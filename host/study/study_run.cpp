@@ -197,7 +197,7 @@ StudyData StudyRun::data() const {
     data.seconds = seconds_since(start_);
     data.scene = scene_text_;
     try {
-        data.weak_places = scene_ ? weak_places_text("the scene of study " + study_, *scene_) : "";
+        data.weak_places = scene_ ? weak_places_text(weak_places("the scene of study " + study_, *scene_)) : "";
     } catch (const UsageError&) { // a scene without contact
     }
     if (!std::isnan(load_))

@@ -59,10 +59,10 @@ TEST(StudyFiles, WhatIsNoNumberIsNothing) {
 // A cell is drawn in its panel.
 TEST(Ratios, SayNoMoreThanTheirIntervals) {
     EXPECT_EQ(times_as_long({1.2, 1.3, 1.4}, "b"), "takes 1.30 [1.09, 1.54] times as long as b");
-    EXPECT_EQ(times_as_long({0.97, 1.01, 1.05}, "b"), "takes 0.88 to 1.16 times as long as b");
-    EXPECT_EQ(times_as_long({1.05, 1.10, 1.20}, "b"), "takes 0.95 to 1.32 times as long as b")
+    EXPECT_EQ(times_as_long({0.97, 1.01, 1.05}, "b"), "takes [0.88, 1.16] times as long as b");
+    EXPECT_EQ(times_as_long({1.05, 1.10, 1.20}, "b"), "takes [0.95, 1.32] times as long as b")
         << "another run may not see that";
-    EXPECT_EQ(times_as_long({1.12, 1.15, 1.20}, "b"), "takes 1.02 to 1.32 times as long as b") << "nor that";
+    EXPECT_EQ(times_as_long({1.12, 1.15, 1.20}, "b"), "takes [1.02, 1.32] times as long as b") << "nor that";
 }
 
 TEST(Ratios, AreWrittenSoThatTheirEndsDifferFromOne) {

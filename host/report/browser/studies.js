@@ -220,8 +220,9 @@ class Device {
     }
     this.verdict = this.element.append("p").attr("id", "device-verdict").attr("role", "status");
     this.table = this.element.append("div").attr("class", "readout").append("table").attr("id", "device-limits");
-    this.table.append("thead").append("tr").selectAll("th").data(["limit of K", "N/m", "K is of it"]).enter().append("th").attr("scope", "col")
-      .classed("n", (_, i) => i > 0).text((word) => word);
+    this.table.append("thead").append("tr").selectAll("th")
+      .data(["stable below", "held as usual, N/m", "pressed anyhow, N/m", "K is of the lower", "where it gives way"]).enter().append("th")
+      .attr("scope", "col").classed("n", (_, i) => i > 0 && i < 4).text((word) => word);
     this.table.append("tbody");
     this.element.append("p").attr("class", "note").attr("id", "device-note");
     this.draw();
@@ -236,33 +237,36 @@ class Device {
   draw() {
     const { mass, damping, grip, spring, period, delay, radius, slope, depth, stiffness } = this.values, b = damping + grip;
     const late = (samples) => samples === 0 ? "at once" : samples === 1 ? "one sample late" : samples + " samples late";
-    const rows = [...new Set([0, 1, delay])].map((samples) => ["a wall comes to rest below; force " + late(samples), criticalStiffness(mass, b, period, samples)]);
     const passive = passiveStiffness(damping, period, delay), critical = criticalStiffness(mass, b, period, delay);
-    const held = this.scene ? Infinity : heldStiffness(spring, radius, slope, depth);
-    const most = 8 * passiveStiffness(b, period, delay), where = (one) => one.place + ", " + numberText(1e3 * one.depth_m, 2) + " mm deep, " + (one.usual ? "held " : "pressed ") + one.held;
-    let surface = null;
-    for (const name of new Set(this.weak.map((one) => one.case))) {
-      const places = this.weak.filter((one) => one.case === name), usual = weakest(this.values, places.filter((one) => one.usual), most);
-      const turned = usual && weakest(this.values, places, usual.limit);
-      if (usual)
-        rows.push(["on " + name + " it comes to rest below; " + where(usual), usual.limit]);
-      if (turned && turned.limit < 0.99 * usual.limit)
-        rows.push(["on " + name + ", pressed in any direction, below; " + where(turned), turned.limit]);
-      const least = turned && turned.limit < 0.99 * usual.limit ? turned : usual;
-      surface = least && (!surface || least.limit < surface.limit) ? least : surface;
-    }
-    if (!this.scene)
-      rows.push(["the grip's spring holds a probe on that shaded cylinder below", held]);
-    rows.push(["a wall is passive with any hand below (the device's own damping alone); force " + late(delay), passive]);
-    const cells = this.table.select("tbody").selectAll("tr").data(rows).join("tr").selectAll("td")
-      .data(([words, limit]) => [words, numberText(limit, 4), numberText(100 * stiffness / limit, 3) + " %"]).join("td");
-    cells.classed("n", (_, i) => i > 0).text((text) => text);
-    this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
-      : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive (below " + numberText(passive, 4) + " N/m) and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m. " + (surface
-        ? "On " + surface.case + ", " + (surface.usual ? "held " : "pressed ") + surface.held + ", it " + (stiffness < surface.limit ? "comes to rest: below " : "does not: it does so below ") + numberText(surface.limit, 4) + " N/m."
+    const cylinder = this.scene ? Infinity : heldStiffness(spring, radius, slope, depth), most = 8 * passiveStiffness(b, period, delay);
+    const surfaces = [...new Set(this.weak.map((one) => one.surface))].map((name) => {
+      const places = this.weak.filter((one) => one.surface === name), usual = weakest(this.values, places.filter((one) => one.usual), most);
+      const pressed = usual && weakest(this.values, places, 0.99 * usual.limit);
+      return { name, usual, pressed, least: pressed || usual };
+    });
+    const where = (one) => one.place + ", " + numberText(1e3 * one.depth_m, 2) + " mm deep, " + (one.usual ? "held " : "pressed ") + one.held;
+    const row = (words, usual, pressed, place) =>
+      [words, numberText(usual, 4), pressed ? numberText(pressed, 4) : "", numberText(100 * stiffness / (pressed || usual), 3) + " %", place];
+    const rows = [...[...new Set([0, 1, delay])].map((samples) => row("a wall; force " + late(samples), criticalStiffness(mass, b, period, samples), 0, "")),
+      row("a wall, whatever holds the device (passive); force " + late(delay), passive, 0, ""),
+      ...(this.scene ? [] : [row("a shaded cylinder of that radius, slope and depth", cylinder, 0, "the grip's spring gives way")]),
+      ...surfaces.map(({ name, usual, pressed, least }) =>
+        usual ? row(name, usual.limit, pressed && pressed.limit, where(least)) : [name, "none found", "", "", ""])];
+    const cells = this.table.select("tbody").selectAll("tr").data(rows).join("tr").selectAll("td").data((one) => one).join("td");
+    cells.classed("n", (_, i) => i > 0 && i < 4).text((text) => text);
+    const limit = (one) => (one.usual ? "held " : "pressed ") + one.held + ", it is stable below " + numberText(one.limit, 4) + " N/m, which is "
+      + numberText(one.limit * one.depth_m, 2) + " N " + numberText(1e3 * one.depth_m, 2) + " mm deep";
+    const limited = surfaces.filter((one) => one.least), unstable = limited.filter((one) => stiffness >= one.least.limit);
+    const worst = limited.reduce((low, one) => low && low.least.limit <= one.least.limit ? low : one, null);
+    this.verdict.text(numberText(stiffness, 3) + " N/m on a wall is " + (stiffness >= critical ? "unstable: it is stable below "
+      : stiffness > passive ? "stable, though not with any hand (passive, below " + numberText(passive, 4) + " N/m): this one is below "
+        : "stable with any hand (passive, below " + numberText(passive, 4) + " N/m), with this one below ") + numberText(critical, 4) + " N/m. " + (worst
+        ? (surfaces.length === 1 ? (unstable.length ? "Unstable" : "Stable") + " on " + worst.name
+          : (unstable.length ? "Unstable on " + unstable.length : "Stable on all") + " of " + surfaces.length + " surfaces; the lowest limit is that on " + worst.name)
+          + ": " + limit(worst.least) + "."
         : this.unknown ? "The limits of the scene's surface are not here: its file was not found when this page was made. forceshade study stability SCENE has them."
           : this.scene ? "On the scene's surface no lower limit was found."
-          : "On the shaded cylinder the grip " + (stiffness < held ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(held, 4) + " N/m."));
+          : "On the shaded cylinder the grip " + (stiffness < cylinder ? "holds the probe up to " : "does not hold the probe: it does so up to ") + numberText(cylinder, 4) + " N/m."));
     this.mark();
   }
 
@@ -281,7 +285,7 @@ class Device {
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
     d3.select("#device-note").text("Wall: a mass with damping on a plane, its force held from sample to sample; the grip adds its damping. " + (this.weak.length
-      ? "On a surface: the linearised loop at the places where it gives way first, away from jumps of the direction, for the sliders' hand; of several scenes the first with shading and the first without. " : "") + (this.scene
+      ? "On a surface: the linearised loop at the places where it gives way first, away from jumps of the direction, for the sliders' hand" + (this.scene ? "; of several scenes the first with shading and the first without. " : ". Pressed: in any direction that the surface supports, not only straight down or against its force. ") : "") + (this.scene
       ? "The sliders begin with the scene's hand."
       : "Shaded cylinder: the force turns as the probe slips aside, and the grip's spring alone pulls it back; damping and rate do not matter. The sliders begin with the default hand, at the rim of the paper's bump.") +
       (maps ? ` A cross marks it on ${maps > 1 ? marked + " of " + maps + " diagrams" : marked ? "the diagram" : "no diagram"} over stiffness and damping, drawn for a mass and a rate that may be others.` : ""));

@@ -105,6 +105,12 @@ void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopR
             }
         }
     append(results.presses, limits_by_press(surface, results.limits));
+    std::vector<LeastLimit> by_grip = results.limits; // with other grips, too
+    std::erase_if(by_grip, [&](const LeastLimit& one) {
+        return one.cell.rate != surface.rate || damping_of(one.cell.hand) != damping_of(surface.hand) ||
+               one.cell.hand.delay_samples != surface.hand.delay_samples;
+    });
+    append(results.weak, weak_places("the " + surface.name, by_grip));
     if (surface.is_mesh())
         append(results.by_edges, limits_by_edges(surface, places, settings.front()));
     if (surface.is_mesh() && surface.stiffness == 0) // not the user's
@@ -226,6 +232,7 @@ StudyData study_stability(StudyRun& run) {
                              append(loops.couplings, std::move(own.couplings));
                              append(loops.profile, std::move(own.profile));
                              append(loops.presses, std::move(own.presses));
+                             append(loops.weak, std::move(own.weak));
                          }
                          add_maps(run.engine(), quick, loops);
                      }});
@@ -235,8 +242,7 @@ StudyData study_stability(StudyRun& run) {
     add_loops(data, loops);
     data.findings = loop_findings(loops);
     if (!run.scene()) {
-        const auto bump = std::ranges::find(loops.surfaces, "shaded bump of 2 facets", &LoopSurface::name);
-        data.weak_places = weak_places_text("the " + bump->name, bump->prepared);
+        data.weak_places = weak_places_text(loops.weak);
         add_numbers(data, joined(by_number));
     }
     add_worst_rounding(data, joined(by_law), !run.scene());

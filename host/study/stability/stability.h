@@ -217,6 +217,7 @@ struct LoopResults {
     std::string diagram_kind; /* of the place of the diagram over damping */
     std::vector<ProfilePoint> profile;
     std::vector<PressLimit> presses;
+    std::vector<WeakPlace> weak; /* of the study's own surfaces */
 };
 
 /// A limit, or a kick, by the linearised loop or a closed form, and stepped.
