@@ -80,7 +80,8 @@ TEST_F(Paths, OfMetricsAloneTakeNoMemoryForSteps) {
     expect_success(explore("open.toml", "a.exr"));
     const std::string table = read_text(path("a.paths.csv"));
     std::filesystem::remove(path("a.exr"));
-    expect_success(explore("open.toml", "a.exr", {"--metrics-only"}));
+    EXPECT_TRUE(
+        says(expect_success(explore("open.toml", "a.exr", {"--metrics-only"})).error, "; every sample: metrics"));
     EXPECT_EQ(read_text(path("a.paths.csv")), table);
     EXPECT_FALSE(std::filesystem::exists(path("a.exr")));
     write("few.toml", scene("count = 50\nsteps = 1000\n"));
@@ -88,6 +89,12 @@ TEST_F(Paths, OfMetricsAloneTakeNoMemoryForSteps) {
     const std::uint64_t few = expect_success(explore("few.toml", "a.exr", {"--metrics-only"})).peak_memory;
     EXPECT_LT(expect_success(explore("many.toml", "a.exr", {"--metrics-only"})).peak_memory, few + 4 * kMebibyte);
     expect_failure(2, explore("open.toml", "a.exr", {"--metrics-only", "--also", "npy"}), {"--metrics-only"});
+}
+
+TEST_F(Paths, LeaveOutWhatNoFileHolds) {
+    EXPECT_TRUE(says(expect_success(explore("open.toml", "a.exr")).error, "channels depth, facet, proxy (5 numbers"));
+    EXPECT_TRUE(
+        says(expect_success(explore("open.toml", "b.exr", {"--also", "vtp"})).error, "channels proxy (3 numbers"));
 }
 
 TEST_F(Paths, LeaveNothingWhereTheyCannotBeWritten) {
