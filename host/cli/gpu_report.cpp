@@ -27,28 +27,37 @@ namespace {
 // A law of the report: a field, or paths.
 struct Law {
     std::string name;
-    const StudiedSurface* surface;
+    StudiedSurface surface;
     const char* paths = nullptr; /* of a scene */
 };
 
 constexpr const char* kOpen = "[paths]\ncount = 200\nsteps = 500\n";
 constexpr const char* kClosed = "[paths]\nloop = \"closed\"\ncount = 200\nsteps = 500\n";
 
-const std::vector<Law> kLaws = [] {
+std::vector<Law> all_laws() {
     std::vector<Law> laws;
     for (const StudiedSurface& one : studied_surfaces(kDevices))
-        laws.push_back({one.name, &one});
+        laws.push_back({one.name, one});
     for (const auto& [surface, loop, paths] : {std::tuple("shaded bump of 8 facets", "open", kOpen),
                                                {"shaded bump of 8 facets", "closed", kClosed},
                                                {"shaded mesh", "closed", kClosed}})
-        laws.push_back({fmt::format("paths on the {}, {} loop", surface, loop), &studied_surface(surface), paths});
+        laws.push_back({fmt::format("paths on the {}, {} loop", surface, loop), studied_surface(surface), paths});
     return laws;
-}();
-const Law& kOnAllAtOnce = *std::ranges::find(kLaws, "shaded bump of 8 facets", &Law::name);
+}
+
+const std::vector<Law>& laws() {
+    static const std::vector<Law> all = all_laws();
+    return all;
+}
+
+// Of the run on all devices at once.
+const Law& law_of_all() {
+    return *std::ranges::find(laws(), "shaded bump of 8 facets", &Law::name);
+}
 
 // `side`: samples along x and z, and half of it along y.
 PreparedCase case_of(const Law& law, std::uint64_t side) {
-    PreparedCase prepared = own_case(law.surface->own);
+    PreparedCase prepared = own_case(law.surface.own);
     Scene& scene = prepared.one.scene;
     prepared.one.name = law.name;
     scene.field = law.paths == nullptr;
@@ -56,7 +65,7 @@ PreparedCase case_of(const Law& law, std::uint64_t side) {
         scene.paths = parse_scene(law.paths, law.name).scene.paths;
         scene.output.channels = layout::kChannelForce;
     } else {
-        scene.grid = grid_over(law.surface->box, {side, side / 2, side});
+        scene.grid = grid_over(law.surface.box, {side, side / 2, side});
     }
     return prepared;
 }
@@ -162,7 +171,7 @@ DeviceRows examine(const compute::DeviceReport& device, const std::vector<Precis
             row.first_difference = error.what();
         }
     };
-    for (const Law& law : kLaws)
+    for (const Law& law : laws())
         for (const Precision precision : precisions) {
             Row& row = found.rows.emplace_back(Row{&law, precision});
             stage.update(found.rows.size() - 1, law.name);
@@ -183,7 +192,7 @@ double rate_of_all(const std::vector<DeviceRows>& devices, const EngineOptions& 
         own.gpu = std::to_string(one.device.index);
         engines.push_back(make_engine(own));
     }
-    std::vector<Row> rows(devices.size(), {&kOnAllAtOnce, Precision::f32});
+    std::vector<Row> rows(devices.size(), {&law_of_all(), Precision::f32});
     const auto run_all = [&] {
         std::vector<std::future<void>> done; // each waits for its thread
         for (std::size_t i = 0; i < engines.size(); ++i)
@@ -302,7 +311,7 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
     std::string failures; // of whole devices
     for (const compute::DeviceReport& device : usable) {
         const std::vector<Precision> tried = precisions_of(common, device.f64);
-        Stage stage(device.name, std::size(kLaws) * tried.size(), "laws");
+        Stage stage(device.name, laws().size() * tried.size(), "laws");
         try {
             found.push_back(examine(device, tried, options, stage));
         } catch (const compute::DeviceError& error) {
@@ -325,7 +334,7 @@ bool write_gpu_report(const std::filesystem::path& folder, const CommonOptions& 
             passed = passed && row.passed;
     }
     if (found.size() > 1) {
-        text += fmt::format("All {} devices at once, {}: ", found.size(), kOnAllAtOnce.name);
+        text += fmt::format("All {} devices at once, {}: ", found.size(), law_of_all().name);
         try {
             const double rate = rate_of_all(found, options);
             text += fmt::format("{:.3g} million samples/s.\n", 1e-6 * rate);

@@ -174,6 +174,14 @@ PreparedCase own_case(const OwnSurface& own, const glm::dvec3& shift) {
     return prepared;
 }
 
+std::vector<StudiedSurface> studied_surfaces(Examined what) {
+    std::vector<StudiedSurface> some;
+    for (const StudiedSurface& one : kStudiedSurfaces)
+        if (one.examined & what)
+            some.push_back(one);
+    return some;
+}
+
 GridSpec grid_over(const TouchedBox& box, const std::array<std::uint64_t, 3>& size) {
     GridSpec grid;
     grid.size = size;

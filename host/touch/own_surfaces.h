@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -137,9 +137,7 @@ constexpr const StudiedSurface& studied_surface(std::string_view name) {
 }
 
 /// Those of the list of which `what` is examined.
-inline auto studied_surfaces(Examined what) {
-    return kStudiedSurfaces | std::views::filter([what](const StudiedSurface& one) { return one.examined & what; });
-}
+std::vector<StudiedSurface> studied_surfaces(Examined what);
 
 /// Samples of a box, in its corners too.
 GridSpec grid_over(const TouchedBox& box, const std::array<std::uint64_t, 3>& size);

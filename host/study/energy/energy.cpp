@@ -55,7 +55,7 @@ void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<do
     }
 }
 
-// Strokes on a studied surface within its box, of a bump not beside it.
+// Strokes within the box of a studied surface, and over a bump alone.
 EnergySurface surface_over(const char* name, const char* elements, const StudiedSurface& studied) {
     const auto& [low, high] = studied.box;
     const double across = std::min(high.x, kOwnHalfWidth);
