@@ -119,7 +119,8 @@ TEST(StabilityAtlas, DependsOnItsGroupsAlone) {
 TEST(StabilityAtlas, OverDepthIsThatOfTheGripAndTheRadius) {
     std::size_t held = 0;
     double least = 1, most = 0; // d / R
-    for (const auto& [name, radius] : {std::pair("shaded bump of 2 facets", 0.01524), std::pair("height map of a bump", 0.0254)})
+    for (const auto& [name, radius] :
+         {std::pair("shaded bump of 2 facets", 0.01524), std::pair("height map of a bump", 0.0254)})
         for (const AtlasPoint& point : atlas(name).points) {
             if (point.quantity != "depth" || point.least.hold.name != "down" ||
                 point.least.place.kind == PlaceKind::flat)

@@ -43,8 +43,10 @@ TEST(NumberErrors, AreLargeWhereDigitsAreLost) {
     const auto engine = oracle();
     for (const char* bump : {"bump of 8 facets", "shaded bump of 8 facets"})
         EXPECT_GT(single_errors(*engine, number_case(bump, "depth", 1e-9)).force, 1e-2) << "a difference of heights";
-    EXPECT_GT(single_errors(*engine, number_case("height map of a sine", "origin", 1e4)).force, 1e-3) << "rounded coordinates";
-    EXPECT_LT(single_errors(*engine, number_case("shaded mesh", "origin", 1e4)).force, 1e-6) << "a mesh has its own frame";
+    EXPECT_GT(single_errors(*engine, number_case("height map of a sine", "origin", 1e4)).force, 1e-3)
+        << "rounded coordinates";
+    EXPECT_LT(single_errors(*engine, number_case("shaded mesh", "origin", 1e4)).force, 1e-6)
+        << "a mesh has its own frame";
     const PrecisionErrors stiff = single_errors(*engine, number_case("bump of 8 facets", "stiffness", 1e39));
     EXPECT_NE(stiff.refused.find("beyond single precision"), std::string::npos);
 }

@@ -193,8 +193,8 @@ TEST(LeastLimits, OfATextureAreTheGrips) {
 }
 
 TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
-    for (const char* name :
-         {"plane", "textured plane", "shaded bump of 2 facets", "height map of a bump", "shaded mesh", "morgenbesser mesh"}) {
+    for (const char* name : {"plane", "textured plane", "shaded bump of 2 facets", "height map of a bump",
+                             "shaded mesh", "morgenbesser mesh"}) {
         const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), settings_of(own(name), true));
         const LeastLimit& worst = *worst_of(limits);
         EXPECT_NEAR(simulated_limit(own(name), worst).value() / *worst.limit, 1, 2e-3) << name;
